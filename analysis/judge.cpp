@@ -58,12 +58,15 @@ void print_table(const JudgeRequest& request, const JudgeResult& result) {
     }
 }
 
-/// The rows of the work: the file's, if it has answers, then the forms asked for.
+/// The rows of the work: the file's, if it has answers, then the forms asked for. Where forms were `opened` and none is
+/// asked for, says so.
 std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, Shape shape, bool marches,
-                                          const intersect::table::Intersector* answers) {
+                                          const intersect::table::Intersector* answers, bool opened) {
     std::vector<measure::map::MapRow> rows;
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
+        if (!rows.empty() && opened)
+            fmt::print(stderr, "lostbits: the answers of the file alone are judged; forms are named with -i\n");
         if (!rows.empty()) return rows;
         throw NothingSelected(
             fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
@@ -121,7 +124,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers(stem, shape, contract);
     request.answered = dump->layout().has_answers();
-    request.rows = rows_of(o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr);
+    request.rows = rows_of(
+        o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr,
+        !common.quiet && !(common.doors.plugins.empty() && common.doors.pipes.empty() && common.doors.shaders.empty()));
 
     if (!o.against.empty()) {
         choice::hold_against(request.rows, o.against, common.quiet);

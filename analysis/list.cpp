@@ -101,6 +101,9 @@ Listing devices(const Common& common) {
         if (told.lacks.empty())
             l.rows.push_back({kind, fact("renderer"), fact("version"), fact("f32.dot"), fact("digest")});
     }
+    if (l.rows.empty() && !common.quiet)
+        fmt::print(stderr,
+                   "lostbits: no driver can run shaders here; `lostbits devices` says what each of them lacks\n");
     return l;
 }
 

@@ -61,7 +61,7 @@ void add_doors(CLI::App& program, choice::DoorWords& doors) {
                        "language; its forms stand beside the others. May be repeated");
     program.add_option(
         "--shader", doors.shaders,
-        "A file of GLSL with a function that intersects, run by this machine's driver; its form "
+        "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
         "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
     choice::add_list(program, "--device", doors.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");

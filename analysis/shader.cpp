@@ -54,7 +54,7 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
     std::vector<intersect::doors::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(named);
-        const auto device = device_named(kind);
+        const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // which alone takes HLSL
         const Arithmetic arithmetic = probe(*device);
         warn_of_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().doubles)
@@ -83,7 +83,9 @@ Exit tell_device(const std::string& kind) {
                            words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
-        text = fmt::format("missing={}\n", error.what());
+        const std::string_view what = error.what();
+        const std::string named = kind.empty() ? "" : kind + ": ";
+        text = fmt::format("missing={}\n", what.starts_with(named) ? what.substr(named.size()) : what);
         std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
     }
     text += "\n";

@@ -238,10 +238,15 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
             if (form->exists_in(format)) rows.push_back({form, format});
         }
     }
-    if (rows.empty())
+    if (rows.empty()) {
+        std::string asked;
+        for (const Format& format : formats) asked += (asked.empty() ? "" : ", ") + format.name;
+        const Intersector& one = *forms.at(0);
         throw NothingSelected(
-            "none of the selected forms exists in the selected formats; `lostbits list forms` shows the "
-            "formats of each");
+            fmt::format("none of the selected forms exists in {}; {} exists in {}: say so with -f (`lostbits list "
+                        "forms` shows the formats of each)",
+                        asked, one.info->name, formats_of(one)));
+    }
     return rows;
 }
 

@@ -1,4 +1,5 @@
 // A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -50,6 +51,31 @@ TEST_CASE("suspicion: each wrong contract is known by its answers", "[doors]") {
     CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
     CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
     CHECK(suspicion(judged([](double, double, double) { return 17.0; })).empty());  // nothing known explains it
+}
+
+TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early", "[doors]") {
+    const double nan = std::nan("");
+    // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
+    const auto asked = [&](const auto& t_of) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 500; ++i) {
+            const double side = 1 + 0.0035 * i, t = 10 - std::sqrt(9 - side * side);
+            measure::contract::Judged j{.ray = {{side, 0, -10}, {0, 0, 1}},
+                                        .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                        .truly_hits = true,
+                                        .true_t = t,
+                                        .other_measure = t,
+                                        .hit = side < 1.5};
+            j.t = t_of(t, side);
+            all.push_back(j);
+        }
+        return measure::contract::suspicion(all);
+    };
+    const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
+    CHECK(has(asked(of_half), "taken for a diameter"));
+    CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // of a form that tells no t
+    CHECK(
+        asked([](double t, double) { return t; }).empty());  // too few steps: right in the middle, a miss near the rim
 }
 
 TEST_CASE("suspicion: of every form of the catalogue nothing, from outside and from inside", "[doors]") {

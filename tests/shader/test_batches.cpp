@@ -23,7 +23,7 @@ public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
-    [[nodiscard]] std::unique_ptr<device::Program> compile(const std::string&) override {
+    [[nodiscard]] std::unique_ptr<device::Program> compile(const std::string&, device::Language) override {
         return std::make_unique<device::Program>();
     }
     void run(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
@@ -40,9 +40,12 @@ public:
         auto* const answers = reinterpret_cast<float*>(buffers[BufferPlace::answers].bytes.data());
         for (std::uint32_t i = 0; i < head.rays; ++i)
             answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + solids[head.stride * i + 3];
+        auto* const hits = reinterpret_cast<std::uint32_t*>(buffers[BufferPlace::hits].bytes.data());
+        std::fill_n(hits, loses ? head.rays - 1 : head.rays, 1U);
         ++runs;
     }
     int runs = 0;
+    bool loses = false;  ///< the last ray of each run
 
 private:
     DeviceWords words_{"echo", "Echo", "-", "1", "-"};
@@ -83,6 +86,18 @@ TEST_CASE("shader: a batch larger than the device takes is answered in parts, ea
         }
         CHECK(wrong == 0);
     }
+}
+
+TEST_CASE("shader: a ray that the device does not answer is an error, not a miss", "[shader]") {
+    const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
+    echo->loses = true;
+    const std::vector<float> rays(6 * 100), solids(4);
+    std::vector<float> near_far(2 * 100);
+    std::vector<unsigned char> hit(100);
+    const auto forms = forms_of(some_shader(), echo, false, "");
+    CHECK_THROWS_WITH(
+        forms[0].answer({100, rays.data(), nullptr, solids.data(), 0, near_far.data(), hit.data(), nullptr}),
+        "echo: the device is lost: it wrote no answer; does the shader run for long?");
 }
 
 TEST_CASE("shader: doubles are refused or left out where the device has none", "[shader]") {

@@ -46,6 +46,9 @@ TEST_CASE("shader: what does not compile is told with the user's lines on each d
 TEST_CASE("shader: without a driver the door is closed with a sentence", "[shader-device]") {
     const std::string no_gl = "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null ", no_vulkan = "VK_ICD_FILENAMES=/dev/null ";
     const std::string no_mesa = "LIBGL_DRIVERS_PATH=/nonexistent GALLIUM_DRIVER=none ";
+    // Modules that do not load, as where the libraries that they were linked with are missing.
+    const Scratch broken;
+    for (const char* module : {"lostbits_opengl.so", "lostbits_vulkan.so"}) (void)broken.write(module, "no library");
     struct Closed {
         std::string before, device, says;
     };
@@ -55,7 +58,10 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
              {no_vulkan, "--device vulkan", "vulkan: no driver answers"},
              {no_gl + no_vulkan, "", "no driver can run shaders here"},
              {no_gl + no_vulkan, "--device all", "no driver can run shaders here"},
-             {"PATH=/nonexistent ", "--device vulkan", "glslangValidator is missing"}}) {
+             {"PATH=/nonexistent ", "--device vulkan", "glslangValidator is missing"},
+             {"LOSTBITS_DEVICE_MODULES=" + broken.path().string() + " ", "--device opengl",
+              "install its libraries (Debian: libegl1 libopengl0)"},
+             {"LOSTBITS_DEVICE_MODULES=" + broken.path().string() + " ", "", "no driver can run shaders here"}}) {
         const Scratch folder;
         const Outcome o = map_by(folder, examples + "sphere.glsl", c.device, c.before);
         INFO(c.before << c.device << ": " << o.err);
@@ -64,7 +70,12 @@ TEST_CASE("shader: without a driver the door is closed with a sentence", "[shade
         CHECK(folder.files().empty());
     }
     const Scratch folder;
-    CHECK(run("devices", folder.path(), no_gl + no_vulkan).code == 3);
+    const Outcome devices = run("devices", folder.path(), no_gl + no_vulkan);
+    CHECK(devices.code == 3);
+    CHECK(has(devices.out, "opengl\n  not here: no driver with OpenGL 4.3 answers"));
+    const Outcome list = run("list devices", folder.path(), no_gl + no_vulkan);
+    CHECK(list.code == 0);
+    CHECK(has(list.err, "no driver can run shaders here; `lostbits devices` says"));
     // All but shaders works.
     CHECK(run("map near-benign --size 16x12 -i sphere.press -f f32 -o out", folder.path(), no_gl + no_vulkan).code ==
           0);
@@ -90,6 +101,31 @@ TEST_CASE("shader: one that runs for ever is ended and named", "[shader-device]"
     CHECK(has(o.err, "slow.glsl"));
     CHECK(has(o.err, "within the time limit"));
     CHECK(folder.files() == std::vector<std::string>{"slow.glsl"});
+}
+
+TEST_CASE("shader: a device that is lost ends the run with a line, and nothing is half-written", "[shader-device]") {
+    for (const std::string device : {"opengl", "vulkan"}) {
+        for (const std::string silently : {"", "SILENTLY=1 "}) {
+            // Its first work is the driver's probe, later ones are batches of rays; at last more than there are.
+            int lost = 0, named = 0;
+            for (int at = 1;; at *= 2) {
+                const Scratch folder;
+                const Outcome o =
+                    map_by(folder, examples + "sphere.glsl", "--size 192x128 --device " + device,
+                           silently + "LOST_AT=" + std::to_string(at) + " LD_PRELOAD=" LOSTBITS_LOST_DEVICE);
+                INFO(device << ' ' << silently << at << ": " << o.err);
+                if (o.code == 0) break;
+                ++lost;
+                REQUIRE(at < 1000);
+                CHECK(o.code == 3);
+                named += has(o.err, "sphere.glsl");  // of a batch; a probe is the driver's affair
+                CHECK(has(o.err, device + ": the device is lost"));
+                CHECK(folder.files().empty());
+            }
+            CHECK(lost > 2);
+            CHECK(named > 0);
+        }
+    }
 }
 
 TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-device]") {

@@ -147,6 +147,7 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK(has(refused(f, ":g"), "there is no function \"g\""));
     CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it is negative"));
     CHECK(has(refused(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"), "several functions have the types"));
+    CHECK(has(refused("// nothing\n"), "mine.glsl: there is no function in it; write one, such as float f(vec3 ro"));
     CHECK(has(refused("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
     CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"), "mine.glsl:1:7: `float g(vec2 p)` has not the types"));
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
@@ -164,6 +165,9 @@ TEST_CASE("shader: numbers say miss as each convention has it", "[shader]") {
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(-1, 1));  // from inside
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(0, 0));
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(nan, nan));  // an answer, if a bad one
+    // A slab test that returns its two numbers as they are says miss by their order.
+    const File slabs("vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi) { return vec2(2, 1); }");
+    CHECK(read_shader(slabs.path()).sentinel.kind == Kind::crossed);
     CHECK(Sentinel{Kind::crossed}.says_miss(2, 1));
     CHECK(Sentinel{Kind::crossed}.says_miss(-2, -1));
     CHECK_FALSE(Sentinel{Kind::crossed}.says_miss(1, 1));

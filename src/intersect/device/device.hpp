@@ -47,6 +47,11 @@ public:
     virtual ~Program() = default;
 };
 
+enum class Language { glsl, hlsl };
+
+/// Where a program begins: GLSL has no other name for it, and files of HLSL often have a `main` of their own.
+constexpr const char* entry_of(Language language) { return language == Language::glsl ? "main" : "lb_main"; }
+
 class Device {
 public:
     Device() = default;
@@ -56,8 +61,8 @@ public:
 
     [[nodiscard]] virtual const DeviceWords& words() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
-    /// A compute program in GLSL. CompileError; EnvironmentError where the compiler itself fails.
-    [[nodiscard]] virtual std::unique_ptr<Program> compile(const std::string& glsl) = 0;
+    /// A compute program. CompileError; EnvironmentError where the compiler itself fails or does not know the language.
+    [[nodiscard]] virtual std::unique_ptr<Program> compile(const std::string& text, Language language) = 0;
     /// Runs so many work groups; buffer k has binding k. None is empty. EnvironmentError for a device that is lost.
     virtual void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
 };
@@ -66,7 +71,7 @@ public:
 inline constexpr std::string_view device_kinds[] = {"opengl", "vulkan"};
 
 /// What a module of a driver exports: `lostbits_device_build`, which is `device_build`, and `lostbits_open_device`.
-inline constexpr int device_build = 1;
+inline constexpr int device_build = 2;
 using OpenDevice = Device* (*)();
 
 /// Loads the module of that kind and opens its first device that can run compute programs. In a process of its own: a

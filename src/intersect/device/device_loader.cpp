@@ -21,9 +21,8 @@ fs::path module_of(std::string_view kind) {
     for (const fs::path& folder : {fs::path(named != nullptr ? named : ""), here, here / "../lib/lostbits"}) {
         if (!folder.empty() && fs::exists(folder / name, error)) return folder / name;
     }
-    const std::string packages = kind == "opengl" ? "libegl-dev libopengl-dev" : "libvulkan-dev";
-    throw EnvironmentError(std::string(kind) + ": this program was built without it; install " + packages +
-                           " and build again");
+    throw EnvironmentError(std::string(kind) + ": this program was built without it; install " +
+                           (kind == "opengl" ? "libegl-dev libopengl-dev" : "libvulkan-dev") + " and build again");
 }
 
 }  // namespace
@@ -31,15 +30,17 @@ fs::path module_of(std::string_view kind) {
 std::unique_ptr<Device> open_device(std::string_view kind) {
     const fs::path path = module_of(kind);
     const auto fail = [&](const char* why) -> EnvironmentError {
-        return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " +
-                                (why != nullptr ? why : "unknown"));
+        return EnvironmentError(
+            std::string(kind) + ": cannot load " + path.string() + ": " + (why != nullptr ? why : "unknown") +
+            "; install its libraries (Debian: " + (kind == "opengl" ? "libegl1 libopengl0" : "libvulkan1") + ")");
     };
     // Never closed: drivers start threads and register exit handlers.
     void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) throw fail(::dlerror());
     const auto* const build = static_cast<const int*>(::dlsym(handle, "lostbits_device_build"));
     const auto open = reinterpret_cast<OpenDevice>(::dlsym(handle, "lostbits_open_device"));
-    if (build == nullptr || open == nullptr || *build != device_build) throw fail("it belongs to another build");
+    if (build == nullptr || open == nullptr || *build != device_build)
+        throw EnvironmentError(std::string(kind) + ": " + path.string() + " belongs to another build; build again");
     return std::unique_ptr<Device>(open());
 }
 

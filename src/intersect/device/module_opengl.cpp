@@ -10,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <utility>
 
 #include "intersect/device/device.hpp"
 
@@ -43,17 +44,23 @@ std::vector<std::function<EGLDisplay()>> displays() {
     return all;
 }
 
+/// Versions 4.x, each with notice of a lost device where the driver gives that.
+constexpr std::array<std::pair<EGLint, bool>, 8> contexts{
+    {{6, true}, {6, false}, {5, true}, {5, false}, {4, true}, {4, false}, {3, true}, {3, false}}};
+
 /// Makes a context that computes current; false where this display has none.
 bool make_current(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
-    for (const EGLint minor : {6, 5, 4, 3}) {
-        const std::array<EGLint, 7> wanted{EGL_CONTEXT_MAJOR_VERSION,
+    for (const auto& [minor, notice] : contexts) {
+        const std::array<EGLint, 9> wanted{EGL_CONTEXT_MAJOR_VERSION,
                                            4,
                                            EGL_CONTEXT_MINOR_VERSION,
                                            minor,
                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                           notice ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR : EGL_NONE,
+                                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
                                            EGL_NONE};
         EGLConfig config = nullptr;
         EGLint configs = 0;
@@ -105,7 +112,8 @@ public:
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& glsl) override {
+    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& glsl, Language language) override {
+        if (language != Language::glsl) throw EnvironmentError("opengl: takes GLSL alone; --device vulkan takes HLSL");
         const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
         const char* const text = glsl.c_str();
         glShaderSource(shader, 1, &text, nullptr);

@@ -174,8 +174,8 @@ public:
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& glsl) override {
-        const std::vector<std::uint32_t> code = spirv_of(glsl);
+    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) override {
+        const std::vector<std::uint32_t> code = spirv_of(text, language);
         VkShaderModuleCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
         info.codeSize = code.size() * sizeof(std::uint32_t);
@@ -187,7 +187,7 @@ public:
         pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
         pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
         pipeline.stage.module = module;
-        pipeline.stage.pName = "main";
+        pipeline.stage.pName = entry_of(language);
         pipeline.layout = layout_;
         VkPipeline made = VK_NULL_HANDLE;
         const VkResult result = vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &pipeline, nullptr, &made);

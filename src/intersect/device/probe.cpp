@@ -66,7 +66,7 @@ template <class S>
 class Probing {
 public:
     explicit Probing(Device& device) : given_(numbers_to_try<S>()), told_(elements) {
-        const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl));
+        const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
         const std::array<Buffer, 2> buffers{
             {{std::as_writable_bytes(std::span(given_))}, {std::as_writable_bytes(std::span(told_)), true}}};
         device.run(*program, buffers, elements / group_size);
@@ -198,7 +198,7 @@ private:
 std::uint32_t counted(Device& device, bool nested, std::uint32_t count, std::uint32_t times) {
     std::array<std::uint32_t, 3> given{count, 1, times};
     std::array<std::uint32_t, 2> told{0, 0};
-    const auto program = device.compile(loop_program(device.limits().glsl, nested));
+    const auto program = device.compile(loop_program(device.limits().glsl, nested), Language::glsl);
     const std::array<Buffer, 2> buffers{
         {{std::as_writable_bytes(std::span(given))}, {std::as_writable_bytes(std::span(told)), true}}};
     device.run(*program, buffers, 1);

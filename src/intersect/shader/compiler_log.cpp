@@ -73,7 +73,7 @@ std::string advice(const std::string& words) {
 }  // namespace
 
 std::string errors_of(const std::string& log, const ShaderSource& shader) {
-    constexpr int most = 8;
+    const int most = shader.hlsl ? 1 : 8;  // of HLSL what follows the first error comes of it
     std::istringstream lines(log);
     std::string all, unplaced;
     int found = 0;

@@ -38,6 +38,8 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t not_written = 2;
+
     template <class S>
     static std::span<std::byte> bytes_at(const void* column, std::size_t first, std::size_t count) {
         const auto* const begin = static_cast<const S*>(column) + first;
@@ -50,7 +52,7 @@ private:
         const std::size_t numbers = number_names(shape_).size();
         KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.solid_stride),
                          batch.ends != nullptr ? 1U : 0U, 0U};
-        hits_.assign(n, 0U);
+        hits_.assign(n, not_written);
         const bool own = batch.solid_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_end = 0;
@@ -63,6 +65,10 @@ private:
             {std::as_writable_bytes(std::span(hits_)), true},
         }};
         device_->run(*program_, buffers, (n + group_size - 1) / group_size);
+        // A driver may lose its device without a word; every run of the program writes here.
+        if (std::ranges::find(hits_, not_written) != hits_.end())
+            throw EnvironmentError(device_->words().kind +
+                                   ": the device is lost: it wrote no answer; does the shader run for long?");
         const bool tells_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
             batch.hit[begin + i] = tells_hit ? hits_[i] != 0
@@ -80,7 +86,8 @@ private:
 
 std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bits) {
     try {
-        return on.compile(program_text(shader, bits, on.limits().glsl));
+        return on.compile(program_text(shader, bits, on.limits().glsl),
+                          shader.hlsl ? device::Language::hlsl : device::Language::glsl);
     } catch (const CompileError& error) {
         const bool translated = shader.signature.doubles != (bits == 64);
         throw InputError(errors_of(error.what(), shader) +

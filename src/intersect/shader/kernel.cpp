@@ -162,9 +162,8 @@ std::string call_words(const Signature& s, const MarchWords& march) {
     return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
-std::string main_words(const Signature& s, const MarchWords& march) {
-    const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
-    const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
+/// The buffers, and the line that begins the program.
+std::string opening(const std::string& real) {
     std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n";
     const auto buffer = [&words](BufferPlace at, const char* way, const std::string& members) {
         words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
@@ -176,13 +175,38 @@ std::string main_words(const Signature& s, const MarchWords& march) {
     buffer(BufferPlace::solids, "readonly", real + " lb_solids[];");
     buffer(BufferPlace::answers, "writeonly", real + " lb_answers[];");
     buffer(BufferPlace::hits, "writeonly", "uint lb_hits[];");
+    return words + "void main() {\n";
+}
+
+/// The same in HLSL, where what follows may go on in words of GLSL.
+std::string opening_of_hlsl() {
+    std::string words =
+        "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n"
+        "#define lb_count lb_head[0]\n#define lb_stride lb_head[1]\n#define lb_has_ends lb_head[2]\n";
+    const auto buffer = [&words](BufferPlace at, const std::string& type, const std::string& name) {
+        words += "[[vk::binding(" + std::to_string(at) + ")]] " + type + " " + name + ";\n";
+    };
+    buffer(BufferPlace::head, "StructuredBuffer<uint>", "lb_head");
+    buffer(BufferPlace::rays, "StructuredBuffer<float>", "lb_rays");
+    buffer(BufferPlace::ends, "StructuredBuffer<float>", "lb_ends");
+    buffer(BufferPlace::solids, "StructuredBuffer<float>", "lb_solids");
+    buffer(BufferPlace::answers, "RWStructuredBuffer<float>", "lb_answers");
+    buffer(BufferPlace::hits, "RWStructuredBuffer<uint>", "lb_hits");
+    return words + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
+           device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
+}
+
+std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
+    const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
+    const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
+    std::string words = hlsl ? opening_of_hlsl() : opening(real);
     const auto vec = [&](const char* name, const char* from, int first) {
         words += "    " + v + "3 " + name + " = " + v + "3(";
         for (int k = 0; k < 3; ++k)
             words += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
         words += ");\n";
     };
-    words += "void main() {\n    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
+    words += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
     words += "    " + real + " lb_ray[6], lb_solid[6];\n";
     words += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
     words += "    for (uint k = 0u; k < " + count + "; ++k) lb_solid[k] = lb_solids[lb_stride * lb_i + k];\n";
@@ -241,7 +265,9 @@ std::string rewritten(const std::string& text, bool to_doubles) {
 }
 
 std::string program_text(const ShaderSource& shader, int bits, int version) {
+    const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     Signature signature = shader.signature;
+    if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_words(signature, shader.march, true);
     std::string text = fitted(shader.text);
     std::string site = site_words(text);
     if (signature.doubles != (bits == 64)) {
@@ -253,9 +279,8 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
         signature.function.type = rewritten(signature.function.type, to_doubles);
         signature.doubles = to_doubles;
     }
-    const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +
-           main_words(signature, shader.march);
+           main_words(signature, shader.march, false);
 }
 
 }  // namespace lostbits::intersect::shader

@@ -23,9 +23,9 @@ struct KernelHead {
 /// that of the source string, in expressions.)
 inline constexpr int our_first_line = 1'000'001;
 
-/// GLSL of that version, for numbers of 32 or 64 bits. The user's text stands in it line by line as in the file; what
-/// only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed without moving a column.
-/// Uniforms are variables that hold 0, as they do where nobody sets them.
+/// GLSL of that version, for numbers of 32 or 64 bits; of a file of HLSL, HLSL. The user's text stands in it line by
+/// line as in the file; what only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed
+/// without moving a column. Uniforms are variables that hold 0, as they do where nobody sets them.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
 /// A file in float in doubles, or the other way, token by token: types (`vec3`, `dvec3`), and numbers with a point or

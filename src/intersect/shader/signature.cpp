@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <initializer_list>
 
 namespace lostbits::intersect::shader {
 namespace {
@@ -72,9 +73,13 @@ public:
     Reader(const Function& function, bool named) : named_(named) { found_.function = function; }
 
     std::optional<Signature> read() {
-        found_.doubles = std::ranges::any_of(found_.function.parameters, [](const Parameter& p) {
-            return p.type == "dvec3" || p.type == "dvec4" || p.type == "double";
-        });
+        const auto has_type = [&function = found_.function](std::initializer_list<std::string_view> types) {
+            return std::ranges::any_of(function.parameters, [types](const Parameter& p) {
+                return std::ranges::find(types, p.type) != types.end();
+            });
+        };
+        found_.doubles = has_type({"dvec3", "dvec4", "double"});
+        of_hlsl_ = has_type({"float3", "float4"});
         arguments_.resize(found_.function.parameters.size());
         for (std::size_t k = 0; k < arguments_.size(); ++k) {
             if (!sort(found_.function.parameters[k], k)) return {};
@@ -85,7 +90,10 @@ public:
     }
 
 private:
-    [[nodiscard]] std::string typed(const char* type) const { return (found_.doubles ? "d" : "") + std::string(type); }
+    /// `vec3` as the function writes it: dvec3, float3.
+    [[nodiscard]] std::string typed(const std::string& type) const {
+        return of_hlsl_ ? "float" + type.substr(3) : (found_.doubles ? "d" : "") + type;
+    }
     [[nodiscard]] std::string scalar() const { return found_.doubles ? "double" : "float"; }
 
     /// False for what an intersector does not take.
@@ -175,7 +183,7 @@ private:
         return type == scalar() || (!one && type == typed("vec2"));
     }
 
-    bool named_;
+    bool named_, of_hlsl_ = false;
     Signature found_;
     std::vector<std::string> arguments_;
     std::vector<std::size_t> vectors_;

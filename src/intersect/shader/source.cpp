@@ -128,6 +128,9 @@ std::vector<Function> candidates(const std::vector<Function>& all) {
 
 /// The function that is named, or else the one that has the types of an intersector.
 Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
+    if (all.empty())
+        throw InputError(path +
+                         ": there is no function in it; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
     std::vector<Function> chosen = candidates(all);
     if (named) {
         chosen.clear();
@@ -139,7 +142,7 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
                          "; there is:" + listed(all));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
-                         std::string(known_signatures) + "; there is:" + (all.empty() ? " no function" : listed(all)) +
+                         std::string(known_signatures) + "; there is:" + listed(all) +
                          "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
     if (!named && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
@@ -236,6 +239,7 @@ ShaderSource read_shader(const std::string& named) {
                         .contract = {},
                         .sentinel = {},
                         .march = {},
+                        .hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
     std::vector<Word> words;
@@ -246,9 +250,11 @@ ShaderSource read_shader(const std::string& named) {
     shader.signature = choose(path, functions_of(code), function == words.rend() ? nullptr : &*function);
     shader.contract = usual_contract(path, shader.signature);
     if (function != words.rend() && function->where.starts_with("--shader")) shader.contract.name = function->value;
+    if (shader.signature.answers == Signature::Answers::near_far) shader.sentinel.kind = Sentinel::Kind::crossed;
     shader.f32 = !shader.signature.doubles;
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
+    if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
     const bool box = shader.contract.shape == Shape::box && shader.contract.roots != Roots::none;

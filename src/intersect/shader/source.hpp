@@ -1,4 +1,4 @@
-// A GLSL file with one intersector in it, and what it says of that.
+// A file of GLSL or HLSL with one intersector in it, and what it says of that.
 #pragma once
 
 #include <string>
@@ -41,6 +41,7 @@ struct ShaderSource {
     Sentinel sentinel;
     MarchWords march;              ///< of a field
     bool f32 = true, f64 = false;  ///< what is asked for; a file of the one is rewritten for the other
+    bool hlsl = false;             ///< by the end of its name, .hlsl; in floats alone
     std::vector<CountedLoop> loops;
 };
 

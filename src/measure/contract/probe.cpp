@@ -88,6 +88,7 @@ public:
         try_direction();
         if (tells_t_) try_roots();
         try_behind();
+        try_aside();
         try_touching();
         if (shape_ == Shape::sphere) try_origin_on_surface();
         try_ends();
@@ -242,6 +243,13 @@ private:
                  "; say LB_LINE (whole_line, flags=line) where it answers for the whole line");
     }
 
+    void try_aside() {
+        Question q = along(shape_, -5, 1);
+        q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
+        hold(ask(q).hit == 0, "aside", "a ray that passes by misses",
+             "a ray that passes by hits; is this how it says that it misses (of a shader: miss=)?");
+    }
+
     void try_touching() {
         Question q = along(shape_, -5, 1);
         q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
@@ -264,11 +272,9 @@ private:
                 broken("at_origin", "a ray that starts on the surface and goes in misses");
             return;
         }
-        const bool first = contract_.roots != Roots::both;
-        const bool zero = in.near == 0, far = is_answer(in.near, 4);
-        if (!first) return;  // both roots are told, and the table takes the one that counts
-        const bool promised = contract_.at_origin == AtOrigin::hit;
-        if (contract_.roots == Roots::near_only) return;
+        const bool zero = in.near == 0, far = is_answer(in.near, 4), promised = contract_.at_origin == AtOrigin::hit;
+        // Of both roots the table takes the one that counts.
+        if (contract_.roots == Roots::both || contract_.roots == Roots::near_only) return;
         if (zero || far)
             hold(zero == promised, "at_origin",
                  zero ? "a surface at the origin counts: t = 0" : "a surface at the origin is passed over",
@@ -290,8 +296,9 @@ private:
         }
         if (ignores) return kept("end", "the ends of rays are looked at by the table, not by the form");
         hold(!before, "end", "a ray that ends before the box misses",
-             "a ray that ends before the box hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not looked "
-             "at");
+             std::string("a ray that ends before the box hits; ") +
+                 (tells_t_ ? "say LB_NO_END (ignores_end, flags=no_end) where ends are not looked at"
+                           : "a form that tells no t must look at ends itself (of a shader: float tmax)"));
     }
 
     /// One that must only be lived through.

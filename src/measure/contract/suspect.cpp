@@ -40,14 +40,20 @@ std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& so
 
 bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
 
-/// The answer for a sphere of another radius.
+bool is_right(const Judged& j) {
+    if (j.hit != j.truly_hits) return false;
+    return !j.hit || std::isnan(j.t) || is_about(j.t, j.true_t);
+}
+
+/// The answer for a sphere of another radius. A radius that would be the same explains what is right.
 bool fits_radius(const Judged& j, double radius) {
-    if (j.solid.shape != Shape::sphere || is_about(radius, j.solid.sphere().radius)) return false;
+    if (j.solid.shape != Shape::sphere) return false;
+    if (is_about(radius, j.solid.sphere().radius)) return is_right(j);
     Sphere<double> other = j.solid.sphere();
     other.radius = radius;
     const auto line = line_through(j.ray, Solid<double>(other));
     const bool ahead = line && line->far >= 0;
-    if (!ahead || !j.hit) return ahead == j.hit;
+    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
 }
 
@@ -59,6 +65,9 @@ bool is_in_other_measure(const Judged& j) {
 struct Reason {
     const char* words;
     std::function<bool(const Judged&)> explains;
+    /// Whether it would change every answer: then it explains the right ones too, or it is not the reason. A march that
+    /// ends early misses near the rim, as a smaller sphere would, and is right in the middle, where that is not.
+    bool of_all = false;
 };
 
 const std::array<Reason, 9>& reasons() {
@@ -70,14 +79,14 @@ const std::array<Reason, 9>& reasons() {
          "(unit_direction, direction=unit, --direction unit)",
          [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
         {"the radius seems to be taken for its square; hand over radius * radius",
-         [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }},
+         [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }, true},
         {"the radius seems to be squared once too often; hand over radius",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }, true},
         {"the radius seems to be taken for a diameter; hand over 2 * radius, or write the radius that was meant "
          "(--sphere)",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }, true},
         {"a diameter seems to be handed over for the radius",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }, true},
         {"it answers with the far root; the first with t >= 0 is asked for, or near before far (roots)",
          [](const Judged& j) {
              const auto line = line_through(j.ray, j.solid);
@@ -92,11 +101,6 @@ const std::array<Reason, 9>& reasons() {
          }},
     }};
     return all;
-}
-
-bool is_right(const Judged& j) {
-    if (j.hit != j.truly_hits) return false;
-    return !j.hit || std::isnan(j.t) || is_about(j.t, j.true_t);
 }
 
 /// What a row makes of the rays of a band.
@@ -128,17 +132,18 @@ Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::T
 }
 
 std::string suspicion(const std::vector<Judged>& rays) {
-    std::vector<Judged> wrong;
-    std::size_t asked = 0;
+    std::vector<Judged> asked, wrong;
     for (const Judged& j : rays) {
-        asked += j.hit || j.truly_hits;
+        if (j.hit || j.truly_hits) asked.push_back(j);
         if (!is_right(j)) wrong.push_back(j);
     }
-    if (wrong.empty() || 2 * wrong.size() < asked) return "";
+    if (wrong.empty() || 2 * wrong.size() < asked.size()) return "";
+    const auto explained = [](const std::vector<Judged>& some, const Reason& reason) {
+        return 10 * static_cast<std::size_t>(std::ranges::count_if(some, reason.explains)) >= 9 * some.size();
+    };
     for (const Reason& reason : reasons()) {
-        const auto fitting = std::ranges::count_if(wrong, reason.explains);
-        if (10 * static_cast<std::size_t>(fitting) >= 9 * wrong.size())
-            return "wrong on " + std::to_string(wrong.size()) + " of " + std::to_string(asked) +
+        if (explained(wrong, reason) && (!reason.of_all || explained(asked, reason)))
+            return "wrong on " + std::to_string(wrong.size()) + " of " + std::to_string(asked.size()) +
                    " rays: " + reason.words;
     }
     return "";
