@@ -42,7 +42,7 @@ bool is_farther(double t, double error, const Interval& from) {
 
 template <class S>
 void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
-    const Format& format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
+    const Format format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
     const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL);
     ++tally.asked;
     const auto stored = [](double v) { return static_cast<S>(v); };

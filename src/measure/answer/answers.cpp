@@ -124,7 +124,9 @@ public:
             if (!columns)
                 columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
             for (const auto& [from, to] : runs_) {
-                const auto part = [&](std::size_t k) { return (*columns)[k].subspan(from - begin, to - from); };
+                const auto part = [&, from = from, to = to](std::size_t k) {
+                    return (*columns)[k].subspan(from - begin, to - from);  // clang before 16 captures no bindings
+                };
                 meet(ray, p, from, {part(0), part(1), part(2), part(3)});
             }
         }

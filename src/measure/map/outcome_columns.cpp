@@ -48,7 +48,7 @@ void find_outcomes(const answer::Answers& answers, const columns::TrueLengths& t
     for (std::size_t i = 0; i < n; ++i) {
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
-        measured[i] = tells_t & (outcomes[i] == Outcome::agree_hit) ? answers.t[i] : missing;
+        measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }
     for (const Truth::Decision decision : truth.decision)
         true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
