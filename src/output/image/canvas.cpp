@@ -6,7 +6,7 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int bar_width = 16;
+constexpr int ramp_width = 16;
 constexpr int swatch = 12;
 constexpr int swatch_gap = 6;
 constexpr int column_gap = 18;
@@ -177,21 +177,21 @@ Canvas colour_bar(ImageBackend& backend, const ColourScale& scale, std::string_v
     const TextBitmap unit_text = backend.render_text(unit, style::text_size);
     const auto ticks = scale.ticks(std::clamp(bar_height / 24, 2, 9));
     std::vector<TextBitmap> labels;
-    int width = std::max(unit_text.width, bar_width + 2);
+    int width = std::max(unit_text.width, ramp_width + 2);
     for (const auto& tick : ticks) {
         labels.push_back(backend.render_text(tick.label, style::text_size));
-        width = std::max(width, 1 + bar_width + 9 + labels.back().width);
+        width = std::max(width, 1 + ramp_width + 9 + labels.back().width);
     }
     Canvas out(width, height);
     out.text(0, 0, unit_text, style::ink);
     for (int y = 0; y < bar_height; ++y) {
-        out.fill(1, top + y, bar_width, 1, scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
+        out.fill(1, top + y, ramp_width, 1, scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
     }
-    out.frame(1, top, bar_width, bar_height, style::line);
+    out.frame(1, top, ramp_width, bar_height, style::line);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);
-        out.fill(1 + bar_width, y, 5, 1, style::soft_ink);
-        out.text(1 + bar_width + 9, y - labels[i].baseline + style::digit_rise(style::text_size), labels[i],
+        out.fill(1 + ramp_width, y, 5, 1, style::soft_ink);
+        out.text(1 + ramp_width + 9, y - labels[i].baseline + style::digit_rise(style::text_size), labels[i],
                  style::ink);
     }
     return out;

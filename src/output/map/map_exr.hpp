@@ -26,13 +26,13 @@ struct ExrRows {
     std::uint64_t part = 0;
     int y0 = 0, rows = 0;
     std::vector<std::uint32_t> samples;
-
-    template <class Bits>
-    friend void fields(Bits& bits, ExrRows& piece) {
-        auto& [part, y0, rows, samples] = piece;
-        bits(part, y0, rows, samples);
-    }
 };
+
+template <class Bits>
+void fields(Bits& bits, ExrRows& piece) {
+    auto& [part, y0, rows, samples] = piece;
+    bits(part, y0, rows, samples);
+}
 
 /// Parts, in this order, all channels of 32 bits:
 /// - `<form>.<format>`, one a row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below); `class.outcome`,

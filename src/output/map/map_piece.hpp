@@ -20,13 +20,13 @@ struct MapPiece {
     std::string lines = {};  ///< of the table of pixels
 
     [[nodiscard]] bool is_empty() const { return fields.empty() && exr.empty() && lines.empty(); }
-
-    template <class Bits>
-    friend void fields(Bits& bits, MapPiece& piece) {
-        auto& [y0, fields, paler, exr, lines] = piece;
-        bits(y0, fields, paler, exr, lines);
-    }
 };
+
+template <class Bits>
+void fields(Bits& bits, MapPiece& piece) {
+    auto& [y0, fields, paler, exr, lines] = piece;
+    bits(y0, fields, paler, exr, lines);
+}
 
 /// Takes the pieces of each row in place of the files, of which none is opened then.
 using KeepPiece = std::function<void(std::size_t row, MapPiece&& piece)>;
