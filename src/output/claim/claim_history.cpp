@@ -124,7 +124,8 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
             const auto& text = hex.get_ref<const std::string&>();
             char* end = nullptr;
             const double x = std::strtod(text.c_str(), &end);
-            if (text.empty() || end != text.c_str() + text.size()) refuse("\"" + text + "\" is not a number");
+            if (text.empty() || end != text.c_str() + text.size())
+                refuse("\"" + file::terminal_line(text) + "\" is not a number");
             return x;
         };
         for (const auto& c : all.at("claims"))
