@@ -61,9 +61,10 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
-    const std::string name = r.witness.given    ? blame::name_of_ray(r.witness.given.get())
-                             : !c.scene.empty() ? blame::name_of_pixel(shell_word(c.scene), r.witness.x, r.witness.y)
-                                                : "";
+    const std::string name = r.witness.given ? blame::name_of_ray(r.witness.given.get())
+                             : !c.scene.empty()
+                                 ? blame::name_of_pixel(shell_word(c.scene), static_cast<int>(r.witness.x), r.witness.y)
+                                 : "";
     if (name.empty()) return "";
     measure::map::MapRow row = measure::claim::claim_row(c);
     row.judged = r.witness.judged;

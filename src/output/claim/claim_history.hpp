@@ -22,7 +22,7 @@ struct MeasuredClaim {
 
 /// A run of claims, to compare later ones with.
 struct ClaimBaseline {
-    std::string program, compiler, command;
+    std::string program = {}, compiler = {}, command = {};
     std::vector<MeasuredClaim> claims = {};
 };
 

@@ -88,7 +88,7 @@ std::string random_text(std::mt19937& random) {
                                                  "*",
                                                  "*/",
                                                  "/*",
-                                                 "??/",
+                                                 "?\?/",
                                                  "=1+1",
                                                  "@SUM(A1)",
                                                  "-cmd|'/c'!A0",
