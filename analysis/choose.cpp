@@ -132,9 +132,10 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, [&scene](Shape shape) { return scene.meets(shape); });
     const auto emulated =
-        std::ranges::stable_partition(request.rows, std::not_fn(choice::is_emulated), &measure::map::MapRow::format);
-    request.untimed.assign(emulated.begin(), emulated.end());
-    request.rows.erase(emulated.begin(), request.rows.end());
+        std::stable_partition(request.rows.begin(), request.rows.end(),
+                              [](const measure::map::MapRow& row) { return !choice::is_emulated(row.format); });
+    request.untimed.assign(emulated, request.rows.end());
+    request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const auto owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);

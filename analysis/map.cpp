@@ -155,7 +155,9 @@ struct Around {
 /// Maps one scene; the number of its rays without a proved truth, which a shard leaves to the whole.
 std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn,
                         const Around& around) {
-    const auto& [common, progress, division] = around;
+    const Common& common = around.common;
+    output::file::Progress& progress = around.progress;
+    shard::Division& division = around.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
     work.map.share = division.share();

@@ -68,7 +68,7 @@ class RenderRowFiles {
 public:
     RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options,
                    image::ImageBackend& backend)
-        : request_(request), exr_(backend, options.folder / (row_name(row) + ".exr"), request, row, options.command) {
+        : exr_(backend, options.folder / (row_name(row) + ".exr"), request, row, options.command) {
         const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
             const ErrorMapKind& kind = error_map_kind(d);
             image::HeatmapSpec spec =
@@ -136,7 +136,6 @@ private:
         return 0;
     }
 
-    const RenderRequest& request_;
     RenderExr exr_;
     std::vector<std::unique_ptr<image::PngWriter>> pictures_;
     std::vector<DifferenceMap> maps_;

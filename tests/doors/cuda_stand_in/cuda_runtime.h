@@ -61,7 +61,7 @@ inline cudaError_t cudaLaunchKernel(const void* kernel, dim3 blocks, dim3 thread
     blockDim = threads;
     for (blockIdx.x = 0; blockIdx.x < blocks.x; ++blockIdx.x) {
         for (threadIdx.x = 0; threadIdx.x < threads.x; ++threadIdx.x)
-            reinterpret_cast<Kernel>(kernel)(
+            reinterpret_cast<Kernel>(const_cast<void*>(kernel))(
                 *static_cast<const float**>(arguments[0]), *static_cast<const float**>(arguments[1]),
                 *static_cast<unsigned*>(arguments[2]), *static_cast<unsigned*>(arguments[3]),
                 *static_cast<float**>(arguments[4]), *static_cast<unsigned char**>(arguments[5]));

@@ -50,7 +50,8 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
 
 TEST_CASE("a thumbnail of categories has no colour that the field has not", "[thumbnail]") {
     const std::array<Rgb8, 3> names{Rgb8{200, 0, 0}, Rgb8{0, 0, 200}, Rgb8{0, 150, 0}};
-    for (const auto& [width, height] : {std::pair{333, 211}, {161, 160}, {1024, 3}, {160, 400}}) {
+    for (const auto& size : {std::pair{333, 211}, {161, 160}, {1024, 3}, {160, 400}}) {
+        const int width = size.first, height = size.second;
         INFO(width << " x " << height);
         std::vector<Rgb8> field;
         for (int y = 0; y < height; ++y) {
