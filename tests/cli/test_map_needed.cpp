@@ -110,8 +110,8 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
                 CHECK(row.at(prefix + "max").empty());
                 continue;
             }
-            const auto rank = [&](double q) {
-                return (*values)[static_cast<std::size_t>(std::ceil(q * static_cast<double>(values->size()))) - 1];
+            const auto rank = [&sorted = *values](double q) {
+                return sorted[static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size()))) - 1];
             };
             double sum = 0;
             for (const double v : *values) sum += v;
