@@ -1,7 +1,7 @@
 #include "intersect/simd/plain_many.hpp"
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
@@ -10,17 +10,21 @@ namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
 #if defined(LOSTBITS_PACKED_X86)
+    // Filling them takes those registers too.
+    const auto isas = available_isas();
+    if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {
-        std::array<PlainRow, BoxForms::size> filled{};
+        std::vector<PlainRow> filled(BoxForms::size);
         fill_plain_w256(filled.data());
         std::size_t i = 0;
         BoxForms::for_each([&]<class Form>() { filled[i++].info = &Form::info; });
+        std::erase_if(filled, [](const PlainRow& row) { return !row.columns; });
         return filled;
     }();
-    const auto isas = available_isas();
-    if (std::ranges::find(isas, Isa::w256) != isas.end()) return rows;
-#endif
+    return rows;
+#else
     return {};
+#endif
 }
 
 }  // namespace lostbits::intersect::simd

@@ -22,11 +22,11 @@ struct PlainRow {
     void (*structs)(const float* ray, const PlainBox* boxes, float* t, std::size_t n);
 };
 
-/// Every box form, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction); empty where this build
-/// or this processor has none.
+/// The box forms, in the order of the catalogue, at -O3 with AVX2 and FMA (and no contraction), but for those that call
+/// wider arithmetic on some rays: no loop over them is vectorised. Empty where this build or this processor has none.
 std::span<const PlainRow> plain_rows();
 
-/// The translation unit with those flags; fills a row for each box form, but for `info`.
+/// The translation unit with those flags; fills a row for each box form, but for `info`; null where there is no loop.
 void fill_plain_w256(PlainRow* rows);
 
 }  // namespace lostbits::intersect::simd

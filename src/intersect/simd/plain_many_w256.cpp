@@ -29,12 +29,21 @@ template <class Form>
     }
 }
 
+/// What it calls and does not inline would carry an ordinary name here, and the linker may keep these instructions for
+/// every caller, on processors without them too: gcc makes local clones of it, clang 14 does not.
+template <class Form>
+constexpr bool calls_longer_arithmetic = requires(Ray<float> ray, Box<float> box, float limit, NoWatch watch) {
+    Form::intersect(ray, box, limit, watch);
+};
+
 }  // namespace
 
 void fill_plain_w256(PlainRow* row) {
     BoxForms::for_each([&row]<class Form>() {
-        row->columns = by_columns<Form>;
-        row->structs = by_structs<Form>;
+        if constexpr (!calls_longer_arithmetic<Form>) {
+            row->columns = by_columns<Form>;
+            row->structs = by_structs<Form>;
+        }
         ++row;
     });
 }

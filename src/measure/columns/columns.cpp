@@ -19,15 +19,22 @@ using truth::missing;
 
 namespace {
 
-/// Null where every ray is left to the scalar functions.
+/// Null where every ray is left to the scalar functions. The function that makes a table was compiled for its width
+/// too, so a table of a width that the machine has not is not made.
 const RawKernels* kernels_of(Isa isa) {
-    static const RawKernels w128 = column_kernels_w128();
+    if (isa == Isa::scalar) return nullptr;
 #if defined(LOSTBITS_PACKED_X86)
-    static const RawKernels w256 = column_kernels_w256(), w512 = column_kernels_w512();
-    if (isa == Isa::w256) return &w256;
-    if (isa == Isa::w512) return &w512;
+    if (isa == Isa::w256) {
+        static const RawKernels w256 = column_kernels_w256();
+        return &w256;
+    }
+    if (isa == Isa::w512) {
+        static const RawKernels w512 = column_kernels_w512();
+        return &w512;
+    }
 #endif
-    return isa == Isa::scalar ? nullptr : &w128;
+    static const RawKernels w128 = column_kernels_w128();
+    return &w128;
 }
 
 /// Of what is the same in every width, and has no scalar function beside it.

@@ -12,28 +12,32 @@ namespace {
 
 using OfShapes = std::array<Stages, 2>;
 
-OfShapes stages_at(Isa isa) {
+/// The function that fills the table was compiled for the width too, so a width that the machine has not is not filled.
+OfShapes filled_by(void (*fill)(RawStages*), std::size_t lanes) {
     RawStages raw[2] = {};
-    std::size_t lanes = 1;
-    switch (isa) {
-        case Isa::scalar: fill_stages<double>(raw); break;
-        case Isa::w128: fill_stages_w128(raw), lanes = 2; break;
-#if defined(LOSTBITS_PACKED_X86)
-        case Isa::w256: fill_stages_w256(raw), lanes = 4; break;
-        case Isa::w512: fill_stages_w512(raw), lanes = 8; break;
-#else
-        default: break;
-#endif
-    }
+    fill(raw);
     return {Stages{raw[0], lanes}, Stages{raw[1], lanes}};
+}
+
+const OfShapes& stages_at(Isa isa) {
+    static const OfShapes scalar = filled_by(fill_stages<double>, 1);
+    if (isa == Isa::scalar) return scalar;
+#if defined(LOSTBITS_PACKED_X86)
+    if (isa == Isa::w256) {
+        static const OfShapes w256 = filled_by(fill_stages_w256, 4);
+        return w256;
+    }
+    if (isa == Isa::w512) {
+        static const OfShapes w512 = filled_by(fill_stages_w512, 8);
+        return w512;
+    }
+#endif
+    static const OfShapes w128 = filled_by(fill_stages_w128, 2);
+    return w128;
 }
 
 }  // namespace
 
-const Stages& stages_of(Shape shape, Isa isa) {
-    static const std::array all{stages_at(Isa::scalar), stages_at(Isa::w128), stages_at(Isa::w256),
-                                stages_at(Isa::w512)};
-    return all[static_cast<std::size_t>(isa)][shape == Shape::box ? 1 : 0];
-}
+const Stages& stages_of(Shape shape, Isa isa) { return stages_at(isa)[shape == Shape::box ? 1 : 0]; }
 
 }  // namespace lostbits::measure::stages

@@ -92,7 +92,10 @@ TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
         CHECK(hits > 4);
         CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 4);
         CHECK(after_a_pass({name, "128", "f32"}) == scalar);
-        if (intersect::simd::plain_rows().empty()) continue;
+        const auto loops = intersect::simd::plain_rows();
+        const auto has_info = [&form](const auto& row) { return row.info == form.info; };
+        if (name == "box.filtered") CHECK(std::ranges::none_of(loops, has_info));
+        if (loops.empty() || name == "box.filtered") continue;
         CHECK(after_a_pass({name, "plain-256", "f32"}) == scalar);
         CHECK(after_a_pass({name, "plain-structs-256", "f32"}) == scalar);
     }
