@@ -50,8 +50,9 @@ std::vector<std::uint32_t> samples_of(const output::image::ExrPart& part) {
 
 void serve(output::image::ExrBook& book, const std::vector<output::image::ExrPart>& parts, std::size_t p, int y,
            int rows) {
-    const auto samples = samples_of(parts[p]);
+    auto samples = samples_of(parts[p]);
     const std::size_t line = width * parts[p].spec.channels.size();
+    samples.resize(std::max(samples.size(), static_cast<std::size_t>(y + rows) * line));  // rows beyond the last, too
     book.write_rows(p, y, rows,
                     std::as_bytes(std::span(samples).subspan(static_cast<std::size_t>(y) * line,
                                                              static_cast<std::size_t>(rows) * line)));
