@@ -13,7 +13,7 @@ namespace {
 class Tree {
 public:
     Tree() {
-        for (const char* folder : {"bin", "build", "data/scenes", "node_modules/uplot"})
+        for (const char* folder : {"bin", "build", "data/scenes", "node_modules/uplot", "tests"})
             std::filesystem::create_directories(at(folder));
         std::filesystem::copy_file(LOSTBITS_DATA_DIR "/../run", at("run"));
         for (const char* scene : {"one", "rtg-fig-7-3-4100-oblique", "raycast-acne"})
@@ -23,6 +23,7 @@ public:
         stand_in("bin/apt-get", "");
         stand_in("bin/dpkg-query", "echo install ok installed");
         stand_in("build/lostbits", "echo made by the program");
+        stand_in("tests/instrumented_tbb", "");
     }
 
     struct Said {
@@ -97,6 +98,9 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
         CHECK(has(both.calls, std::string("cmake --build --preset ") + preset));
         CHECK(has(both.calls, std::string("ctest --preset ") + preset));
     }
+    CHECK(both.calls.find("instrumented_tbb build-tsan/tbb") < both.calls.find("cmake --build --preset tsan"));
+    tree.stand_in("tests/instrumented_tbb", "exit 100");
+    CHECK(tree.run("test --sanitize").out.ends_with("\n7 passed, 1 failed\n"));
 
     tree.stand_in("bin/ctest",
                   "echo ' 3/7 Test #3: x .....***Failed'; echo '86% tests passed, 1 tests failed out of 7'; exit 8");
