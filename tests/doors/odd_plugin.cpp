@@ -72,6 +72,7 @@ Answer<float> throws(Rays, Spheres) { throw std::runtime_error("no bananas"); }
 Answer<float> aborts(Rays, Spheres) { std::abort(); }
 Answer<float> exits(Rays, Spheres) { std::exit(0); }
 Answer<float> hangs(Rays, Spheres) {
+    std::fputs("the batch begins\n", stderr);
     for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 

@@ -69,19 +69,27 @@ void on_exit_inside() {
     if (inside != nullptr) end(inside, "called exit()", "a form returns, with an error text where it cannot answer");
 }
 
-/// So that a stack that is used up can still be told.
-void have_signal_stack() {
-    thread_local const std::unique_ptr<char[]> memory = [] {
-        constexpr std::size_t size = 64 * 1024;
-        auto room = std::make_unique<char[]>(size);
+/// So that a stack that is used up can still be told. Its end gives the thread back what it had: a signal would run on
+/// memory that is freed, and the address sanitizer frees what it finds there at the end of a thread.
+class SignalStack {
+public:
+    SignalStack() : memory_(std::make_unique<char[]>(size)) {
         stack_t stack{};
-        stack.ss_sp = room.get();
+        stack.ss_sp = memory_.get();
         stack.ss_size = size;
-        sigaltstack(&stack, nullptr);
-        return room;
-    }();
-    static_cast<void>(memory);
-}
+        sigaltstack(&stack, &before_);
+    }
+    ~SignalStack() { sigaltstack(&before_, nullptr); }
+    SignalStack(const SignalStack&) = delete;
+    SignalStack& operator=(const SignalStack&) = delete;
+
+private:
+    static constexpr std::size_t size = 64 * 1024;
+    std::unique_ptr<char[]> memory_;
+    stack_t before_{};
+};
+
+void have_signal_stack() { thread_local const SignalStack here; }
 
 [[noreturn]] void watch_over_calls() {
     for (;;) {
