@@ -67,10 +67,6 @@ std::string plain_ascii(std::string_view utf8) {
     return text;
 }
 
-/// Said at each call too: the pool starts its threads before it hears of "threads", and the last of them may still take
-/// work, by a queue that the thread sanitizer cannot see into.
-constexpr int one_thread = 1;
-
 class OiioBackend final : public ImageBackend {
 public:
     OiioBackend() {
@@ -92,7 +88,7 @@ public:
             positions.setpixel(i, 0, &p, 1);
         }
         const OIIO::ImageBuf colours =
-            OIIO::ImageBufAlgo::color_map(positions, 0, OIIO::string_view(name.data(), name.size()), {}, one_thread);
+            OIIO::ImageBufAlgo::color_map(positions, 0, OIIO::string_view(name.data(), name.size()));
         if (colours.has_error()) throw EnvironmentError("cannot make the colour ramp: " + colours.geterror());
         std::vector<Rgb8> out;
         for (int i = 0; i < steps; ++i) {
@@ -166,7 +162,7 @@ private:
         out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
         if (out.width == 0) return out;
         OIIO::ImageBuf ink(OIIO::ImageSpec(out.width, out.height, 1, OIIO::TypeDesc::FLOAT));
-        OIIO::ImageBufAlgo::zero(ink, {}, one_thread);
+        OIIO::ImageBufAlgo::zero(ink);
         if (!OIIO::ImageBufAlgo::render_text(ink, 0, out.baseline, text, size, font, 1.0f)) {
             throw EnvironmentError("cannot draw text: " + ink.geterror());
         }
