@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <mutex>
 #include <stdexcept>
 #include <system_error>
 
@@ -34,6 +35,8 @@ struct Slots {
     std::atomic<Slots*> next{nullptr};
 };
 Slots first_slots;
+// Threads read and free names under it; the handler, which frees none, does without.
+std::mutex names_mutex;
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
 
 /// Calls `use` on slot after slot, until it answers true or all were there.
@@ -71,6 +74,7 @@ std::atomic<char*>* register_partial(const std::string& partial) {
 
 /// True when this thread took the name back, false when a signal handler did (and removed the file).
 bool unregister_partial(std::atomic<char*>* slot) noexcept {
+    const std::lock_guard lock(names_mutex);
     char* name = slot->exchange(nullptr);
     std::free(name);
     return name != nullptr;
@@ -152,6 +156,7 @@ int open_new(const std::function<std::string()>& make, const std::function<void(
 }
 
 bool is_live(const std::string& prefix) {
+    const std::lock_guard lock(names_mutex);
     return any_slot([&](const std::atomic<char*>& slot) {
         const char* const name = slot.load();
         return name != nullptr && std::strncmp(name, prefix.c_str(), prefix.size()) == 0 &&
