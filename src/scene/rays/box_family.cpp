@@ -61,7 +61,8 @@ Vec<double> draw_direction(Random& random, const Feature& feature) {
     int ends = 0;
     double last = 0;
     for (int i = 0; i < 3; ++i) {
-        d[i] = random.sign() * random.between(0.1, 1);
+        const double sign = random.sign();
+        d[i] = sign * random.between(0.1, 1);
         if (feature.outward[i] == 0) continue;
         // The second face is left the other way than the first; a third as it comes.
         if (++ends == 2) d[i] = -std::copysign(d[i], last * feature.outward[i]);

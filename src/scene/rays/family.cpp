@@ -102,7 +102,9 @@ Impact draw_impact(Random& random, const Family& f, const View& view) {
     } else {
         s = std::sqrt(f.impact_from * f.impact_from + u * (f.impact_to * f.impact_to - f.impact_from * f.impact_from));
     }
-    Vec<double> side(2 * random.unit() - 1, 2 * random.unit() - 1, 2 * random.unit() - 1);
+    // One by one: a compiler chooses the order of arguments, and clang's is not gcc's.
+    const double z = 2 * random.unit() - 1, y = 2 * random.unit() - 1, x = 2 * random.unit() - 1;
+    const Vec<double> side(x, y, z);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
     return {s, unit(side - dot(side, w) * w)};
 }

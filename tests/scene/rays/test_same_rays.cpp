@@ -1,0 +1,65 @@
+// The rays of a seed are those of every compiler: their bits, drawn once and kept here.
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "catch.hpp"
+#include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
+
+using namespace lostbits::scene::rays;
+
+namespace {
+
+/// FNV-1a, a number at a time, so that no ray may be another, nor stand elsewhere.
+std::uint64_t digest(const std::vector<RayGroup>& groups) {
+    std::uint64_t out = 0xcbf29ce484222325;
+    for (const RayGroup& group : groups) {
+        for (const auto* column :
+             {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy, &group.rays.dz}) {
+            for (const double x : *column) {
+                const auto bits = std::bit_cast<std::uint64_t>(x);
+                out = (out ^ bits ^ (bits >> 32)) * 0x100000001b3;  // the low half of a binary32 is zeros
+            }
+        }
+    }
+    return out;
+}
+
+std::uint64_t digest(Family::Projection projection, Family::Views directions, Family::Weighting weighting) {
+    Family f;
+    f.projection = projection;
+    f.directions = directions;
+    f.weighting = weighting;
+    f.tilt = directions == Family::Views::tilted ? 0.25 : 0;
+    f.views = 64;
+    f.rays = 3;
+    return digest(family_rays(f));
+}
+
+std::uint64_t digest(BoxFamily::Aim aim, double gap) {
+    BoxFamily f;
+    f.aim = aim;
+    f.gap = gap;
+    f.views = 64;
+    f.rays = 3;
+    return digest(box_family_rays(f));
+}
+
+}  // namespace
+
+// A compiler chooses the order in which arguments are evaluated. Three draws in one list of them gave other rays by
+// clang than by gcc, of the same sphere and the same statistics, and so other measured numbers.
+TEST_CASE("a seed gives the same rays by every compiler") {
+    using enum Family::Projection;
+    using enum Family::Views;
+    using enum Family::Weighting;
+    CHECK(digest(parallel, oblique, disc) == 0xa18d3583b8607744);
+    CHECK(digest(parallel, tilted, silhouette) == 0x648a7d8c0f730071);
+    CHECK(digest(point, axis, disc) == 0xe90347a3dd53f60f);
+    CHECK(digest(point, oblique, silhouette) == 0xc4e7ed1d0f04469c);
+    CHECK(digest(BoxFamily::Aim::face, 0.0625) == 0xfdb14c1aab54f472);
+    CHECK(digest(BoxFamily::Aim::edge, -0.0625) == 0x998a58dc64d42172);
+    CHECK(digest(BoxFamily::Aim::corner, 0.0625) == 0xf1c08fb575fcdc76);
+    CHECK(digest(BoxFamily::Aim::inside, 0) == 0x828575d44380dfaa);
+}
