@@ -61,7 +61,7 @@ Vec<double> draw_direction(Random& random, const Feature& feature) {
     int ends = 0;
     double last = 0;
     for (int i = 0; i < 3; ++i) {
-        const double sign = random.sign();
+        const double sign = random.sign();  // by itself: the order of operands is the compiler's choice
         d[i] = sign * random.between(0.1, 1);
         if (feature.outward[i] == 0) continue;
         // The second face is left the other way than the first; a third as it comes.
