@@ -9,6 +9,7 @@
 #include <new>
 #include <system_error>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/shard/merge.hpp"
 #include "analysis/shell/completion.hpp"
@@ -174,8 +175,10 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     common.typed = choice::typed(program);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto opens_its_own = {"plugin", "shader", "devices"};
-    if (std::ranges::none_of(opens_its_own, [&](const char* name) { return program.got_subcommand(name); }))
+    if (std::ranges::none_of(opens_its_own, [&](const char* name) { return program.got_subcommand(name); })) {
         choice::open_doors(common.doors, common.threads);
+        if (!common.quiet) choice::note_unasked(shell::command_named(program));
+    }
     shell::TableOnStdout table(program);
     const Exit code = chosen();
     table.write();

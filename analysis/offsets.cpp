@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
@@ -30,7 +31,7 @@ namespace {
 
 struct OffsetOptions {
     std::vector<std::string> scenes;
-    std::vector<std::string> forms{measure::offset::usual_forms.begin(), measure::offset::usual_forms.end()};
+    std::vector<std::string> forms;
     std::vector<std::string> formats{std::string(measure::offset::usual_format)};
     std::vector<std::string> strategies{"*"};
     std::string points = "both";
@@ -115,7 +116,9 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
 
 Exit run(const OffsetOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    const auto& usual = measure::offset::usual_forms;
+    auto rows = choice::cross(choice::select_forms(choice::words_or(o.forms, {usual.begin(), usual.end()})),
+                              choice::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
     if (rows.empty())
         throw NothingSelected(
@@ -169,7 +172,7 @@ void add_offsets(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; spheres or boxes")->required();
     choice::add_list(*command, "-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
-                     "box.ieee_minmax)");
+                     "box.ieee_minmax, and those of --plugin, --pipe and --shader)");
     choice::add_list(*command, "-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     choice::add_list(*command, "--strategy", o->strategies,

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
@@ -23,7 +24,7 @@ namespace {
 
 struct RenderOptions {
     std::vector<std::string> scenes;
-    std::vector<std::string> forms{"sphere.expanded"};  // the source's own
+    std::vector<std::string> forms;
     std::vector<std::string> formats{"f32"};
     std::vector<std::string> stages;
     std::string size, variant;
@@ -96,7 +97,8 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto rows = choice::fitting(choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats)),
+    const auto forms = choice::select_forms(choice::words_or(o.forms, {"sphere.expanded"}));  // the source's own
+    const auto rows = choice::fitting(choice::cross(forms, choice::select_formats(o.formats)),
                                       [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())
         throw NothingSelected(
@@ -142,8 +144,10 @@ void add_render(CLI::App& program, const Common& common, Command& chosen) {
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; scenes of spheres")->required();
-    choice::add_list(*command, "-i,--intersector", o->forms,
-                     "Forms that find hits and shadows, by name or glob (default: sphere.expanded)");
+    choice::add_list(
+        *command, "-i,--intersector", o->forms,
+        "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, "
+        "--pipe and --shader)");
     choice::add_list(*command, "-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
     choice::add_list(*command, "--stage", o->stages,

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/timed.hpp"
 #include "commands.hpp"
@@ -174,7 +175,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             throw InputError("--claims " + glob +
                              ": no claim of the results has such an id; `lostbits list claims` names them");
     }
-    const auto rows = choice::cross(choice::select_forms(o.forms.empty() ? defaults.forms : o.forms),
+    const auto rows = choice::cross(choice::select_forms(choice::words_or(o.forms, defaults.forms)),
                                     choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
     const std::vector<const Metric*> asked = choice::select_metrics(o.metrics, work.made);
@@ -277,7 +278,8 @@ void add_report(CLI::App& program, const Common& common, Command& chosen) {
     command->add_option("SUBJECT", o->subjects,
                         "Scenes and sweeps, by file or name (default: those of data/report.toml)");
     choice::add_list(*command, "-i,--intersector", o->forms,
-                     "Forms, by name or glob (default: those of data/report.toml, and those that claims name)");
+                     "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
+                     "of --plugin, --pipe and --shader)");
     choice::add_list(*command, "-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
     choice::add_list(*command, "--metric", o->metrics, "Metrics in addition to the default ones; globs");

@@ -1,6 +1,7 @@
 #include "analysis/choice/doors.hpp"
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -8,11 +9,13 @@
 #include <system_error>
 #include <thread>
 
+#include "analysis/choice/options.hpp"
 #include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
@@ -55,6 +58,14 @@ std::vector<ForeignForm> served_by_each(const std::string& shader, const DoorWor
     }
     if (forms.empty()) throw EnvironmentError("--device all: no driver can run shaders here:" + lacks);
     return forms;
+}
+
+/// Of the forms that are not in the catalogue.
+std::vector<std::string> names_added() {
+    std::vector<std::string> names;
+    for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
+        names.emplace_back(form.info->name);
+    return names;
 }
 
 }  // namespace
@@ -125,6 +136,30 @@ void open_doors(const DoorWords& words, int threads) {
     });
     intersect::doors::enroll_formulas(found.formulas);
     intersect::doors::enroll(std::move(found.forms));
+}
+
+std::vector<std::string> words_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
+    if (!given.empty()) return given;
+    std::ranges::move(names_added(), std::back_inserter(defaults));
+    return defaults;
+}
+
+void note_unasked(const CLI::App& command) {
+    const std::vector<std::string> names = names_added();
+    const CLI::Option* const forms = command.get_option_no_throw("--intersector");
+    if (names.empty() || forms == nullptr || forms->count() == 0) return;
+    std::vector<std::string> words;
+    for (const CLI::Option* option : {forms, command.get_option_no_throw("--against")}) {
+        for (const std::string& result : option ? option->results() : std::vector<std::string>())
+            std::ranges::move(items_in(result, option->get_name()), std::back_inserter(words));
+    }
+    const auto is_asked = [&words](const std::string& name) {
+        return std::ranges::any_of(words,
+                                   [&](const auto& word) { return fnmatch(word.c_str(), name.c_str(), 0) == 0; });
+    };
+    if (std::ranges::none_of(names, is_asked))
+        fmt::print(stderr, "lostbits: {} {} loaded and not asked for; add -i {}\n", fmt::join(names, ", "),
+                   names.size() == 1 ? "is" : "are", names.front());
 }
 
 }  // namespace lostbits::analysis::choice

@@ -1,6 +1,8 @@
 // Intersectors from outside, as the command line names them.
 #pragma once
 
+#include <CLI/CLI.hpp>
+
 #include <string>
 #include <vector>
 
@@ -37,5 +39,11 @@ Behind open_each(const DoorWords& words, int threads);
 
 /// The same, and adds the forms to the table. Before any row is asked for.
 void open_doors(const DoorWords& words, int threads);
+
+/// The words of -i; where there are none, `defaults` and the names of all forms that were added.
+std::vector<std::string> words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
+
+/// Says on stderr where -i and --against, of a command that was parsed, name none of the forms that were added.
+void note_unasked(const CLI::App& command);
 
 }  // namespace lostbits::analysis::choice

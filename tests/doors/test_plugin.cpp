@@ -90,6 +90,29 @@ TEST_CASE("plugin: a form that says only whether it hits is judged by its decisi
     CHECK((row["ulp_error_max"].empty() || row["ulp_error_max"] == "nan"));
 }
 
+TEST_CASE("plugin: its forms are measured where -i names none, and where -i names others that is said", "[doors]") {
+    const Scratch folder;
+    const std::string with = " --size 24x16 -f f32 -o out" + plugin("schoolbook"),
+                      said = "example.schoolbook is loaded";
+    const Outcome offsets = run("offsets offset-tiny" + with, folder.path());
+    INFO(offsets.err);
+    REQUIRE(offsets.code == 0);
+    CHECK(!has(offsets.err, said));
+    CHECK(row_of(folder.path() / "out/offset-tiny/summary.csv", "example.schoolbook", "f32").size() > 10);
+    const Outcome drawn = run("render raycast-acne --variant none" + with, folder.path());
+    INFO(drawn.err);
+    REQUIRE(drawn.code == 0);
+    CHECK(row_of(folder.path() / "out/raycast-acne.none/summary.csv", "example.schoolbook", "f32").size() > 5);
+    for (const std::string words : {"-i sphere.unified", "-i 'box.*,sphere.unified' --against sphere.press"}) {
+        const Outcome other = run("map near-benign " + words + with, folder.path());
+        CHECK(other.code == 0);
+        CHECK(has(other.err, "lostbits: " + said + " and not asked for; add -i example.schoolbook"));
+        CHECK(!has(run("map near-benign -q " + words + with, folder.path()).err, said));
+    }
+    for (const std::string words : {"", "-i 'exam*'", "-i sphere.unified --against example.schoolbook"})
+        CHECK(!has(run("map near-benign " + words + with, folder.path()).err, said));
+}
+
 TEST_CASE("plugin: other commands take its forms too", "[doors]") {
     const Scratch folder;
     const std::string with = plugin("odd_plugin");
