@@ -1,6 +1,7 @@
 // node checks.js PROGRAM DATA FOLDER CHECK: makes the pages (`make`), or holds one of them to one promise.
 "use strict";
 
+const assert = require("node:assert/strict");
 const fs = require("node:fs");
 const path = require("node:path");
 const { execFileSync } = require("node:child_process");
@@ -55,10 +56,14 @@ function make() {
     fs.mkdirSync(at("odd"), { recursive: true });
     fs.writeFileSync(at("odd/one-pixel.toml"), oddScene(1, 1, 5));
     fs.writeFileSync(at("odd/no-hit.toml"), oddScene(24, 16, -5));
+    // A plane of every form in numbers that are worked out one at a time: four rays a step are enough to look at.
+    const plane = fs.readFileSync(path.join(data, "sweeps/sphere-height.toml"), "utf8");
+    assert.match(plane, /^views = 256$/m);
+    fs.writeFileSync(at("odd/sphere-height.toml"), plane.replace(/^views = 256$/m, "views = 4"));
     lostbits(
-        "report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), "sphere-height", "box-boundary", "sdf-max-steps",
-        "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f", "f32",
-        "--no-claims", "-o", at("odd"));
+        "report", at("odd/one-pixel.toml"), at("odd/no-hit.toml"), at("odd/sphere-height.toml"), "box-boundary",
+        "sdf-max-steps", "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f",
+        "f32", "--no-claims", "-o", at("odd"));
     lostbits("report", sweep, "-i", "sphere.unified", "-f", "f32", ...once, "--no-claims", "-o", at("odd/sweep"));
     lostbits("report", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims", "-o", at("odd/cases"));
     lostbits("sweep", ...grids, ...gridForms, ...two, ...once, "-o", at("sweep"));

@@ -10,6 +10,16 @@
 
 namespace lostbits::test {
 
+/// Whether the program was built with a sanitizer of addresses or threads. Those reserve terabytes before anything
+/// runs, so that no limit of memory lets the program start, and take ten times as long.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool under_sanitizer = true;
+#elif defined(__has_feature)
+inline constexpr bool under_sanitizer = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+inline constexpr bool under_sanitizer = false;
+#endif
+
 struct Outcome {
     int code = 0;  ///< the exit code, or 128 + the signal
     std::string out, err;

@@ -49,16 +49,6 @@ std::string exr_head(std::uint64_t side) {
 /// Seconds of work after which a run is ended: far above what it takes, far below what it took.
 std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds) + ";"; }
 
-/// Whether the program was built with a sanitizer of addresses or threads: those reserve terabytes before anything
-/// runs, so that no limit of memory lets the program start.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool under_sanitizer = true;
-#elif defined(__has_feature)
-inline constexpr bool under_sanitizer = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-inline constexpr bool under_sanitizer = false;
-#endif
-
 }  // namespace
 
 TEST_CASE("a picture that claims more than its file can hold is refused before memory is taken") {
