@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include <algorithm>
 #include <iterator>
@@ -41,9 +40,7 @@ struct CheckOptions {
 
     [[nodiscard]] bool timing() const { return profile == "timing"; }
     [[nodiscard]] bool selects(const std::string& id) const {
-        return filters.empty() || std::ranges::any_of(filters, [&id](const std::string& f) {
-                   return fnmatch(f.c_str(), id.c_str(), 0) == 0;
-               });
+        return filters.empty() || choice::matches_any(filters, id);
     }
 };
 
@@ -238,7 +235,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
-    const bool whole = o.shard.empty() && !common.joined;  // whose files nobody asks for: walking the data takes time
+    // Only a shard writes down which files it read: a whole run is spared the walk over the data.
+    const bool whole = o.shard.empty() && !common.joined;
     Divided divided =
         divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
     std::unique_ptr<output::file::ResultFolder> folder;

@@ -117,7 +117,7 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
 Exit run(const OffsetOptions& o, const Common& common) {
     require_folder(o.out);
     const auto& usual = measure::offset::usual_forms;
-    auto rows = choice::cross(choice::select_forms(choice::words_or(o.forms, {usual.begin(), usual.end()})),
+    auto rows = choice::cross(choice::select_forms(choice::form_words_or(o.forms, {usual.begin(), usual.end()})),
                               choice::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
     if (rows.empty())

@@ -97,7 +97,7 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto forms = choice::select_forms(choice::words_or(o.forms, {"sphere.expanded"}));  // the source's own
+    const auto forms = choice::select_forms(choice::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
     const auto rows = choice::fitting(choice::cross(forms, choice::select_formats(o.formats)),
                                       [](Shape shape) { return shape == Shape::sphere; });
     if (rows.empty())

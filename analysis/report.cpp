@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fnmatch.h>
 
 #include <algorithm>
 #include <memory>
@@ -149,9 +148,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
 /// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all
 /// are.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
-    if (!o.claims.empty())
-        return std::ranges::any_of(
-            o.claims, [&](const std::string& glob) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; });
+    if (!o.claims.empty()) return choice::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
     return std::ranges::any_of(work.maps, [&](const MapWork& m) { return m.scene.id == c.scene; }) ||
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
@@ -170,12 +167,11 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     for (const std::string& glob : o.claims) {
-        const auto named = [&glob](const Claim& c) { return fnmatch(glob.c_str(), c.id.c_str(), 0) == 0; };
-        if (std::ranges::none_of(claims, named))
+        if (std::ranges::none_of(claims, [&glob](const Claim& c) { return choice::matches_any({glob}, c.id); }))
             throw InputError("--claims " + glob +
                              ": no claim of the results has such an id; `lostbits list claims` names them");
     }
-    const auto rows = choice::cross(choice::select_forms(choice::words_or(o.forms, defaults.forms)),
+    const auto rows = choice::cross(choice::select_forms(choice::form_words_or(o.forms, defaults.forms)),
                                     choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
     const std::vector<const Metric*> asked = choice::select_metrics(o.metrics, work.made);

@@ -1,7 +1,6 @@
 #include "analysis/choice/doors.hpp"
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -138,7 +137,7 @@ void open_doors(const DoorWords& words, int threads) {
     intersect::doors::enroll(std::move(found.forms));
 }
 
-std::vector<std::string> words_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
+std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
     if (!given.empty()) return given;
     std::ranges::move(names_added(), std::back_inserter(defaults));
     return defaults;
@@ -153,11 +152,7 @@ void note_unasked(const CLI::App& command) {
         for (const std::string& result : option ? option->results() : std::vector<std::string>())
             std::ranges::move(items_in(result, option->get_name()), std::back_inserter(words));
     }
-    const auto is_asked = [&words](const std::string& name) {
-        return std::ranges::any_of(words,
-                                   [&](const auto& word) { return fnmatch(word.c_str(), name.c_str(), 0) == 0; });
-    };
-    if (std::ranges::none_of(names, is_asked))
+    if (std::ranges::none_of(names, [&words](const auto& name) { return matches_any(words, name); }))
         fmt::print(stderr, "lostbits: {} {} loaded and not asked for; add -i {}\n", fmt::join(names, ", "),
                    names.size() == 1 ? "is" : "are", names.front());
 }

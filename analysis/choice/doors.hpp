@@ -41,7 +41,7 @@ Behind open_each(const DoorWords& words, int threads);
 void open_doors(const DoorWords& words, int threads);
 
 /// The words of -i; where there are none, `defaults` and the names of all forms that were added.
-std::vector<std::string> words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
+std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
 
 /// Says on stderr where -i and --against, of a command that was parsed, name none of the forms that were added.
 void note_unasked(const CLI::App& command);

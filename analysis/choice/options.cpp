@@ -1,5 +1,7 @@
 #include "analysis/choice/options.hpp"
 
+#include <fnmatch.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -60,6 +62,11 @@ std::vector<std::string> items_in(const std::string& word, const std::string& op
         begin = end + 1;
     }
     return all;
+}
+
+bool matches_any(const std::vector<std::string>& patterns, const std::string& name) {
+    return std::ranges::any_of(patterns,
+                               [&name](const auto& pattern) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; });
 }
 
 CLI::Option* add_list(CLI::App& command, const std::string& names, std::vector<std::string>& into,

@@ -11,6 +11,9 @@ namespace lostbits::analysis::choice {
 /// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
 std::vector<std::string> items_in(const std::string& word, const std::string& option);
 
+/// Whether a name is, or fits, one of the patterns (fnmatch).
+bool matches_any(const std::vector<std::string>& patterns, const std::string& name);
+
 /// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The word
 /// after its value is never its own: that is the scene.
 CLI::Option* add_list(CLI::App& command, const std::string& names, std::vector<std::string>& into,
