@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "cli/program.hpp"
 #include "fuzz/fuzz.hpp"
 #include "scene/rays/random.hpp"
 
@@ -67,6 +68,7 @@ TEST_CASE("what fuzzing found is an error that says something, or read", "[fuzz]
 }
 
 TEST_CASE("every seed of the fuzzers is read, and so is what becomes of it with some bytes changed", "[fuzz]") {
+    constexpr std::size_t changed_seeds = under_sanitizer ? 40 : 400;  // of a target, over all its seeds
     scene::rays::Random random(19);
     for (const Target& target : fuzz::targets) {
         const auto seeds = files_in(fs::path(LOSTBITS_FUZZ_SEEDS) / target.name);
@@ -76,7 +78,7 @@ TEST_CASE("every seed of the fuzzers is read, and so is what becomes of it with 
             const std::string bytes = bytes_of(file);
             INFO(file);
             CHECK_NOTHROW(target.run(bytes));
-            for (std::size_t i = 0; i < 400 / seeds.size() + 1; ++i) {
+            for (std::size_t i = 0; i < changed_seeds / seeds.size() + 1; ++i) {
                 const std::string other = changed(bytes, random);
                 INFO(other);
                 REQUIRE_NOTHROW(target.run(other));
