@@ -9,8 +9,8 @@
 
 namespace lostbits::intersect::device {
 
-/// Of a compute program. CompileError with what glslang says, and for HLSL that reads what nobody sets;
-/// EnvironmentError where glslang is missing.
+/// SPIR-V of a compute program, made by glslang. CompileError with its messages, and for HLSL that reads a variable
+/// which nobody sets; EnvironmentError where glslang is missing.
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language);
 
 }  // namespace lostbits::intersect::device

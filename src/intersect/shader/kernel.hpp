@@ -28,9 +28,9 @@ inline constexpr int our_first_line = 1'000'001;
 /// without moving a column. Uniforms are variables that hold 0, as they do where nobody sets them.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
-/// A file in float in doubles, or the other way, token by token: types (`vec3`, `dvec3`), and numbers with a point or
-/// an exponent (`0.1`, `0.1LF`). Functions that have no form for doubles (`sin`, `pow`) are left for the compiler to
-/// refuse.
+/// A file that computes in float, made to compute in double, or the other way, token by token: types (`vec3`, `dvec3`)
+/// and numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that have no form for doubles (`sin`, `pow`) are
+/// left for the compiler to refuse.
 std::string rewritten(const std::string& text, bool to_doubles);
 
 }  // namespace lostbits::intersect::shader
