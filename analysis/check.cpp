@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -209,8 +210,28 @@ std::map<std::string, std::string> show_moves(const CheckOptions& o, const outpu
     return words;
 }
 
+/// InputError where two options name one file, of which the later would overwrite the earlier. A baseline may be
+/// compared with and replaced.
+void require_different_files(const CheckOptions& o) {
+    const std::array<std::pair<const char*, const std::string*>, 6> named{{{"--against", &o.against},
+                                                                           {"--save", &o.save},
+                                                                           {"--junit", &o.junit},
+                                                                           {"--export-csv", &o.csv},
+                                                                           {"--export-json", &o.json},
+                                                                           {"--moves", &o.moves}}};
+    std::map<std::filesystem::path, const char*> taken;
+    for (const auto& [option, file] : named) {
+        if (file->empty() || (file == &o.save && o.save == o.against)) continue;
+        const auto [place, fresh] = taken.emplace(std::filesystem::weakly_canonical(*file), option);
+        if (!fresh)
+            throw InputError(fmt::format("{} {}: {} names the same file; give each a file of its own", option, *file,
+                                         place->second));
+    }
+}
+
 Exit run(const CheckOptions& o, const Common& common) {
     check_shard_options(o);
+    require_different_files(o);
     if (!o.moves.empty() && o.against.empty())
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
@@ -78,14 +79,16 @@ void refuse_others(const ChooseOptions& o, bool files) {
 }
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
-std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id,
+std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
                                           const std::function<bool(Shape)>& meets) {
     const auto formats = choice::select_formats(o.formats);
     if (std::ranges::all_of(formats, choice::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
-    return choice::timed_on(id, choice::cross(choice::select_forms(o.forms), formats), meets);
+    auto rows = choice::timed_on(id, choice::cross(choice::select_forms(o.forms), formats), meets);
+    choice::note_unmeasured(o.forms, rows, quiet);
+    return rows;
 }
 
 ChoiceRequest request_of(const ChooseOptions& o) {
@@ -130,7 +133,7 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
         choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set}, choice::data_folder(common.data));
     ChoiceRequest request = request_of(o);
     request.scene = &scene;
-    request.rows = rows_of(o, scene.id, [&scene](Shape shape) { return scene.meets(shape); });
+    request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shape shape) { return scene.meets(shape); });
     const auto emulated =
         std::stable_partition(request.rows.begin(), request.rows.end(),
                               [](const measure::map::MapRow& row) { return !choice::is_emulated(row.format); });
@@ -160,7 +163,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
         .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
     const auto& layout = dump->layout();
     ChoiceRequest request = request_of(o);
-    request.rows = rows_of(o, id, [&](Shape shape) {
+    request.rows = rows_of(o, id, common.quiet, [&](Shape shape) {
         return layout.solid() ? *layout.solid() == shape : terms.solids.front().shape == shape;
     });
     const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
@@ -107,9 +108,10 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    choice::drop_unfitting(
+    const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
+    choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<ConsistencyRequest> requests;

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
@@ -127,6 +128,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     request.rows = rows_of(
         o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr,
         !common.quiet && !(common.doors.plugins.empty() && common.doors.pipes.empty() && common.doors.shaders.empty()));
+    if (!o.forms.empty()) choice::note_unmeasured(o.forms, request.rows, common.quiet);
 
     if (!o.against.empty()) {
         choice::hold_against(request.rows, o.against, common.quiet);

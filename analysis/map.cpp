@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/range.hpp"
@@ -239,9 +240,10 @@ Exit run(MapOptions o, const Common& common) {
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    choice::drop_unfitting(
+    const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
         [](const Scene& s) { return s.id; });
+    choice::note_unmeasured(o.forms, met, common.quiet);
     static_cast<void>(choice::parse_range(o.range, drawn));  // a mistake ends the run before any work
     const choice::ThreadLimit limit(common.threads);
 
@@ -269,9 +271,11 @@ Exit run(MapOptions o, const Common& common) {
     auto folder = folders.begin();
     for (SceneWork& work : works) {
         measure::truth::StageCounts stages;
+        const auto bands =
+            measure::map::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
         output::file::Estimate estimate(progress, work.map.scene->id,
                                         work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
-                                        common.quiet);
+                                        common.quiet, bands);
         work.map.progress = [&](std::uint64_t done) {
             estimate.advance(done);
             advance(done);

@@ -126,9 +126,10 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
     auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    choice::drop_unfitting(
+    const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
+    choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<OffsetRequest> requests;

@@ -103,6 +103,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     if (rows.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
+    choice::note_unmeasured(o.forms, rows, common.quiet);
     const auto scenes =
         renderable(choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data)));
     const choice::ThreadLimit limit(common.threads);

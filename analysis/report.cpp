@@ -217,6 +217,10 @@ Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
     const auto data = choice::data_folder(common.data);
     Work work = plan(o, data);
+    std::vector<MapRow> shown;
+    for (const MapWork& map : work.maps) shown.insert(shown.end(), map.rows.begin(), map.rows.end());
+    for (const SweepWork& sweep : work.sweeps) shown.insert(shown.end(), sweep.rows.begin(), sweep.rows.end());
+    choice::note_unmeasured(o.forms, shown, common.quiet);
     const choice::ThreadLimit limit(common.threads);
     const auto folder = own_folder(o.out, common, common.typed.all_subjects(), {.shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");

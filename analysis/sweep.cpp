@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
@@ -141,11 +142,11 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     request.further_draws = o.seeds.value_or(2);
     request.recoveries = true;
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
+    output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     const auto owner = chosen.own(folder, path, common);
-    std::optional<output::sweep::SweepFiles> files;
-    if (owner) files.emplace(request, folder);
+    const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
     Watched progress(sweep.id, measure::sweep::sweep_units(request) / request.share.of, common);
     request.progress = progress.advancing();
@@ -285,9 +286,10 @@ Exit run(SweepOptions o, const Common& common) {
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o, data)});
     }
-    choice::drop_unfitting(
+    const auto met = choice::drop_unfitting(
         sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
         [](const Sweep& s) { return s.path.stem().string(); });
+    choice::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
         std::ranges::move(files_of(sweep.path, sweep.kind, o, data), std::back_inserter(files));

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/timed.hpp"
@@ -69,6 +70,8 @@ Exit run(const TradeOptions& o, const Common& common) {
     std::optional<Scene> scene;
     if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set}, data);
     TradeRequest request = scene ? request_for(*scene, rows) : request_for(o.shape, rows);
+    const auto fits = [&request](Shape shape) { return shape == request.shape; };
+    choice::note_unmeasured(o.forms, choice::fitting(rows, fits), common.quiet);
     request.plan = plan_of(o);
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const std::string name = scene ? scene->id : o.shape;

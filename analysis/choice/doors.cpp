@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <system_error>
 #include <thread>
 
 #include "analysis/choice/options.hpp"
+#include "analysis/choice/select.hpp"
 #include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
@@ -65,6 +67,15 @@ std::vector<std::string> names_added() {
     for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
         names.emplace_back(form.info->name);
     return names;
+}
+
+const char* solids_of(Shape shape) {
+    switch (shape) {
+        case Shape::sphere: return "spheres";
+        case Shape::box: return "boxes";
+        case Shape::sdf: return "fields of distances";
+    }
+    return "";
 }
 
 }  // namespace
@@ -141,6 +152,25 @@ std::vector<std::string> form_words_or(const std::vector<std::string>& given, st
     if (!given.empty()) return given;
     std::ranges::move(names_added(), std::back_inserter(defaults));
     return defaults;
+}
+
+void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet) {
+    const std::vector<std::string> added = names_added();
+    const auto is_asked = [&](const std::string& name) {
+        if (std::ranges::find(words, name) != words.end()) return true;
+        return std::ranges::find(added, name) != added.end() && (words.empty() || matches_any(words, name));
+    };
+    std::map<std::string, std::vector<std::string_view>> left_out;  // by what they are for
+    for (const auto& form : intersect::table::intersectors()) {
+        if (quiet || !is_asked(std::string(form.info->name))) continue;
+        if (std::ranges::any_of(rows, [&form](const auto& row) { return row.form == &form; })) continue;
+        const std::string formats = formats_of(form);
+        left_out[fmt::format("for {} in {}", solids_of(form.shape), formats == "all" ? "every format" : formats)]
+            .push_back(form.info->name);
+    }
+    for (const auto& [what, names] : left_out)
+        fmt::print(stderr, "lostbits: left out: {} {} {}, and nothing else that is selected fits that\n",
+                   fmt::join(names, ", "), names.size() == 1 ? "is" : "are", what);
 }
 
 void note_unasked(const CLI::App& command) {

@@ -8,6 +8,7 @@
 
 #include "intersect/doors/contract.hpp"
 #include "intersect/doors/formulas.hpp"
+#include "measure/map/map.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -45,5 +46,9 @@ std::vector<std::string> form_words_or(const std::vector<std::string>& given, st
 
 /// Says on stderr where -i and --against, of a command that was parsed, name none of the forms that were added.
 void note_unasked(const CLI::App& command);
+
+/// Says on stderr, unless `quiet`, which forms that `words` of -i name in full, or that were added and are asked for,
+/// are in none of the rows that are measured: their shape or their formats fit nothing.
+void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet);
 
 }  // namespace lostbits::analysis::choice

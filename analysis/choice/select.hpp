@@ -82,10 +82,11 @@ std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow
 std::string globs_of(const std::function<bool(Shape)>& meets);
 
 /// Drops what no selected form handles and says so on stderr unless `quiet`; `meets(thing, Shape)` tells which shapes
-/// of forms can handle a thing, `name_of` its name. NothingSelected where that leaves none.
+/// of forms can handle a thing, `name_of` its name. NothingSelected where that leaves none. The rows that are left
+/// something to do.
 template <class Things, class Meets, class NameOf>
-void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows, bool quiet, Meets meets,
-                    NameOf name_of) {
+std::vector<measure::map::MapRow> drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows,
+                                                 bool quiet, Meets meets, NameOf name_of) {
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
         const auto can = [&](Shape shape) { return meets(thing, shape); };
@@ -102,6 +103,9 @@ void drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& row
     for (const std::string& each : left_out) {
         if (!quiet) std::fprintf(stderr, "lostbits: left out: %s\n", each.c_str());
     }
+    return fitting(rows, [&](Shape shape) {
+        return std::ranges::any_of(things, [&](const auto& thing) { return meets(thing, shape); });
+    });
 }
 
 /// Limits every parallel loop to that many threads while it lives; 0 stands for one per core.

@@ -37,6 +37,10 @@ std::vector<fs::path> state_files(const fs::path& named) {
         const fs::path file = entry.path() / output::shard::state_file_name;
         if (fs::is_regular_file(file, ignored)) found.push_back(file);
     }
+    if (!fs::exists(named, ignored))
+        throw InputError(
+            named.string() +
+            ": there is no such folder; name the -o of runs with --shard, or the shard-K-of-N folders in it");
     if (found.empty())
         throw InputError(named.string() +
                          ": holds no shard; name the -o of runs with --shard, or the shard-K-of-N folders in it");

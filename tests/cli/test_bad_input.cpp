@@ -33,6 +33,7 @@ const BadScene bad_scenes[] = {
     {"syntax", spoilt("kind = \"orthographic\"", "kind = \"orthographic"), ":9:", ""},
     {"another schema", spoilt("lostbits-scene/1", "lostbits-scene/9"), ":1:", "lostbits-scene/1"},
     {"unknown camera", spoilt("\"orthographic\"", "\"orthografic\""), ":9:8:", "orthographic"},
+    {"a book for a title", spoilt("title = \"", "title = \"" + std::string(400, 'x')), ":2:9:", "400 are enough"},
     {"unknown inputs", spoilt("\"shared\"", "\"sharde\""), ":5:10:", "shared"},
 };
 
@@ -162,4 +163,24 @@ TEST_CASE("what once broke it: endless keys, ids that leave the folder, closed s
                            "' & child=$!; sleep 1; kill -TERM $child; wait $child; exit $?");
     CHECK(ended.code == 130);
     CHECK(scratch.files() == std::vector<std::string>{"...toml", "deep.toml", "scene.toml"});
+}
+
+TEST_CASE("an axis that is named like a column of the results is refused before the work") {
+    for (const char* name : {"form", "worst_explain", "hex", "views"}) {
+        const Scratch scratch;
+        std::string text = small_sweep;
+        text.replace(text.find("distance_radii"), 14, name);
+        const auto r = run("sweep " + scratch.write("s.toml", text) + " -i sphere.press -f f32 -o out", scratch.path());
+        INFO(name << ": " << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err,
+                  "s.toml:11:8: an axis that is named \"" + std::string(name) + "\" gives the results two columns"));
+        CHECK(scratch.files().size() == 1);
+    }
+}
+
+TEST_CASE("an index that no array has is too large, not no number") {
+    const auto r = run("map near-benign --set 'sphere[99999999999999999999].radius=1' -o out");
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "has an index that is too large"));
 }

@@ -28,6 +28,7 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     char hex[40];
     std::snprintf(hex, sizeof hex, "%a", std::nextafter(now, -HUGE_VAL));
     baseline["claims"][0]["measured_hex"] = hex;
+    baseline["claims"][0]["measured"] = std::nextafter(now, -HUGE_VAL);
     baseline["claims"].erase(baseline["claims"].size() - 1);
     auto gone = baseline["claims"][0];
     gone["id"] = "float.gone|*";
@@ -70,6 +71,57 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
         static_cast<void>(scratch.write("b.json", text));
         refused("--against '" + place + "'", "name a file that `lostbits check --save` wrote");
     }
+    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
+    const auto good = nlohmann::json::parse(contents(place));
+    const auto changed = [&](const char* key, const nlohmann::json& value, const std::string& says) {
+        auto baseline = good;
+        baseline["claims"][1][key] = value;
+        static_cast<void>(scratch.write("b.json", baseline.dump()));
+        refused("--against '" + place + "'", says);
+    };
+    changed("id", good["claims"][0]["id"], "twice");
+    changed("state", "splendid", "in the state \"splendid\", which no claim is ever in");
+    changed("measured_hex", "0x1p99999", "\"0x1p99999\" is not a number that a double holds");
+    changed("measured", 5, "someone has changed one of them");
+    changed("measured", "nan", "someone has changed one of them");
+    changed("quantity", 1, "a key is missing, or is of another type");
+    static_cast<void>(scratch.write("b.json", "{\"schema\":\n  \"lostbits-baseline/1\",,"));
+    refused("--against '" + place + "'", "b.json:2:25: is not JSON from here on");
+    static_cast<void>(scratch.write("b.json", "{}"));
+    refused("--against '" + place + "'", "has no schema, where lostbits-baseline/1 is read");
     refused("--moves m.md", "add --against BASELINE.json");
     refused("--profile timing --save '" + place + "'", "--profile timing cannot be combined with");
+}
+
+TEST_CASE("a baseline of other claims, or of another quantity, is said to be one") {
+    const Scratch scratch;
+    const std::string place = (scratch.path() / "b.json").string(), check = "check --filter 'float.*' --against '";
+    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
+    auto baseline = nlohmann::json::parse(contents(place));
+    baseline["claims"][0]["quantity"] = "p99 of something else";
+    static_cast<void>(scratch.write("b.json", baseline.dump()));
+    const auto moved = run(check + place + "'");
+    CHECK(has(moved.out, "1 measured value moved"));
+    CHECK(has(moved.out, "agrees, of another quantity"));
+    for (auto& claim : baseline["claims"]) claim["id"] = "other." + claim["id"].get<std::string>();
+    static_cast<void>(scratch.write("b.json", baseline.dump()));
+    CHECK(has(run(check + place + "'").out, "no claim is in both runs"));
+}
+
+TEST_CASE("two options of check that name one file are refused") {
+    const Scratch scratch;
+    const auto in = [&scratch](const std::string& name) { return " '" + (scratch.path() / name).string() + "'"; };
+    for (const std::string& options :
+         {"--export-csv" + in("x") + " --export-json" + in("x"),
+          "--save" + in("x") + " --junit" + in("../" + scratch.path().filename().string() + "/x"),
+          "--against" + in("x") + " --moves" + in("x")}) {
+        const auto r = run("check --filter 'float.*' " + options);
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "names the same file; give each a file of its own"));
+        CHECK(scratch.files().empty());
+    }
+    const std::string check = "check --filter 'float.*' --save" + in("b.json");
+    CHECK(run(check).code == 0);
+    CHECK(run(check + " --against" + in("b.json")).code == 0);
 }

@@ -84,6 +84,23 @@ TEST_CASE("titles and names of files are text on a terminal") {
     }
 }
 
+TEST_CASE("a column that is named like a formula is text in the table of rays") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,=cmd()\n0,0,5,0,0,-1,=cmd()\n"));
+    const auto r = run("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    std::size_t tables = 0;
+    for (const std::string& file : scratch.files()) {
+        const std::string text = contents(scratch.path() / file);
+        if (!file.ends_with(".csv") || file == "rays.csv" || !has(text, "cmd()")) continue;
+        ++tables;
+        CHECK(has(text, ",'=cmd(),outcome,"));
+        CHECK_FALSE(has(text, ",=cmd()"));
+    }
+    CHECK(tables == 1);
+}
+
 TEST_CASE("a file that would have a terminal obey is refused") {
     const Scratch scratch;
     static_cast<void>(scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")")));

@@ -188,7 +188,9 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
     refused("merge" + folder(1) + folder(3), "2 of 4 shards are missing: 2 and 4; nothing was joined");
     refused("merge" + folder(1) + folder(2) + folder(3), "1 of 4 shards is missing: 4; nothing was joined");
     refused("merge" + folder(1) + folder(2) + folder(3), " --shard 4/4` for it, with the -o of the others");
-    refused("merge " + shell_word(scratch.path() / "nowhere"), "holds no shard");
+    refused("merge " + shell_word(scratch.path() / "nowhere"), "there is no such folder");
+    fs::create_directories(scratch.path() / "empty");
+    refused("merge " + shell_word(scratch.path() / "empty"), "holds no shard");
     fs::create_directories(scratch.path() / "copy");
     fs::copy(shard_folder(parts, 2, 4), scratch.path() / "copy/again");
     refused("merge " + shell_word(parts) + " " + shell_word(scratch.path() / "copy"), "is shard 2/4, and so is");

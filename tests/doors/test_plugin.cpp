@@ -113,6 +113,34 @@ TEST_CASE("plugin: its forms are measured where -i names none, and where -i name
         CHECK(!has(run("map near-benign " + words + with, folder.path()).err, said));
 }
 
+TEST_CASE("plugin: a form that fits nothing that is measured is said to be left out", "[doors]") {
+    const Scratch folder;
+    const std::string with = " -o out" + plugin("odd_plugin");
+    for (const std::string words :
+         {"map near-benign --size 16x16 -i odd.first -i sphere.unified -f f64",
+          "map box-one --size 16x16 -i odd.first -i box.baseline -f f32",
+          "sweep sphere-distance --steps 3 -i odd.first -i sphere.unified -f f64",
+          "offsets offset-tiny --size 16x16 -i odd.first -i sphere.unified -f f64",
+          "consistency near-benign --size 16x16 -i odd.first -i sphere.unified -f f64",
+          "render raycast-acne --variant none --size 16x16 -i odd.first -i sphere.unified -f f64",
+          "report near-benign --size 16x16 --no-claims -i odd.first -i sphere.unified -f f64",
+          "trade --quick --repetitions 1 -i odd.first -i sphere.unified -f f64"}) {
+        const Outcome other = run(words + with, folder.path());
+        INFO(words << ": " << other.err);
+        CHECK(other.code == 0);
+        CHECK(has(other.err, "lostbits: left out: odd.first is for spheres in f32, and nothing else that is selected"));
+        CHECK_FALSE(has(run(words + " -q" + with, folder.path()).err, "left out"));
+    }
+    for (const std::string words : {"map box-one --size 16x16 -f f32", "offsets offset-tiny --size 16x16 -f f64"})
+        CHECK(has(run(words + with, folder.path()).err, "left out: odd.right, odd.first, odd.predicate, "));
+    // Named in full, a form of the catalogue is no different; named by a pattern, it is one of many.
+    const std::string box = "map box-one --size 16x16 -f f32 -o out -i box.baseline -i ";
+    CHECK(
+        has(run(box + "sphere.unified", folder.path()).err, "left out: sphere.unified is for spheres in every format"));
+    CHECK_FALSE(has(run(box + "'sphere.uni*'", folder.path()).err, "left out"));
+    CHECK_FALSE(has(map_by("odd.first", folder).err, "left out"));
+}
+
 TEST_CASE("plugin: other commands take its forms too", "[doors]") {
     const Scratch folder;
     const std::string with = plugin("odd_plugin");

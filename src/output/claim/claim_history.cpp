@@ -4,9 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <set>
+#include <string_view>
+#include <utility>
 
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
@@ -45,7 +49,8 @@ std::string state_text(const ClaimMove& move) {
     if (!move.before) return "new: " + move.now->state;
     if (!move.now) return "gone";
     const bool same = move.before->state == move.now->state;
-    return same ? move.now->state : move.before->state + " -> " + move.now->state;
+    return (same ? move.now->state : move.before->state + " -> " + move.now->state) +
+           (move.before->quantity == move.now->quantity ? "" : ", of another quantity");
 }
 
 std::string interval_text(const ClaimMove& move) {
@@ -58,9 +63,57 @@ std::string now_text(const ClaimMove& move) { return move.now ? number_text(move
 
 std::string summary_text(const ClaimMoves& moves) {
     const std::size_t n = moves.moves.size();
-    return n == 0 ? fmt::format("no measured value moved; {} are the same", moves.same)
+    const bool foreign = n > 0 && moves.same == 0 &&
+                         std::ranges::none_of(moves.moves, [](const auto& move) { return move.before && move.now; });
+    if (foreign) return "no claim is in both runs: the earlier one was of other claims, or --filter leaves its out";
+    return n == 0 ? fmt::format("no measured value moved; {} {} the same", moves.same, moves.same == 1 ? "is" : "are")
                   : fmt::format("{} measured value{} moved, {} {} the same", n, n == 1 ? "" : "s", moves.same,
                                 moves.same == 1 ? "is" : "are");
+}
+
+constexpr const char* remedy = "name a file that `lostbits check --save` wrote";
+
+/// What is wrong with a file.
+class Refusal {
+public:
+    explicit Refusal(std::string path) : path_(std::move(path)) {}
+    [[noreturn]] void operator()(const std::string& what) const {
+        throw InputError(path_ + ": " + file::terminal_line(what) + "; " + remedy);
+    }
+
+private:
+    std::string path_;
+};
+
+/// Of a hexadecimal float, or `inf`, `-inf` and `nan`.
+double number_in(const nlohmann::json& hex, const Refusal& refuse) {
+    const auto& text = hex.get_ref<const std::string&>();
+    char* end = nullptr;
+    const double x = std::strtod(text.c_str(), &end);
+    const bool overflows = std::isinf(x) && text.find("inf") == std::string::npos;
+    if (text.empty() || end != text.c_str() + text.size() || overflows)
+        refuse("\"" + text + "\" is not a number that a double holds");
+    return x;
+}
+
+MeasuredClaim claim_in(const nlohmann::json& json, const Refusal& refuse) {
+    MeasuredClaim claim{.id = json.at("id").get<std::string>(),
+                        .quantity = json.at("quantity").get<std::string>(),
+                        .state = json.at("state").get<std::string>(),
+                        .measured = number_in(json.at("measured_hex"), refuse),
+                        .low = number_in(json.at("expected_hex").at(0), refuse),
+                        .high = number_in(json.at("expected_hex").at(1), refuse)};
+    using State = measure::claim::ClaimResult::State;
+    const auto is_it = [&claim](State s) { return claim.state == state_name(s); };
+    if (std::ranges::none_of(std::array{State::agrees, State::disagrees, State::broken, State::skipped}, is_it))
+        refuse("has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
+    const auto& decimal = json.at("measured");
+    const bool same = decimal.is_string() ? decimal.get<std::string>() == file::decimal(claim.measured)
+                                          : same_number(decimal.get<double>(), claim.measured);
+    if (!same)
+        refuse("says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
+               file::decimal(claim.measured) + ": someone has changed one of them");
+    return claim;
 }
 
 std::string made_text(const ClaimBaseline& run) {
@@ -110,33 +163,30 @@ void write_baseline(const std::filesystem::path& path, const ClaimBaseline& base
 }
 
 ClaimBaseline read_baseline(const std::filesystem::path& path) {
-    const auto refuse = [&path](const std::string& what) {
-        throw InputError(path.string() + ": " + what + "; name a file that `lostbits check --save` wrote");
-    };
+    const Refusal refuse(path.string());
+    const std::string text = file::read_file(path);
     ClaimBaseline run;
     try {
-        const auto all = nlohmann::json::parse(file::read_file(path));
-        if (all.value("schema", "") != baseline_schema) refuse("is not a baseline of this version");
+        const auto all = nlohmann::json::parse(text);
+        const std::string schema = all.value("schema", "");
+        if (schema != baseline_schema)
+            refuse(fmt::format("has {}, where {} is read", schema.empty() ? "no schema" : "the schema " + schema,
+                               baseline_schema));
         run.program = all.at("program").get<std::string>();
         run.compiler = all.at("compiler").get<std::string>();
         run.command = all.at("command").get<std::string>();
-        const auto number = [&refuse](const nlohmann::json& hex) {
-            const auto& text = hex.get_ref<const std::string&>();
-            char* end = nullptr;
-            const double x = std::strtod(text.c_str(), &end);
-            if (text.empty() || end != text.c_str() + text.size())
-                refuse("\"" + file::terminal_line(text) + "\" is not a number");
-            return x;
-        };
-        for (const auto& c : all.at("claims"))
-            run.claims.push_back({.id = c.at("id").get<std::string>(),
-                                  .quantity = c.at("quantity").get<std::string>(),
-                                  .state = c.at("state").get<std::string>(),
-                                  .measured = number(c.at("measured_hex")),
-                                  .low = number(c.at("expected_hex").at(0)),
-                                  .high = number(c.at("expected_hex").at(1))});
+        std::set<std::string> ids;
+        for (const auto& claim : all.at("claims")) {
+            run.claims.push_back(claim_in(claim, refuse));
+            if (!ids.insert(run.claims.back().id).second) refuse("has the claim " + run.claims.back().id + " twice");
+        }
+    } catch (const nlohmann::json::parse_error& error) {
+        const std::string_view before = std::string_view(text).substr(0, std::max<std::size_t>(error.byte, 1) - 1);
+        const auto line_begin = before.rfind('\n') + 1;  // of npos: 0
+        throw InputError(fmt::format("{}:{}:{}: is not JSON from here on; {}", path.string(),
+                                     1 + std::ranges::count(before, '\n'), before.size() - line_begin + 1, remedy));
     } catch (const nlohmann::json::exception&) {
-        refuse("cannot be read as a baseline");
+        refuse("cannot be read as a baseline: a key is missing, or is of another type");
     }
     return run;
 }

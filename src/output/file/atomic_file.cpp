@@ -84,17 +84,17 @@ const char* remedy(int error_number) {
     switch (error_number) {
         case ENOSPC:
         case EDQUOT:
-        case EFBIG: return "free space or choose another -o";
+        case EFBIG: return "free space or choose another place";
         case EACCES:
         case EPERM:
-        case EROFS: return "choose an -o that you may write to";
-        case ENOTDIR: return "a part of the path is a file; choose another -o";
-        case EISDIR: return "a folder has that name; choose another -o";
+        case EROFS: return "choose a place that you may write to";
+        case ENOTDIR: return "a part of the path is a file; choose another place";
+        case EISDIR: return "a folder has that name; choose another place";
         case EMFILE:
         case ENFILE: return "raise `ulimit -n` or select fewer forms";
         case ENAMETOOLONG: return "choose a shorter name";
         case ESPIPE: return "a pipe cannot hold this kind of file; give a file name";
-        default: return "choose another -o";
+        default: return "choose another place";
     }
 }
 

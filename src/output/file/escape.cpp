@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "output/file/csv.hpp"
 
@@ -71,12 +72,22 @@ std::string percent(std::string_view text, std::string_view those) {
     return out;
 }
 
-/// On one line, of characters that every reader takes.
+/// What turns other text around: comments and tables of source code can be made to read as what they are not.
+bool is_direction(char32_t c) {
+    return c == 0x61C || c == 0x200E || c == 0x200F || (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+}
+
+/// On one line, of characters that every reader takes and shows where they stand.
 std::string plain_line(std::string_view text) {
     std::string out;
     const std::string valid = xml_text(text);
-    std::ranges::replace_copy_if(
-        valid, std::back_inserter(out), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+    for (std::string_view rest = valid; !rest.empty();) {
+        const auto [code, size] = first_of(rest);
+        if (code == '\n' || code == '\t') out += ' ';
+        else if (is_direction(code)) out += "\xEF\xBF\xBD";
+        else out += rest.substr(0, size);
+        rest.remove_prefix(size);
+    }
     return out;
 }
 
@@ -99,13 +110,26 @@ std::string xml_text(std::string_view text) {
     return out;
 }
 
+namespace {
+
+/// Whether a reader of Markdown takes what stands there for one character: `&lt;`, `&#60;`.
+bool is_entity(std::string_view line, std::size_t at) {
+    if (line[at] != '&') return false;
+    const auto end = std::ranges::find_if_not(
+        line.substr(at + 1), [](unsigned char c) { return c == '#' || (c < 0x80 && std::isalnum(c) != 0); });
+    const auto length = static_cast<std::size_t>(end - line.begin()) - at - 1;
+    return length > 0 && at + 1 + length < line.size() && *end == ';';
+}
+
+}  // namespace
+
 std::string markdown_text(std::string_view text) {
     const std::string line = plain_line(text);
     std::string out;
     for (std::size_t i = 0; i < line.size(); ++i) {
         const char c = line[i], next = i + 1 < line.size() ? line[i + 1] : ' ';
         const bool opens_tag = c == '<' && next != ' ' && next != '=' && next != '<';
-        if (opens_tag || c == '\\' || c == '|' || c == '[' || c == ']') out += '\\';
+        if (opens_tag || is_entity(line, i) || c == '\\' || c == '|' || c == '[' || c == ']') out += '\\';
         out += c;
     }
     return out;

@@ -86,7 +86,9 @@ namespace {
 std::vector<std::string_view> wrapped(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
-        std::size_t n = fitting_prefix(backend, text, size, bold, width);
+        // No letter is narrower than a pixel, and drawing a whole book to cut one line off it would take its square.
+        const auto most = static_cast<std::size_t>(std::max(width, 1));
+        std::size_t n = fitting_prefix(backend, text.substr(0, most), size, bold, width);
         if (n < text.size()) {
             const std::size_t space = text.substr(0, n + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) n = space;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measure/map/summary_columns.hpp"
+#include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::judge {
@@ -57,6 +58,7 @@ std::vector<Column> RayRows::columns(const Dump& dump, const std::vector<const M
                std::ranges::find(found, name, &Column::name) != found.end();
     };
     for (std::string name : dump.layout().kept()) {
+        name = file::csv_text(name);  // a column may be called like a formula
         while (name.empty() || taken(name)) name = "file_" + name;
         columns.push_back({name, "string", "", "as the file has it"});
     }

@@ -1,5 +1,11 @@
 #include "output/sweep/sweep_files.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
 #include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
@@ -70,6 +76,23 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
 }
 
 }  // namespace
+
+void SweepFiles::require_own_columns(const SweepRequest& request) {
+    for (const auto& columns :
+         {sample_columns(request), onset_columns(request), map::CulpritTable::columns(axis_columns(request))}) {
+        std::set<std::string> names;
+        for (const Column& column : columns) {
+            if (names.insert(column.name).second) continue;
+            const auto& axes = request.sweep->axes;
+            const auto at = std::ranges::find_if(
+                axes, [&column](const auto& axis) { return column.name.find(axis.name) != std::string::npos; });
+            if (at == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
+            scene::toml::fail(at->where, fmt::format("an axis that is named \"{}\" gives the results two columns that "
+                                                     "are named \"{}\"; choose another name",
+                                                     at->name, column.name));
+        }
+    }
+}
 
 SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
     : request_(request), folder_(folder), samples_(folder / "samples.csv", sample_columns(request)) {

@@ -15,6 +15,8 @@ namespace lostbits::output::sweep {
 class SweepFiles {
 public:
     SweepFiles(const measure::sweep::SweepRequest& request, const std::filesystem::path& folder);
+    /// InputError where the name of an axis is that of another column: to be asked before the work.
+    static void require_own_columns(const measure::sweep::SweepRequest& request);
     void finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<measure::sweep::Onset>& onsets);
 
 private:

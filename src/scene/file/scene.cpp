@@ -104,7 +104,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     scene.id = toml::result_name(path_) + (variant == nullptr ? "" : '.' + variant->name);
     TableReader file(root);
     toml::require_schema(file, schema);
-    scene.title = file.string("title");
+    scene.title = file.title("title");
     scene.source = file.optional_string("source").value_or("-");
     scene.note = file.optional_string("note").value_or("");
     scene.inputs = file.optional_one_of<Inputs>("inputs", inputs_names).value_or(Inputs::shared);

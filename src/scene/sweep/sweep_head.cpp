@@ -9,13 +9,13 @@ namespace lostbits::scene::sweep {
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path) {
     toml::require_schema(file, "lostbits-sweep/1");
     return {.id = toml::result_name(path),
-            .title = file.string("title"),
+            .title = file.title("title"),
             .source = file.string("source"),
             .note = file.optional_string("note").value_or("")};
 }
 
 AxisName read_axis_name(toml::TableReader& axis) {
-    AxisName read{axis.string("name"), axis.optional_string("unit").value_or("")};
+    AxisName read{axis.string("name"), axis.optional_string("unit").value_or(""), axis.where("name")};
     const bool plain = !read.name.empty() && std::ranges::all_of(read.name, [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     });

@@ -18,8 +18,9 @@ struct SweepHead {
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path);
 
 struct AxisName {
-    std::string name;  ///< column and label: `distance_over_radius`
-    std::string unit;  ///< of its values; may be empty
+    std::string name;        ///< column and label: `distance_over_radius`
+    std::string unit;        ///< of its values; may be empty
+    toml::Where where = {};  ///< of its name
 };
 
 /// InputError where the name cannot be that of a column.

@@ -33,7 +33,8 @@ std::vector<Step> steps_of(const Override& change) {
             std::size_t index = 0;
             const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
             if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']')
-                malformed("has an index that is not a whole number");
+                malformed(error == std::errc::result_out_of_range ? "has an index that is too large"
+                                                                  : "has an index that is not a whole number");
             i = static_cast<std::size_t>(stop - path.data()) + 1;
             steps.push_back({true, "", index, i});
         }

@@ -1,5 +1,7 @@
 #include "scene/toml/toml_reader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -120,6 +122,16 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
 }
 
 std::string TableReader::string(std::string_view key) { return as_text(demand(key, "a string"), path_to(key)); }
+
+std::string TableReader::title(std::string_view key) {
+    constexpr std::size_t most = 400;  // bytes: eight lines on the narrowest sheet
+    std::string text = string(key);
+    if (text.size() > most)
+        fail_at(key,
+                fmt::format("has {} bytes, and stands on every picture; {} are enough, note = \"...\" takes the rest",
+                            text.size(), most));
+    return text;
+}
 
 std::optional<std::string> TableReader::optional_string(std::string_view key) {
     if (seek(key) == nullptr) return std::nullopt;

@@ -24,6 +24,8 @@ public:
     explicit TableReader(const Node& table, std::string path = "");
 
     std::string string(std::string_view key);
+    /// The same, for a text that pictures carry.
+    std::string title(std::string_view key);
     std::optional<std::string> optional_string(std::string_view key);
     std::vector<std::string> strings(std::string_view key);
     std::optional<std::vector<std::string>> optional_strings(std::string_view key);

@@ -136,8 +136,8 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
                 file.commit();
             });
             if (message.empty()) return 1;
-            return message ==
-                           (folder / "big").string() + ": cannot write: File too large; free space or choose another -o"
+            return message == (folder / "big").string() +
+                                  ": cannot write: File too large; free space or choose another place"
                        ? 0
                        : 2;
         });
@@ -156,7 +156,7 @@ TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
         file.write("x");
         file.commit();
     });
-    REQUIRE(message == "/dev/full: cannot write: No space left on device; free space or choose another -o");
+    REQUIRE(message == "/dev/full: cannot write: No space left on device; free space or choose another place");
     REQUIRE(fs::is_character_file("/dev/full"));
     output::file::AtomicFile null("/dev/null");
     null.write("x");

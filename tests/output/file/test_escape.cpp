@@ -243,6 +243,8 @@ TEST_CASE("text in Markdown stays in its cell and marks nothing up", "[escape]")
     for (const char* text : {"disc < 0 lets *every* NaN through", "`l² <= r²`, t* and 2^24", "f·f - r² > 1e-3"})
         CHECK(markdown_text(text) == text);
     CHECK(markdown_text("(|f| - r)") == "(\\|f\\| - r)");
+    CHECK(markdown_text("a && b, a & b; &lt; &#60; &") == "a && b, a & b; \\&lt; \\&#60; &");
+    CHECK(markdown_text("a\u202Eb") == "a\uFFFDb");
     CHECK(markdown_code("a|b") == "`a\\|b`");
     CHECK(markdown_path("pictures/a-b_0.5.png") == "pictures/a-b_0.5.png");
 }

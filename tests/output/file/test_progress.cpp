@@ -90,12 +90,16 @@ TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
 }
 
 TEST_CASE("an estimate comes from a first piece, and on long runs alone") {
-    CHECK(estimate_text("s", 1, 100, 2.0) == "lostbits: s will take about 3m20s: its first 1 % took 2s");
-    CHECK(estimate_text("s", 1, 16, 2.0) == "lostbits: s will take about 32s: its first 6.2 % took 2s");
-    CHECK_FALSE(estimate_text("s", 0, 100, 50.0));    // nothing is known yet
-    CHECK_FALSE(estimate_text("s", 1, 100, 1.9));     // start-up, mostly
-    CHECK_FALSE(estimate_text("s", 1, 14, 2.0));      // over in 28 s
-    CHECK_FALSE(estimate_text("s", 100, 100, 90.0));  // over
+    CHECK(estimate_text("s", {1, 1}, {2, 3}, 100) == "lostbits: s will take about 3m19s: its first 2 % took 3s");
+    CHECK(estimate_text("s", {1, 0}, {2, 2}, 16) == "lostbits: s will take about 30s: its first 12 % took 2s");
+    // A slow start is none of the pace: once, or once a band.
+    CHECK_FALSE(estimate_text("s", {1, 10}, {5, 12}, 40));
+    CHECK(estimate_text("s", {1, 10}, {5, 12}, 41) == "lostbits: s will take about 30s: its first 12 % took 12s");
+    CHECK(estimate_text("s", {1, 10}, {5, 12}, 41, 3) == "lostbits: s will take about 50s: its first 12 % took 12s");
+    CHECK_FALSE(estimate_text("s", {1, 50}, {1, 50}, 100));    // no pace is known yet
+    CHECK_FALSE(estimate_text("s", {1, 10}, {2, 11.9}, 100));  // nor for sure
+    CHECK_FALSE(estimate_text("s", {1, 0}, {2, 2}, 14));       // over in 26 s
+    CHECK_FALSE(estimate_text("s", {1, 0}, {100, 90}, 100));   // over
 }
 
 TEST_CASE("a short run hears no estimate, nor does a quiet one") {
@@ -108,6 +112,7 @@ TEST_CASE("a short run hears no estimate, nor does a quiet one") {
         return written([quiet](int fd) {
             Progress progress(1000000, "s", Progress::Mode::none, quiet, fd);
             Estimate estimate(progress, "s", 1000000, quiet);
+            estimate.advance(1);
             std::this_thread::sleep_for(std::chrono::milliseconds(2100));
             estimate.advance(1);
             estimate.advance(1);
