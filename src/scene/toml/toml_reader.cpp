@@ -124,7 +124,7 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
 std::string TableReader::string(std::string_view key) { return as_text(demand(key, "a string"), path_to(key)); }
 
 std::string TableReader::title(std::string_view key) {
-    constexpr std::size_t most = 400;  // bytes: eight lines on the narrowest sheet
+    constexpr std::size_t most = 400;  // bytes: a dozen lines on the narrowest sheet
     std::string text = string(key);
     if (text.size() > most)
         fail_at(key,
