@@ -66,8 +66,9 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     const scene::sweep::SearchFile& search = *request.search;
     file::CsvWriter csv(folder / "worst.csv", worst_columns(request));
     file::AtomicFile hard(folder / "hard.toml");
+    const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
-        head_of_cases("The worst rays of each form: " + search.title,
+        head_of_cases(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
                       fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
                                   search.id, search.seed, search.starts, search.generations, search.metric) +
                           (search.nearest ? ", nearest wrong decision" : ""));

@@ -124,12 +124,11 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
 std::string TableReader::string(std::string_view key) { return as_text(demand(key, "a string"), path_to(key)); }
 
 std::string TableReader::title(std::string_view key) {
-    constexpr std::size_t most = 400;  // bytes: a dozen lines on the narrowest sheet
     std::string text = string(key);
-    if (text.size() > most)
+    if (text.size() > most_title_bytes)
         fail_at(key,
                 fmt::format("has {} bytes, and stands on every picture; {} are enough, note = \"...\" takes the rest",
-                            text.size(), most));
+                            text.size(), most_title_bytes));
     return text;
 }
 

@@ -26,6 +26,7 @@ public:
     std::string string(std::string_view key);
     /// The same, for a text that pictures carry.
     std::string title(std::string_view key);
+    static constexpr std::size_t most_title_bytes = 400;  ///< a dozen lines on the narrowest sheet
     std::optional<std::string> optional_string(std::string_view key);
     std::vector<std::string> strings(std::string_view key);
     std::optional<std::vector<std::string>> optional_strings(std::string_view key);
