@@ -45,7 +45,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
                           [&group] { return measure::blame::SettingOf(group); });
 }
 
-void print_table(const JudgeRequest& request, const JudgeResult& result) {
+void print_judged(const JudgeRequest& request, const JudgeResult& result) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n", "form", "fmt", "hits",
                "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max");
@@ -202,7 +202,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                 "were computed in float, say --format f32\n",
                 o.file, result.answers, dump->format().name);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
-        print_table(request, result);
+        print_judged(request, result);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());

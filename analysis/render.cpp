@@ -65,7 +65,7 @@ std::vector<scene::file::Stage> stages_of(const Scene& scene, const RenderOption
     return {stages.begin(), stages.end()};
 }
 
-void print_table(const RenderRequest& request, const std::vector<RenderSummary>& summaries) {
+void print_rendered(const RenderRequest& request, const std::vector<RenderSummary>& summaries) {
     fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt", "wrong colour",
                "wrong sphere", "acne", "flips", "p99 steps", "unproved");
     for (std::size_t k = 0; k < summaries.size(); ++k) {
@@ -88,7 +88,7 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
     files.finish(summaries);
     progress.aside([&] {
         if (!common.quiet) fmt::print("{}\n", (folder / "contact.png").string());
-        if (common.verbose) print_table(request, summaries);
+        if (common.verbose) print_rendered(request, summaries);
     });
     std::uint64_t unproved = 0;
     for (const RenderSummary& s : summaries) unproved = std::max(unproved, s.unresolved());

@@ -103,9 +103,9 @@ MeasuredClaim claim_in(const nlohmann::json& json, const Refusal& refuse) {
                         .measured = number_in(json.at("measured_hex"), refuse),
                         .low = number_in(json.at("expected_hex").at(0), refuse),
                         .high = number_in(json.at("expected_hex").at(1), refuse)};
-    using State = measure::claim::ClaimResult::State;
-    const auto is_it = [&claim](State s) { return claim.state == state_name(s); };
-    if (std::ranges::none_of(std::array{State::agrees, State::disagrees, State::broken, State::skipped}, is_it))
+    using Became = measure::claim::ClaimResult::State;
+    const auto is_it = [&claim](Became s) { return claim.state == state_name(s); };
+    if (std::ranges::none_of(std::array{Became::agrees, Became::disagrees, Became::broken, Became::skipped}, is_it))
         refuse("has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
     const auto& decimal = json.at("measured");
     const bool same = decimal.is_string() ? decimal.get<std::string>() == file::decimal(claim.measured)
