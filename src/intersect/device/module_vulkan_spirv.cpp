@@ -62,7 +62,7 @@ void refuse_foreign_resources(const std::vector<std::uint32_t>& code) {
         if (op != op_variable || words < 4 || (code[at + 3] != uniform_constant && code[at + 3] != uniform)) continue;
         if (const std::string& name = names[code[at + 2]]; !name.starts_with("lb_"))
             throw CompileError((name.empty() ? "a variable outside of functions" : name) +
-                               " is read and nobody sets it here: write `static const` and its value");
+                               " is read, which nobody sets here: write `static const` and its value");
     }
 }
 
