@@ -142,13 +142,6 @@ std::string where_measured(const Claim& c) {
     return text;
 }
 
-const char* state_name(State s) {
-    return s == State::agrees      ? "agrees"
-           : s == State::disagrees ? "disagrees"
-           : s == State::broken    ? "broken"
-                                   : "skipped";
-}
-
 void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
                  const std::vector<ClaimResult>& results, bool strict,
                  const std::map<std::string, std::string>& moved) {

@@ -33,7 +33,13 @@ std::string offset_words(const scene::claim::Claim& c);
 std::string consistency_words(const scene::claim::Claim& c);
 
 /// `agrees`, `disagrees`, `broken` or `skipped`.
-const char* state_name(measure::claim::ClaimResult::State state);
+constexpr const char* state_name(measure::claim::ClaimResult::State state) {
+    using Became = measure::claim::ClaimResult::State;
+    return state == Became::agrees      ? "agrees"
+           : state == Became::disagrees ? "disagrees"
+           : state == Became::broken    ? "broken"
+                                        : "skipped";
+}
 /// What is measured: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity(const scene::claim::Claim& claim);
 /// `all 65537 floats` of a claim that rests on every float of a range; empty for the others.

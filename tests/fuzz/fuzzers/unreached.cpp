@@ -23,7 +23,6 @@ namespace image {
 std::pair<std::string, std::string> compiler_attribute() { unreached(); }
 }  // namespace image
 namespace claim {
-const char* state_name(measure::claim::ClaimResult::State /*state*/) { unreached(); }
 std::string quantity(const scene::claim::Claim& /*claim*/) { unreached(); }
 }  // namespace claim
 }  // namespace lostbits::output
