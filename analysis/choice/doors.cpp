@@ -155,6 +155,7 @@ std::vector<std::string> form_words_or(const std::vector<std::string>& given, st
 }
 
 void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet) {
+    if (quiet) return;
     const std::vector<std::string> added = names_added();
     const auto is_asked = [&](const std::string& name) {
         if (std::ranges::find(words, name) != words.end()) return true;
@@ -162,7 +163,7 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
     };
     std::map<std::string, std::vector<std::string_view>> left_out;  // by what they are for
     for (const auto& form : intersect::table::intersectors()) {
-        if (quiet || !is_asked(std::string(form.info->name))) continue;
+        if (!is_asked(std::string(form.info->name))) continue;
         if (std::ranges::any_of(rows, [&form](const auto& row) { return row.form == &form; })) continue;
         const std::string formats = formats_of(form);
         left_out[fmt::format("for {} in {}", solids_of(form.shape), formats == "all" ? "every format" : formats)]
