@@ -82,8 +82,8 @@ std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow
 std::string globs_of(const std::function<bool(Shape)>& meets);
 
 /// Drops what no selected form handles and says so on stderr unless `quiet`; `meets(thing, Shape)` tells which shapes
-/// of forms can handle a thing, `name_of` its name. NothingSelected where that leaves none. The rows that are left
-/// something to do.
+/// of forms can handle a thing, `name_of` its name. Returns the rows that can handle something of what stays.
+/// NothingSelected where nothing does.
 template <class Things, class Meets, class NameOf>
 std::vector<measure::map::MapRow> drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows,
                                                  bool quiet, Meets meets, NameOf name_of) {
