@@ -17,6 +17,8 @@
 #include "analysis/shell/table_on_stdout.hpp"
 #include "analysis/shell/usage.hpp"
 #include "commands.hpp"
+#include "intersect/doors/guard.hpp"
+#include "intersect/process/floating_point.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -177,11 +179,19 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     const auto opens_its_own = {"plugin", "shader", "devices"};
     if (std::ranges::none_of(opens_its_own, [&](const char* name) { return program.got_subcommand(name); })) {
         choice::open_doors(common.doors, common.threads);
-        if (!common.quiet) choice::note_unasked(shell::command_named(program));
+        if (!common.quiet) {
+            choice::note_states();
+            choice::note_unasked(shell::command_named(program));
+        }
     }
     shell::TableOnStdout table(program);
     const Exit code = chosen();
     table.write();
+    // Of a process behind a pipe, and of what is only tried, whoever asks says it.
+    if (!common.quiet && !program.got_subcommand("plugin")) {
+        for (const std::string& note : intersect::doors::changes_noted())
+            fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
+    }
     return code;
 }
 
@@ -193,10 +203,14 @@ namespace {
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    std::fputs(
-        "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a smaller "
-        "--size, or -j 1\n",
-        stderr);
+    if (const char* const who = lostbits::intersect::doors::foreign_code_here())
+        std::fprintf(stderr, "lostbits: %s: threw an exception where nobody can catch it; catch it there\n", who);
+    else
+        std::fputs(
+            "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
+            "smaller "
+            "--size, or -j 1\n",
+            stderr);
     std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
 }
 
@@ -204,6 +218,8 @@ namespace {
 
 int main(int argc, char** argv) {
     using namespace lostbits;
+    // A library that LD_PRELOAD names was here before.
+    intersect::process::FloatingPoint::standard().set();
     analysis::shell::open_standard_streams();
     analysis::shell::install_signal_handlers();
     output::file::raise_open_file_limit();
@@ -227,5 +243,7 @@ int main(int argc, char** argv) {
         return fail(Exit::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
     } catch (const std::exception& error) {
         return fail(Exit::internal, error.what());
+    } catch (...) {
+        return fail(Exit::internal, "something was thrown that is not an exception; a library under test may do so");
     }
 }

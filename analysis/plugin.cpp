@@ -42,7 +42,8 @@ const char* word_of(Observation::Verdict verdict) {
 
 /// Whether every promise is kept.
 bool show_trial(const ForeignForm& form, bool quiet) {
-    const std::vector<Observation> findings = measure::contract::try_contract(form);
+    std::vector<Observation> findings = measure::contract::try_contract(form);
+    findings.push_back(measure::contract::observe_state(form));
     int broken = 0;
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;

@@ -148,6 +148,19 @@ void open_doors(const DoorWords& words, int threads) {
     intersect::doors::enroll(std::move(found.forms));
 }
 
+void note_states() {
+    std::map<std::string, std::string> states;  // by who
+    for (const auto& row : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::doors::behind(row))
+            if (!form->contract.state.empty()) states.try_emplace(form->from, form->contract.state);
+    }
+    for (const auto& [who, words] : states)
+        fmt::print(stderr,
+                   "lostbits: {}: changes, when it is loaded, how the processor computes ({}), as linking with -Ofast "
+                   "does; it is measured so, as its users run it, and nothing else is\n",
+                   who, words);
+}
+
 std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
     if (!given.empty()) return given;
     std::ranges::move(names_added(), std::back_inserter(defaults));

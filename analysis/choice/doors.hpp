@@ -41,6 +41,9 @@ Behind open_each(const DoorWords& words, int threads);
 /// The same, and adds the forms to the table. Before any row is asked for.
 void open_doors(const DoorWords& words, int threads);
 
+/// Says on stderr which libraries leave the processor another than they find it when they are loaded.
+void note_states();
+
 /// The words of -i; where there are none, `defaults` and the names of all forms that were added.
 std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
 

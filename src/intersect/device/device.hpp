@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::device {
@@ -62,16 +63,26 @@ public:
     [[nodiscard]] virtual const DeviceWords& words() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
     /// A compute program. CompileError; EnvironmentError where the compiler itself fails or does not know the language.
-    [[nodiscard]] virtual std::unique_ptr<Program> compile(const std::string& text, Language language) = 0;
+    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
+        const process::KeepsFloatingPoint same;
+        return compile_here(text, language);
+    }
     /// Runs so many work groups; buffer k has binding k. None is empty. EnvironmentError for a device that is lost.
-    virtual void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
+    void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
+        const process::KeepsFloatingPoint same;
+        run_here(program, buffers, groups);
+    }
+
+protected:
+    [[nodiscard]] virtual std::unique_ptr<Program> compile_here(const std::string& text, Language language) = 0;
+    virtual void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
 };
 
 /// Interfaces, the default first.
 inline constexpr std::string_view device_kinds[] = {"opengl", "vulkan"};
 
 /// What a module of a driver exports: `lostbits_device_build`, which is `device_build`, and `lostbits_open_device`.
-inline constexpr int device_build = 2;
+inline constexpr int device_build = 3;
 using OpenDevice = Device* (*)();
 
 /// Loads the module of that kind and opens its first device that can run compute programs. In a process of its own: a

@@ -112,7 +112,7 @@ public:
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& glsl, Language language) override {
+    [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& glsl, Language language) override {
         if (language != Language::glsl) throw EnvironmentError("opengl: takes GLSL alone; --device vulkan takes HLSL");
         const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
         const char* const text = glsl.c_str();
@@ -134,7 +134,7 @@ public:
         return program;
     }
 
-    void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
         while (names_.size() < buffers.size()) glGenBuffers(1, &names_.emplace_back());
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());

@@ -174,7 +174,7 @@ public:
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) override {
+    [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& text, Language language) override {
         const std::vector<std::uint32_t> code = spirv_of(text, language);
         VkShaderModuleCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -196,7 +196,7 @@ public:
         return std::make_unique<VkProgram>(device_, made);
     }
 
-    void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
         std::array<VkDescriptorBufferInfo, most_buffers> places{};
         std::array<VkWriteDescriptorSet, most_buffers> writes{};
         for (std::size_t k = 0; k < buffers.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -66,6 +67,9 @@ void require_sense(const Contract& c, const std::string& library) {
                          "names of the forms that ship with lostbits");
     require_line(c.title, "title", from);
     require_line(c.source, "source", from);
+    if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
+        throw InputError(from +
+                         ": state has a word that is unknown; leave it out where the processor computes as usual");
     if (c.bits != 32 && c.bits != 64)
         throw InputError(from + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
     if ((c.flags & ~7U) != 0)

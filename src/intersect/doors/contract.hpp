@@ -20,6 +20,9 @@ struct Contract {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD
+    /// How the processor computes in it, which loading its library left (`FloatingPoint::words`); empty: as IEEE 754
+    /// asks.
+    std::string state = {};
 
     friend bool operator==(const Contract&, const Contract&) = default;
 };
@@ -31,6 +34,11 @@ struct ForeignForm {
     /// Fills `near_far` and `hit` of a batch; throws an Error that names `from` where it cannot.
     std::function<void(const lb_batch&)> answer;
 };
+
+/// `LIBRARY: form "NAME"`: who did something.
+inline std::string name_in_messages(const ForeignForm& form) {
+    return form.from + ": form \"" + form.contract.name + "\"";
+}
 
 /// As a library states it. InputError, which begins with `from`, for what makes no sense.
 Contract contract_of(const lb_form& form, const std::string& from);

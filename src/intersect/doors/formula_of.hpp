@@ -36,6 +36,10 @@ struct Told<Form, function, R (*)(A...)> {
         } catch (const std::exception& thrown) {
             throw EnvironmentError(std::string(name_for_messages<Form>) + ": threw an exception: " + thrown.what() +
                                    "; a form answers every ray, with a miss or a NaN where it knows no better");
+        } catch (...) {
+            throw EnvironmentError(std::string(name_for_messages<Form>) +
+                                   ": threw something that is not an exception of std; a form answers every ray, with "
+                                   "a miss or a NaN where it knows no better");
         }
     }
 };

@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 
-#include <optional>
+#include <deque>
 #include <string>
 
 #include "intersect/doors/build_words.hpp"
@@ -14,10 +14,11 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-thread_local std::optional<InForeignCode> inside_formula;
+/// A formula may call another.
+thread_local std::deque<InForeignCode> inside_formulas;
 
-constexpr FormulaWatch name_of_running{[](const char* who) { inside_formula.emplace(who); },
-                                       [] { inside_formula.reset(); }};
+constexpr FormulaWatch name_of_running{[](const char* who) { inside_formulas.emplace_back(who); },
+                                       [] { inside_formulas.pop_back(); }};
 
 Contract stated_by(const Formula& formula) {
     const Info& info = *formula.row.info;
@@ -35,12 +36,22 @@ Contract stated_by(const Formula& formula) {
 
 std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const std::string from = library.string();
-    const auto ask = reinterpret_cast<AskForFormulas>(dlsym(load_library(library), "lostbits_formulas"));
+    const char* const who = lasting_text(from);
+    const Library loaded = load_library(library);
+    const auto ask = entry_of<AskForFormulas>(loaded, "lostbits_formulas");
     if (ask == nullptr) return {};
-    const FormulaList* const list = [&] {
-        const LoadsForeignCode here(lasting_text(from));
+    // Formulas prove and record, too.
+    if (const std::string words = loaded.computes.words(); !words.empty())
+        note_change(who, "changes, when it is loaded, how the processor computes (" + words +
+                             "); its formulas are evaluated as IEEE 754 asks all the same");
+    const FormulaList* const list = call_of(who, [&] {
+        const LoadsForeignCode here(who);
         return ask(&name_of_running);
-    }();
+    });
+    if (list == nullptr || list->build == nullptr)
+        throw InputError(from +
+                         ": lostbits_formulas gives no list; write LOSTBITS_FORMULAS(...) of lostbits_form.hpp, which "
+                         "defines it");
     if (std::string_view(list->build) != build_words)
         throw InputError(from + ": its forms were compiled with the headers of " + list->build + "; this program is " +
                          build_words + "; compile it again with this program's headers");
@@ -48,6 +59,9 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
         throw InputError(from +
                          ": its forms were compiled so that a*b + c is rounded once, and their tapes say twice; "
                          "compile it with -ffp-contract=off, as lostbits_add_formulas does");
+    if (list->all == nullptr || list->count == 0 || list->count > 4096)
+        throw InputError(from + ": says that it has " + std::to_string(list->count) +
+                         " forms; it must be from 1 to 4096");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_sense(stated_by(formula), from);

@@ -10,7 +10,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <locale>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "number/error.hpp"
@@ -20,10 +22,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-GuardTerms& terms() {
-    static GuardTerms kept;
-    return kept;
-}
+/// Read by signal handlers and by the thread that watches; kept for good.
+std::atomic<const GuardTerms*> terms_now{new GuardTerms};
+const GuardTerms& terms() { return *terms_now.load(); }
 
 /// What the watching thread sees of a call. More calls at once than places go unwatched.
 struct Slot {
@@ -31,7 +32,20 @@ struct Slot {
     std::atomic<Clock::rep> since{0};
 };
 std::array<Slot, 256> slots;
-thread_local const char* inside = nullptr;
+/// Read by signal handlers: constant initialisation, so that no access of theirs is the first.
+constinit thread_local std::atomic<const char*> inside{nullptr};
+static_assert(std::atomic<const char*>::is_always_lock_free);
+
+/// What libraries do to how the processor computes, by who does.
+struct Notes {
+    std::mutex lock;
+    std::map<std::string, std::string> all;
+};
+/// Kept for good: what runs when the program ends may add to it.
+Notes& notes() {
+    static auto* const kept = new Notes;
+    return *kept;
+}
 
 /// With write(2) alone: a signal handler may not allocate.
 void say(const char* who, const char* what, const char* remedy) {
@@ -59,14 +73,15 @@ const char* crash_of(int signal) {
 }
 
 void on_crash(int signal) {
-    if (inside != nullptr) end(inside, crash_of(signal), try_child);
+    if (const char* const who = inside.load()) end(who, crash_of(signal), try_child);
     if (terms().clean_up) terms().clean_up();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }
 
 void on_exit_inside() {
-    if (inside != nullptr) end(inside, "called exit()", "a form returns, with an error text where it cannot answer");
+    if (const char* const who = inside.load())
+        end(who, "called exit()", "a form returns, with an error text where it cannot answer");
 }
 
 /// So that a stack that is used up can still be told. Its end gives the thread back what it had: a signal would run on
@@ -112,9 +127,11 @@ void have_signal_stack() { thread_local const SignalStack here; }
 
 }  // namespace
 
-InForeignCode::InForeignCode(const char* who) : slot_(-1) {
+InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& computes)
+    : who_(who), outer_(inside.load()), before_(process::FloatingPoint::current()), computes_(computes) {
     have_signal_stack();
     inside = who;
+    computes.set();
     const auto now = Clock::now().time_since_epoch().count();
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const char* nobody = nullptr;
@@ -127,18 +144,45 @@ InForeignCode::InForeignCode(const char* who) : slot_(-1) {
 }
 
 InForeignCode::~InForeignCode() {
-    inside = nullptr;
+    const auto left = process::FloatingPoint::current();
+    before_.set();
+    if (left != computes_)
+        note_change(who_, "changes in a call how the processor computes (" +
+                              (left.words().empty() ? "back to the usual" : left.words()) +
+                              "), which is undone after each; call fegetenv before and fesetenv after");
+    inside = outer_;
     if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
 
 LoadsForeignCode::~LoadsForeignCode() {
+    computes_.set();
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // that of C, too
 }
 
+void note_change(const std::string& who, const std::string& what) {
+    const std::scoped_lock lock(notes().lock);
+    notes().all.try_emplace(who, what);
+}
+
+std::vector<std::string> changes_noted() {
+    const std::scoped_lock lock(notes().lock);
+    std::vector<std::string> sentences;
+    for (const auto& [who, what] : notes().all) sentences.push_back(who + ": " + what);
+    return sentences;
+}
+
+std::string change_noted(const std::string& who) {
+    const std::scoped_lock lock(notes().lock);
+    const auto found = notes().all.find(who);
+    return found == notes().all.end() ? "" : found->second;
+}
+
+const char* foreign_code_here() noexcept { return inside.load(); }
+
 void guard_foreign_code(const GuardTerms& wanted) {
     static bool on = false;
-    terms() = wanted;
+    terms_now = new GuardTerms(wanted);
     if (on) return;
     on = true;
     struct sigaction action {};

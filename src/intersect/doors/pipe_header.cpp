@@ -59,7 +59,8 @@ const std::vector<Key>& keys() {
         choice("direction", directions, &Contract::direction),
         choice("roots", roots, &Contract::roots),
         choice("touching", counts, &Contract::touching),
-        choice("at_origin", counts, &Contract::at_origin)};
+        choice("at_origin", counts, &Contract::at_origin),
+        text("state", &Contract::state)};
     return all;
 }
 
@@ -125,7 +126,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         if (!set_word(contracts.back(), key, value, where))
             throw InputError(where + ": unknown key " + shown_text(key) +
                              "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
-                             "flags");
+                             "state, flags");
     }
     if (contracts.empty())
         throw InputError(
@@ -138,7 +139,10 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
 std::string pipe_header_of(const std::vector<Contract>& contracts) {
     std::string header = std::string(pipe_version) + "\n";
     for (const Contract& contract : contracts) {
-        for (const Key& key : keys()) header += std::string(key.name) + "=" + key.get(contract) + "\n";
+        for (const Key& key : keys()) {
+            if (key.name == "state" && contract.state.empty()) continue;
+            header += std::string(key.name) + "=" + key.get(contract) + "\n";
+        }
         if (contract.flags != 0) header += "flags=" + flags_of(contract) + "\n";
     }
     return header + "\n";

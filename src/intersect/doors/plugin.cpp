@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <map>
 #include <system_error>
+#include <utility>
 
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe_header.hpp"
@@ -43,20 +45,17 @@ std::string loader_words(const fs::path& library) {
     return words;
 }
 
-ForeignForm foreign(const lb_form& form, const std::string& from) {
+ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes) {
     ForeignForm made{contract_of(form, from), from, {}};
-    const char* const who = lasting_text(from + ": form \"" + made.contract.name + "\"");
-    made.answer = [&form, who](const lb_batch& asked) {
+    made.contract.state = computes.words();
+    const char* const who = lasting_text(name_in_messages(made));
+    made.answer = [&form, who, computes](const lb_batch& asked) {
         lb_batch batch = asked;
         batch.own = form.own;
-        const char* refused = nullptr;
-        try {
-            const InForeignCode here(who);
-            refused = form.run(&batch);
-        } catch (...) {
-            throw EnvironmentError(std::string(who) +
-                                   ": threw an exception through its C interface; catch it there and return its text");
-        }
+        const char* const refused = call_of(who, [&] {
+            const InForeignCode here(who, computes);
+            return form.run(&batch);
+        });
         if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + shown_text(refused, 400));
     };
     return made;
@@ -82,40 +81,47 @@ fs::path find_plugin(const std::string& named) {
 
 const char* lasting_text(const std::string& text) { return (new std::string(text))->c_str(); }
 
-void* load_library(const fs::path& library) {
+Library load_library(const fs::path& library) {
+    static std::map<void*, process::FloatingPoint> left;  // a library that is loaded a second time does nothing anew
     const std::string from = library.string();
-    const LoadsForeignCode here(lasting_text(from));  // what it does when it is loaded
+    const char* const who = lasting_text(from);
     // Without a slash the loader would look for it in folders of its own.
-    void* const loaded = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
+    const auto [loaded, now] = call_of(who, [&] {
+        const LoadsForeignCode here(who);
+        void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
+        return std::pair(handle, here.left());
+    });
     if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
-    return loaded;
+    return {loaded, left.try_emplace(loaded, now).first->second};
 }
 
 std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const std::string from = library.string();
     const char* const who = lasting_text(from);
-    void* const loaded = load_library(library);
+    const Library loaded = load_library(library);
     using Ask = const lb_form* (*)(int, std::size_t*);
-    const auto ask = reinterpret_cast<Ask>(dlsym(loaded, "lostbits_forms"));
+    const auto ask = entry_of<Ask>(loaded, "lostbits_forms");
     if (ask == nullptr)
         throw InputError(from +
                          ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
                          "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
                          "lostbits_forms as lostbits_plugin.h declares it");
     std::size_t count = 0;
-    const lb_form* const forms = [&] {
-        const LoadsForeignCode here(who);
-        return ask(LOSTBITS_PLUGIN_ABI, &count);
-    }();
+    // Giving the list belongs to loading: what it leaves is how the library's users compute.
+    const auto [forms, computes] = call_of(who, [&] {
+        const LoadsForeignCode here(who, loaded.computes);
+        const lb_form* const list = ask(LOSTBITS_PLUGIN_ABI, &count);
+        return std::pair(list, here.left());
+    });
     // Of forms that march the C interface knows nothing: a library may hold those alone.
-    if (count == 0 && dlsym(loaded, "lostbits_formulas") != nullptr) return {};
+    if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
         throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
                          " of lostbits_plugin.h; compile it again with the header of this program");
     if (count == 0 || count > 4096)
         throw InputError(from + ": says that it has " + std::to_string(count) + " forms; it must be from 1 to 4096");
     std::vector<ForeignForm> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from));
+    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from, computes));
     return all;
 }
 

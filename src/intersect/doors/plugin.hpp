@@ -1,11 +1,14 @@
 // Libraries that export `lostbits_forms`.
 #pragma once
 
+#include <dlfcn.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/process/floating_point.hpp"
 
 namespace lostbits::intersect::doors {
 
@@ -14,8 +17,21 @@ namespace lostbits::intersect::doors {
 /// `lib/lostbits/plugins`, also with `.so` added. InputError that says where it looked.
 std::filesystem::path find_plugin(const std::string& named);
 
-/// Loads a library, which stays loaded: what `dlsym` takes. InputError for what is no library.
-void* load_library(const std::filesystem::path& library);
+/// A library that is loaded, and stays so.
+struct Library {
+    void* handle;  ///< what `dlsym` takes
+    /// What loading it left: its users compute so, and so it is run.
+    process::FloatingPoint computes;
+};
+
+/// Loads a library. InputError for what is no library.
+Library load_library(const std::filesystem::path& library);
+
+/// Where a library gives its list: the function of that name. Null where it exports none.
+template <class Ask>
+Ask entry_of(const Library& library, const char* name) {
+    return reinterpret_cast<Ask>(dlsym(library.handle, name));
+}
 
 /// A text that is kept beyond the end of main(): what is called when the program exits may ask for it.
 const char* lasting_text(const std::string& text);

@@ -26,4 +26,7 @@ struct Observation {
 /// cannot answer at all throws what it throws.
 std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form);
 
+/// Whether the processor computes after its calls, as far as it was called, as before; and how it computes in them.
+Observation observe_state(const intersect::doors::ForeignForm& form);
+
 }  // namespace lostbits::measure::contract

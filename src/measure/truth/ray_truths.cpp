@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "intersect/process/floating_point.hpp"
 #include "measure/truth/gathered.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -300,6 +301,7 @@ StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTrut
     out.resize(n);
     tbb::combinable<Leftover> rests;
     const auto find = [&](std::size_t begin, std::size_t end) {
+        intersect::process::require_standard("the truth of rays");
         BlockSearch<S>(problems, limit, begin, end, out, rests.local()).find();
     };
     if (n <= settled_together) {

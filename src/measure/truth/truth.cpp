@@ -5,6 +5,7 @@
 #include <limits>
 #include <ranges>
 
+#include "intersect/process/floating_point.hpp"
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
 
@@ -126,6 +127,7 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
 
 template <class S>
 Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
+    intersect::process::require_standard("the truth of a ray");
     Truth best;
     if (!is_ray(ray) || !(terms.tmax >= 0)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);

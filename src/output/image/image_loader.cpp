@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "output/image/image.hpp"
@@ -40,6 +41,7 @@ fs::path find_module() {
 
 ImageBackend& load() {
     const fs::path path = find_module();
+    const intersect::process::KeepsFloatingPoint same;
     // Never closed: the library behind it starts threads and registers exit handlers.
     // Lazily: looking up all 168 000 symbols of that library and of those it needs at once takes a tenth of a second.
     void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);

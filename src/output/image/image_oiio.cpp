@@ -70,6 +70,7 @@ std::string plain_ascii(std::string_view utf8) {
 class OiioBackend final : public ImageBackend {
 public:
     OiioBackend() {
+        const KeepsFloatingPoint same;
         // The caller spreads files over its own threads; the library's pools would only fight them.
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
@@ -82,6 +83,7 @@ public:
                              "'; try viridis, inferno, magma, plasma or turbo");
         }
         if (steps < 2) throw std::logic_error("a colour ramp of fewer than two steps");
+        const KeepsFloatingPoint same;
         OIIO::ImageBuf positions(OIIO::ImageSpec(steps, 1, 1, OIIO::TypeDesc::FLOAT));
         for (int i = 0; i < steps; ++i) {
             const float p = static_cast<float>(i) / static_cast<float>(steps - 1);
@@ -144,6 +146,7 @@ private:
     }
 
     static TextBitmap draw_text(const std::string& text, int size, bool bold) {
+        const KeepsFloatingPoint same;
         const std::string& font = font_named(bold ? "DejaVuSans-Bold" : "DejaVuSans");
         // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
         TextBitmap out;
@@ -180,6 +183,7 @@ private:
 };
 
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
+    const KeepsFloatingPoint same;
     static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     std::vector<std::string> names;
@@ -189,6 +193,7 @@ std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& pat
 }
 
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
+    const KeepsFloatingPoint same;
     static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     const int place = static_cast<int>(part);
@@ -243,6 +248,7 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
 }
 
 PngImage OiioBackend::read_png(const std::filesystem::path& path) {
+    const KeepsFloatingPoint same;
     const auto in = open_input(path, "png");
     const OIIO::ImageSpec& spec = in->spec();
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {

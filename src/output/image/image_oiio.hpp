@@ -14,11 +14,15 @@
 #include <string_view>
 #include <utility>
 
+#include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 #include "output/file/machine.hpp"
 #include "output/image/image.hpp"
 
 namespace lostbits::output::image {
+
+/// Around whatever calls the library.
+using intersect::process::KeepsFloatingPoint;
 
 /// The writers behind ImageBackend::open_exr and open_png. Bytes go to `sink`; `path` is for messages.
 [[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,

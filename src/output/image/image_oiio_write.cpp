@@ -94,6 +94,7 @@ public:
     ScanlineFile& operator=(const ScanlineFile&) = delete;
 
     void write(int y_begin, int rows, std::span<const std::byte> pixels) {
+        const KeepsFloatingPoint same;
         if (!out_) throw std::logic_error(path_ + ": rows after close");
         if (y_begin != next_ || rows < 0 || rows > height_ - next_) {
             throw std::logic_error(path_ + ": rows " + std::to_string(y_begin) + " + " + std::to_string(rows) +
@@ -109,6 +110,7 @@ public:
     }
 
     void close() {
+        const KeepsFloatingPoint same;
         if (!out_) throw std::logic_error(path_ + ": closed twice");
         if (next_ != height_) {
             throw std::logic_error(path_ + ": closed after " + std::to_string(next_) + " of " +

@@ -1,0 +1,172 @@
+// A library that changes how the processor computes (its rounding, whether subnormal numbers are kept) changes what it
+// answers itself, and nothing else.
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+namespace test_state {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string library = std::string(LOSTBITS_LIBRARIES) + "/changes_state.so";
+
+/// Spheres whose squares are subnormal numbers of doubles, and rays that hit half of them.
+const std::string tiny = R"(schema = "lostbits-scene/1"
+title = "A tiny sphere"
+source = "-"
+size = [24, 16]
+inputs = "shared"
+[[sphere]]
+centre = [0, 0, 0]
+radius = "0x1p-70"
+[camera]
+kind = "orthographic"
+eye = [0, 0, "0x1p-68"]
+look_at = [0, 0, 0]
+up = [0, 1, 0]
+width = "0x1.4p-69"
+)";
+
+/// Every float of a range of subnormal numbers.
+const std::string subnormals = R"(schema = "lostbits-sweep/1"
+title = "Subnormal radii"
+source = "-"
+[axis]
+name = "radius"
+unit = "m"
+spacing = "every_float"
+set = "sphere.radius"
+from = "0x1p-149"
+to = "0x1p-136"
+[[ray]]
+name = "ahead"
+origin = [0, 0, 1]
+direction = [0, 0, -1]
+[sphere]
+centre = [0, 0, 0]
+radius = 1
+)";
+
+const std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n0.25,0,-1234.5,0,0,1,1,1233.53175\n0x1p-140,0,-5,0,0,1.5,1,2.7\n";
+
+/// All rows of the files that the commands leave but those of the library, without the commands that name it.
+std::vector<std::string> rows_left(const std::string& more, const std::string& before) {
+    const Scratch folder;
+    static_cast<void>(folder.write("tiny.toml", tiny));
+    static_cast<void>(folder.write("subnormals.toml", subnormals));
+    static_cast<void>(folder.write("rays.csv", rays));
+    const std::string asked = more.empty() ? "" : ",example.*",
+                      forms = " -i 'sphere.double_inside,sphere.half_b" + asked + "'";
+    std::vector<std::string> left;
+    for (const std::string& command :
+         {"map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out" + more,
+          "judge rays.csv --format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out" + more,
+          "sweep subnormals.toml -i sphere.half_b,sphere.double_inside -f f32 -o out" + more}) {
+        const Outcome o = run("-q " + command, folder.path(), before);
+        INFO(before << " lostbits " << command << "\n" << o.err);
+        REQUIRE(o.code == 0);
+    }
+    for (const std::string& file : folder.files()) {
+        if (!file.ends_with("summary.csv") && !file.ends_with("floats.csv") && !file.ends_with("binades.csv")) continue;
+        for (auto& row : read_csv(folder.path() / file)) {
+            if (row["form"].starts_with("example.")) continue;
+            std::string text = file;
+            for (const auto& [column, cell] : row)
+                if (!column.ends_with("_explain")) text += "," + cell;
+            left.push_back(text);
+        }
+    }
+    return left;
+}
+
+std::string environment(const std::string& when, const std::string& what) {
+    return "export WHEN=" + when + " CHANGES=" + what + ";";
+}
+
+}  // namespace
+
+TEST_CASE("state: whatever a library does to the processor, and when, no other row changes", "[doors]") {
+    const auto right = rows_left("", "");
+    REQUIRE(right.size() > 8);
+    for (const std::string when : {"load", "list", "call", "thread"}) {
+        for (const std::string what : {"rounding", "flush", "denormals", "x87"}) {
+            for (const std::string door : {"", " --isolate"}) {
+                for (const std::string threads : {" -j 1", " -j 4"}) {
+                    INFO(when << " " << what << door << threads);
+                    CHECK(rows_left(" --plugin " + library + door + threads, environment(when, what)) == right);
+                }
+            }
+        }
+    }
+    // Where the loader runs it before the program begins.
+    for (const std::string what : {"rounding", "flush", "denormals", "x87"}) {
+        INFO(what << " by LD_PRELOAD");
+        CHECK(rows_left("", environment("load", what) + "export LD_PRELOAD=" + library + ";") == right);
+    }
+}
+
+TEST_CASE("state: a library that flushes subnormal numbers is measured so, whoever asks", "[doors]") {
+    const Scratch folder;
+    static_cast<void>(folder.write("tiny.toml", tiny));
+    const auto answers = [&](const std::string& when, const std::string& more) {
+        const auto o = run("-q map tiny.toml -i 'example.*' -f f32 -o out --plugin " + library + more, folder.path(),
+                           environment(when, "flush"));
+        INFO(o.err);
+        REQUIRE(o.code == 0);
+        return contents(folder.path() / "out/tiny/example.schoolbook.f32.csv").empty()
+                   ? read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_miss") +
+                         read_csv(folder.path() / "out/tiny/summary.csv").front().at("false_hit")
+                   : "";
+    };
+    const std::string usual = answers("never", "");
+    for (const std::string when : {"load", "list", "call"}) {
+        const std::string flushed = answers(when, " -j 1");
+        INFO(when);
+        CHECK(flushed != usual);
+        for (const std::string more : {" -j 2", " -j 4", " --isolate -j 1", " --isolate -j 4"})
+            CHECK(answers(when, more) == flushed);
+    }
+}
+
+TEST_CASE("state: who changes it is told so, once", "[doors]") {
+    const Scratch folder;
+    const auto told = [&](const std::string& when, const std::string& command) {
+        return run(command, folder.path(), environment(when, "flush"));
+    };
+    const std::string map = "map near-benign --size 64x48 -i 'example.*' -f f32,f64 -j 4 -o out --plugin " + library;
+    const auto count = [](const std::string& text, const std::string& part) {
+        std::size_t found = 0;
+        for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+        return found;
+    };
+    for (const std::string door : {"", " --isolate"}) {
+        const auto loaded = told("load", map + door);
+        INFO(door << loaded.err);
+        CHECK(loaded.code == 0);
+        CHECK(count(loaded.err, "changes, when it is loaded, how the processor computes (flush_to_zero)") == 1);
+        const auto called = told("call", map + door);
+        INFO(called.err);
+        CHECK(called.code == 0);
+        CHECK(count(called.err, "changes in a call how the processor computes") >= 1);
+        CHECK(count(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
+        CHECK_FALSE(has(told("never", map + door).err, "how the processor computes"));
+        CHECK_FALSE(has(told("load", "-q " + map + door).err, "how the processor computes"));
+    }
+    for (const std::string door : {"", " --isolate"}) {
+        const auto loaded = told("load", "plugin check " + library + door);
+        CHECK(has(loaded.out, "state        loading its library leaves the processor with flush_to_zero"));
+        const auto called = told("call", "plugin check " + library + door);
+        INFO(called.out);
+        CHECK(called.code == 1);
+        CHECK(has(called.out, "BROKEN state"));
+        CHECK(told("never", "plugin check " + library + door).code == 0);
+    }
+}
+
+}  // namespace test_state
