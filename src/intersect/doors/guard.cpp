@@ -13,6 +13,7 @@
 #include <memory>
 #include <thread>
 
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -40,10 +41,20 @@ void say(const char* who, const char* what, const char* remedy) {
     }
 }
 
+/// A copy of the process that foreign code made has no files of its own.
+void clean_up() {
+    if (terms().clean_up && !process::is_a_copy()) terms().clean_up();
+}
+
+[[noreturn]] void leave(Exit code) {
+    if (terms().ends_with) terms().ends_with(static_cast<int>(code));
+    _exit(static_cast<int>(code));
+}
+
 [[noreturn]] void end(const char* who, const char* what, const char* remedy) {
-    if (terms().clean_up) terms().clean_up();
+    clean_up();
     say(who, what, remedy);
-    _exit(static_cast<int>(Exit::environment));
+    leave(Exit::environment);
 }
 
 constexpr const char* try_child = "try --isolate, which runs it in a process of its own, or a debugger";
@@ -60,7 +71,7 @@ const char* crash_of(int signal) {
 
 void on_crash(int signal) {
     if (inside != nullptr) end(inside, crash_of(signal), try_child);
-    if (terms().clean_up) terms().clean_up();
+    clean_up();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }
@@ -100,9 +111,9 @@ void have_signal_stack() { thread_local const SignalStack here; }
             if (who == nullptr) continue;
             const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
             if (asked_to_stop.load() && taken.count() > 1) {  // nothing in there will look whether it was asked
-                if (terms().clean_up) terms().clean_up();
+                clean_up();
                 say(who, "was interrupted in the middle of a batch", "finished files are kept");
-                _exit(static_cast<int>(Exit::interrupted));
+                leave(Exit::interrupted);
             }
             if (taken.count() > terms().seconds)
                 end(who, "has not answered a batch within the time limit", "raise --time-limit SECONDS, or mend it");
@@ -114,6 +125,7 @@ void have_signal_stack() { thread_local const SignalStack here; }
 
 InForeignCode::InForeignCode(const char* who) : slot_(-1) {
     have_signal_stack();
+    process::give_thread_own_folder();
     inside = who;
     const auto now = Clock::now().time_since_epoch().count();
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -127,11 +139,13 @@ InForeignCode::InForeignCode(const char* who) : slot_(-1) {
 }
 
 InForeignCode::~InForeignCode() {
+    process::put_back_own_state(inside);
     inside = nullptr;
     if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
 
 LoadsForeignCode::~LoadsForeignCode() {
+    process::put_back_after_loading();
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // that of C, too
 }
@@ -141,6 +155,7 @@ void guard_foreign_code(const GuardTerms& wanted) {
     terms() = wanted;
     if (on) return;
     on = true;
+    process::keep_own_state();
     struct sigaction action {};
     action.sa_handler = on_crash;
     action.sa_flags = SA_ONSTACK;
