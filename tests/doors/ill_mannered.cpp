@@ -1,4 +1,5 @@
 // A library whose form is right, and which does to the program what ILL_MANNER says: a deed, and when.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <string>
@@ -43,6 +44,7 @@ void behave(const char* when) {
     if (deed == "crash in a thread") crash_in_a_thread();
     if (deed == "crash at exit") std::atexit(crash);
     if (deed == "_exit at exit") std::atexit(leave);
+    if (deed == "stay") stay();
     if (deed == "fork") make_copy(nullptr);
     if (deed == "fork and exit") make_copy([] { std::exit(0); });
     if (deed == "fork and stay") make_copy(stay);

@@ -1,7 +1,10 @@
 // Libraries that end the program, copy it or change what is its own: wherever they run, nothing passes for a success
 // that is none, whoever did it is named, and no process is left.
+#include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -9,6 +12,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "cli/started.hpp"
 
 using namespace lostbits::test;
 namespace fs = std::filesystem;
@@ -26,14 +30,16 @@ std::string claims(const Scratch& folder, bool holds) {
                             std::string(holds ? "[0.0, 0.01]" : "[0.5, 0.6]") + "\n");
 }
 
-/// How many processes have this in their environment.
-int left_over(const std::string& mark) {
-    int found = 0;
+/// The processes that have this in their environment, first the one that was first.
+std::vector<int> marked(const std::string& mark) {
+    std::vector<int> found;
     std::error_code gone;
     for (const auto& entry : fs::directory_iterator("/proc", gone)) {
-        if (entry.path().filename() == std::to_string(getpid())) continue;
-        found += has(contents(entry.path() / "environ"), mark);
+        const int process = std::atoi(entry.path().filename().c_str());
+        if (process > 0 && process != getpid() && has(contents(entry.path() / "environ"), mark))
+            found.push_back(process);
     }
+    std::ranges::sort(found);
     return found;
 }
 
@@ -47,17 +53,19 @@ Ran run_with(const std::string& manner, const std::string& words, const std::str
              bool claim_holds = true) {
     const Scratch folder;
     const std::string mark = "ILL_RUN=" + folder.path().string();
-    const bool checks = words.starts_with("check");
-    const std::string command = checks ? words + " " + claims(folder, claim_holds) + " --junit out.xml"
-                                       : words + " near-benign --size 16x16 -i ill.right -f f32 -o out";
+    const bool checks = words.starts_with("check"), tries = words.starts_with("plugin");
+    const std::string command = tries    ? words
+                                : checks ? words + " " + claims(folder, claim_holds) + " --junit out.xml"
+                                         : words + " near-benign --size 16x16 -i ill.right -f f32 -o out";
     Ran ran;
     ran.outcome = run(command + " --time-limit 3 --plugin " + library, folder.path(),
                       before + " export ILL_MANNER='" + manner + "' " + mark + ";");
     INFO(manner << " | " << before << words << " | " << ran.outcome.code << " | " << ran.outcome.err);
-    CHECK(left_over(mark) == 0);
+    CHECK(marked(mark).empty());
     for (const std::string& file : folder.files()) CHECK_FALSE(has(file, ".partial-"));
-    ran.has_results = fs::exists(folder.path() / (checks ? "out.xml" : "out/near-benign/summary.csv")) &&
-                      !fs::exists(folder.path() / "out/near-benign/UNFINISHED.txt");
+    ran.has_results = tries ? has(ran.outcome.out, "ill.right in binary32, a sphere: does as it says")
+                            : fs::exists(folder.path() / (checks ? "out.xml" : "out/near-benign/summary.csv")) &&
+                                  !fs::exists(folder.path() / "out/near-benign/UNFINISHED.txt");
     return ran;
 }
 
@@ -66,9 +74,14 @@ struct Way {
     const char *words, *before;
     bool isolated;
 };
-const std::vector<Way> ways{
-    {"map", "", false},  {"map", "export CI=1;", true},     {"map --isolate", "", true},
-    {"check", "", true}, {"check --in-process", "", false}, {"check --in-process", "export CI=true;", false}};
+const std::vector<Way> ways{{"map", "", false},
+                            {"map", "export CI=1;", true},
+                            {"map --isolate", "", true},
+                            {"check", "", true},
+                            {"check --in-process", "", false},
+                            {"check --in-process", "export CI=true;", false},
+                            {"plugin check", "", false},
+                            {"plugin check", "export CI=true;", true}};
 
 }  // namespace
 
@@ -126,6 +139,34 @@ TEST_CASE("manners: results lie where -o says, though a library goes elsewhere",
             CHECK(ran.outcome.code == 0);
             CHECK(ran.has_results);
             CHECK(ran.outcome.err.empty());
+        }
+    }
+}
+
+TEST_CASE("manners: signals reach the process that works, once each, and it does not outlive the one that waits",
+          "[doors]") {
+    for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
+        for (const bool to_both : {false, true}) {
+            const Scratch folder;
+            const std::string mark = "ILL_RUN=" + folder.path().string();
+            setenv("ILL_MANNER", "call stay", 1);
+            setenv("ILL_RUN", folder.path().c_str(), 1);
+            Started run({"map", "near-benign", "--size", "16x16", "-i", "ill.right", "-f", "f32", "-o", "out",
+                         "--plugin", library, "--time-limit", "60"},
+                        folder.path());
+            REQUIRE(run.wait_until([&mark] { return marked(mark).size() == 2; }));
+            const std::vector<int> both = marked(mark);
+            for (const int process : both) {
+                if (to_both || process == both.front()) kill(process, signal);
+            }
+            const int code = run.wait();
+            INFO(signal << " to " << (to_both ? "both: " : "the first: ") << contents(folder.path() / "err.txt"));
+            CHECK(code == (signal == SIGKILL ? 128 + SIGKILL : 130));
+            if (signal != SIGKILL) CHECK(has(contents(folder.path() / "err.txt"), "interrupted"));
+            for (int waited = 0; waited < 200 && !marked(mark).empty(); ++waited) usleep(10'000);
+            CHECK(marked(mark).empty());
+            unsetenv("ILL_MANNER");
+            unsetenv("ILL_RUN");
         }
     }
 }

@@ -1,5 +1,7 @@
 // The other end of a pipe: forms of a library, answered from a process of their own.
+#include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/process/child.hpp"
 #include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
 
@@ -21,9 +24,15 @@ namespace {
 
 bool read_all(int from, void* to, std::size_t bytes) {
     auto* place = static_cast<char*>(to);
-    while (bytes > 0) {
+    for (int look = 0; bytes > 0;) {
         const ssize_t got = read(from, place, bytes);
         if (got < 0 && errno == EINTR) continue;
+        if (got < 0 && errno == EAGAIN) {
+            pollfd end{from, POLLIN, 0};
+            if (++look < process::looks_before_sleep) sched_yield();
+            else poll(&end, 1, -1);
+            continue;
+        }
         if (got <= 0) return false;
         place += got;
         bytes -= static_cast<std::size_t>(got);
@@ -174,6 +183,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
         if (std::memcmp(request.magic, shares_memory, sizeof request.magic) == 0) {
             room.shared.emplace(process::SharedRoom::inherited);
+            fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // nobody else has this end
             continue;
         }
         if (!is_for(request, forms)) return false;

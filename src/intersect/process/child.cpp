@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -148,6 +149,10 @@ std::size_t Child::read_some(std::span<std::byte> room) {
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit_);
     if (!request.empty()) write_some(request);  // most fit at once, and need no poll
+    for (int look = 0; look < looks_before_sleep && request.empty() && !answer.empty(); ++look) {
+        answer = answer.subspan(read_some(answer));
+        if (!answer.empty()) sched_yield();
+    }
     while (!request.empty() || !answer.empty()) {
         bool can_write = false, can_read = false;
         wait_for(request.empty() ? short{0} : short{POLLOUT}, until, can_write, can_read);

@@ -8,6 +8,11 @@
 
 namespace lostbits::intersect::process {
 
+/// So often the two ends of a pipe look for what is due before they sleep, and give the processor away in between. To
+/// wake on another processor takes up to 40 µs, many times as long as a batch does; where both share one, the other
+/// runs at once.
+inline constexpr int looks_before_sleep = 30;
+
 class Child {
 public:
     /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages;
