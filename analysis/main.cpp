@@ -14,6 +14,7 @@
 #include "analysis/shard/merge.hpp"
 #include "analysis/shell/completion.hpp"
 #include "analysis/shell/process.hpp"
+#include "analysis/shell/supervisor.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
 #include "analysis/shell/usage.hpp"
 #include "commands.hpp"
@@ -68,7 +69,14 @@ void add_doors(CLI::App& program, choice::DoorWords& doors) {
         "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
     choice::add_list(program, "--device", doors.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
-    program.add_flag("--isolate", doors.isolate, "Run libraries in processes of their own: a crash is an error then");
+    auto* const isolate =
+        program.add_flag("--isolate", doors.isolate,
+                         "Run libraries in processes of their own, so that none can end the program (default: for "
+                         "`check`, and wherever CI is set in the environment; not those of formulas)");
+    program
+        .add_flag("--in-process", doors.in_process,
+                  "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
+        ->excludes(isolate);
     program
         .add_option("--time-limit", doors.seconds,
                     "Seconds that --plugin, --pipe and --shader may take for a batch (30)")
@@ -85,6 +93,7 @@ constexpr const char* footer =
     "  70   something could not be proved\n"
     "  130  interrupted; finished files stay\n"
     "Environment:\n"
+    "  CI                    set to anything: libraries run in processes of their own, see --isolate\n"
     "  LOSTBITS_DATA         the folder with scenes/, sweeps/ and claims/\n"
     "  LOSTBITS_DEVICE_MODULES  a folder to look for the modules of --shader in first\n"
     "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n"
@@ -135,6 +144,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     program.set_version_flag("--version", "lostbits " LOSTBITS_VERSION);
     Common common;
     common.joined = std::move(joined);
+    common.doors.ends_with = shell::tell_status;
     Command chosen;
     add_common(program, common);
     add_doors(program, common.doors);
@@ -176,8 +186,12 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     }
     common.typed = choice::typed(program);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
-    const auto opens_its_own = {"plugin", "shader", "devices"};
-    if (std::ranges::none_of(opens_its_own, [&](const char* name) { return program.got_subcommand(name); })) {
+    const auto named = [&program](const char* name) { return program.got_subcommand(name); };
+    if (!named("shader") && !named("devices")) choice::decide_where(common.doors, named("check"));
+    if (!named("plugin") && !named("shader") && !named("devices")) {
+        if (!common.quiet) choice::note_where(common.doors, named("trade") || named("choose"));
+        if (const std::string here = choice::loaded_here(common.doors); !here.empty())
+            shell::supervise(here, common.doors.seconds);
         choice::open_doors(common.doors, common.threads);
         if (!common.quiet) {
             choice::note_states();
@@ -208,22 +222,17 @@ namespace {
     else
         std::fputs(
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
-            "smaller "
-            "--size, or -j 1\n",
+            "smaller --size, or -j 1\n",
             stderr);
-    std::_Exit(static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment));
+    const auto status =
+        static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment);
+    lostbits::analysis::shell::tell_status(status);
+    std::_Exit(status);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// The whole program, and its status.
+int run_program(int argc, char** argv) {
     using namespace lostbits;
-    // A library that LD_PRELOAD names was here before.
-    intersect::process::FloatingPoint::standard().set();
-    analysis::shell::open_standard_streams();
-    analysis::shell::install_signal_handlers();
-    output::file::raise_open_file_limit();
-    std::set_terminate(on_terminate);
     // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
     const auto fail = [](Exit code, const char* message) {
         std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(message).c_str());
@@ -246,4 +255,19 @@ int main(int argc, char** argv) {
     } catch (...) {
         return fail(Exit::internal, "something was thrown that is not an exception; a library under test may do so");
     }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace lostbits;
+    // A library that LD_PRELOAD names was here before.
+    intersect::process::FloatingPoint::standard().set();
+    analysis::shell::open_standard_streams();
+    analysis::shell::install_signal_handlers();
+    output::file::raise_open_file_limit();
+    std::set_terminate(on_terminate);
+    const int status = run_program(argc, argv);
+    analysis::shell::tell_status(status);
+    return status;
 }

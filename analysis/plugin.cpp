@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "analysis/choice/doors.hpp"
+#include "analysis/shell/supervisor.hpp"
 #include "commands.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/process/own_state.hpp"
 #include "measure/contract/probe.hpp"
 
 namespace lostbits::analysis {
@@ -21,10 +23,17 @@ using intersect::doors::Contract;
 using intersect::doors::ForeignForm;
 using measure::contract::Observation;
 
-/// Answers a pipe with the forms of a library.
+/// Answers a pipe with the forms of a library; in place of the header says why it cannot.
 Exit serve(const std::string& named) {
     const int answers = take_standard_output("plugin serve");
-    const auto forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
+    intersect::process::keep_own_state();
+    std::vector<ForeignForm> forms;
+    try {
+        forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
+    } catch (const Error& error) {  // for the process that asks to say
+        const std::string words = intersect::doors::refusal_of(error);
+        return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
+    }
     if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
         "plugin serve: what came on standard input is no request of lostbits-pipe/1; this command is for `lostbits … "
@@ -63,6 +72,7 @@ bool show_trial(const ForeignForm& form, bool quiet) {
 Exit try_forms(const std::string& library, const Common& common) {
     choice::DoorWords words = common.doors;
     if (!library.empty()) words.plugins.push_back(library);
+    if (const std::string here = choice::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
     const std::vector<ForeignForm> forms = choice::open_each(words, common.threads).forms;
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
     bool good = true;

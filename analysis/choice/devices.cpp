@@ -1,7 +1,7 @@
 #include "analysis/choice/devices.hpp"
 
 #include "analysis/choice/doors.hpp"
-#include "intersect/doors/child.hpp"
+#include "intersect/process/child.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::analysis::choice {
@@ -9,7 +9,7 @@ namespace lostbits::analysis::choice {
 DeviceTold ask_device(std::string_view kind, double seconds) {
     DeviceTold told{.kind = std::string(kind), .facts = {}, .lacks = {}};
     try {
-        intersect::doors::Child child(this_program("shader probe " + told.kind), told.kind, "", seconds);
+        intersect::process::Child child(this_program("shader probe " + told.kind), told.kind, "", seconds);
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {
             const std::size_t equals = line.find('=');
             if (equals == std::string::npos) child.fail("says " + line + " where a fact is due");

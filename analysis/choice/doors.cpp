@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <map>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -33,6 +36,7 @@ namespace {
 /// The forms of a library, from a process of this program that holds it.
 std::vector<ForeignForm> isolated(const std::filesystem::path& library, PipeTerms terms) {
     terms.who = library.string() + " in a process of its own";
+    terms.ours = true;
     return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
 }
 
@@ -59,6 +63,18 @@ std::vector<ForeignForm> served_by_each(const std::string& shader, const DoorWor
     }
     if (forms.empty()) throw EnvironmentError("--device all: no driver can run shaders here:" + lacks);
     return forms;
+}
+
+/// Whether a library exports formulas, without running anything of it: the name stands in its table of names.
+bool has_formulas(const std::filesystem::path& library) {
+    std::ifstream file(library, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    return bytes.find(std::string_view("\0lostbits_formulas\0", 19)) != std::string::npos;
+}
+
+/// A formula in another process would lose its tape and its formats, so those stay here unless that is asked for.
+bool is_isolated(const std::filesystem::path& library, const DoorWords& words) {
+    return words.isolate || (words.isolate_by_default && !has_formulas(library));
 }
 
 /// Of the forms that are not in the catalogue.
@@ -107,12 +123,42 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words) {
     return kinds;
 }
 
+void decide_where(DoorWords& words, bool is_gate) {
+    const char* const ci = std::getenv("CI");
+    words.isolate_by_default = !words.isolate && !words.in_process && (is_gate || (ci != nullptr && *ci != '\0'));
+}
+
+std::string loaded_here(const DoorWords& words) {
+    std::string all;
+    for (const std::string& named : words.plugins) {
+        const auto library = intersect::doors::find_plugin(named);
+        if (!is_isolated(library, words)) all += (all.empty() ? "" : ", ") + library.string();
+    }
+    return all;
+}
+
+void note_where(const DoorWords& words, bool times) {
+    if (!words.isolate_by_default) return;
+    const std::string here = loaded_here(words);
+    if (!here.empty())
+        fmt::print(stderr,
+                   "lostbits: {}: holds formulas, which run in this program itself: if they end it, the exit status is "
+                   "3; --isolate puts them in a process of their own, where they answer in f32 and f64 alone\n",
+                   here);
+    if (times && !words.plugins.empty())
+        fmt::print(stderr,
+                   "lostbits: CI is set, so libraries run in processes of their own, and their times hold the way "
+                   "there and back; --in-process leaves that out\n");
+}
+
 Behind open_each(const DoorWords& words, int threads) {
-    if (words.isolate && words.plugins.empty()) throw InputError("--isolate: is for libraries; name one by --plugin");
+    if ((words.isolate || words.in_process) && words.plugins.empty())
+        throw InputError(
+            fmt::format("{}: is for libraries; name one by --plugin", words.isolate ? "--isolate" : "--in-process"));
     if (!words.devices.empty() && words.shaders.empty())
         throw InputError("--device: is for shaders; name one by --shader");
     if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty()) return {};
-    intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files});
+    intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files, words.ends_with});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
     Behind found;
@@ -120,8 +166,9 @@ Behind open_each(const DoorWords& words, int threads) {
     std::string again;
     for (const std::string& named : words.plugins) {
         const auto library = intersect::doors::find_plugin(named);
-        add(words.isolate ? isolated(library, terms) : intersect::doors::load_plugin(library), found.forms);
-        if (!words.isolate) add(intersect::doors::load_formulas(library), found.formulas);
+        const bool apart = is_isolated(library, words);
+        add(apart ? isolated(library, terms) : intersect::doors::load_plugin(library), found.forms);
+        if (!apart) add(intersect::doors::load_formulas(library), found.formulas);
         again += " --plugin " + shell_word(named);
     }
     for (const std::string& command : words.pipes) {

@@ -18,15 +18,30 @@ struct DoorWords {
     std::vector<std::string> pipes;    ///< commands for the shell
     std::vector<std::string> shaders;  ///< files of GLSL, see `read_shader`
     std::vector<std::string> devices;  ///< that run them, of `device_kinds` or `all`; empty: the first that there is
-    bool isolate = false;              ///< libraries run in processes of their own
+    bool isolate = false;              ///< libraries run in processes of their own, those of formulas too
+    bool in_process = false;           ///< none does
+    bool isolate_by_default = false;   ///< those without formulas do, see `decide_where`
     double seconds = 30;               ///< that one batch may take
+    /// Told the status where a fault of a library ends the program; from signal handlers, too.
+    void (*ends_with)(int status) = nullptr;
 };
 
 /// What stands behind the doors: forms that answer, and those of them that are formulas.
 struct Behind {
     std::vector<intersect::doors::ForeignForm> forms;
-    std::vector<intersect::doors::Formula> formulas;  ///< none with `isolate`
+    std::vector<intersect::doors::Formula> formulas;  ///< none of libraries in other processes
 };
+
+/// Where neither --isolate nor --in-process says it: a process of their own for libraries of a gate, which is `check`,
+/// and every command where CI is set in the environment.
+void decide_where(DoorWords& words, bool is_gate);
+
+/// Which libraries run in this program itself, in one text; empty where none does. InputError.
+std::string loaded_here(const DoorWords& words);
+
+/// Says on stderr which libraries run in the program although others are isolated, and that times are not the
+/// library's own where they are isolated by default and `times` are measured.
+void note_where(const DoorWords& words, bool times);
 
 /// A command for the shell that runs this program with these words. EnvironmentError.
 std::string this_program(const std::string& words);

@@ -15,9 +15,10 @@ namespace lostbits::analysis::choice {
 namespace {
 
 /// Options that change no result.
-constexpr std::array<std::string_view, 18> of_no_result{
-    "out",     "progress",   "quiet",      "verbose",     "threads", "isa",         "force", "resume", "junit",
-    "isolate", "time-limit", "export-csv", "export-json", "report",  "annotations", "shard", "save",   "moves"};
+constexpr std::array<std::string_view, 19> of_no_result{
+    "out",    "progress",    "quiet",   "verbose",    "threads",    "isa",        "force",
+    "resume", "junit",       "isolate", "in-process", "time-limit", "export-csv", "export-json",
+    "report", "annotations", "shard",   "save",       "moves"};
 
 constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 

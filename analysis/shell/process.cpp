@@ -4,34 +4,41 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 
+#include "analysis/shell/supervisor.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 
 namespace lostbits::analysis::shell {
 namespace {
 
-void ask_to_stop(int) {
-    if (!asked_to_stop.exchange(true)) return;
+/// A signal to the whole group comes twice where there is a supervisor, which hands it on: each way is counted.
+void ask_to_stop(int, siginfo_t* info, void*) {
+    static std::atomic<bool> asked_directly{false}, asked_by_supervisor{false};
+    asked_to_stop.store(true);
+    std::atomic<bool>& asked = is_from_supervisor(info->si_pid) ? asked_by_supervisor : asked_directly;
+    if (!asked.exchange(true)) return;
     output::file::remove_partial_files();
+    tell_status(static_cast<int>(Exit::interrupted));
     _exit(static_cast<int>(Exit::interrupted));
 }
 
 /// The process ends of the signal, as its parent expects, once this returns and the signal is let through again.
-void clean_up_and_end(int signal) {
+void clean_up_and_end(int signal, siginfo_t*, void*) {
     output::file::remove_partial_files();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }
 
-void handle(int signal, void (*handler)(int)) {
+void handle(int signal, void (*handler)(int, siginfo_t*, void*)) {
     struct sigaction action {};
     if (sigaction(signal, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0 || action.sa_handler != SIG_DFL)
         return;
-    action.sa_handler = handler;
-    action.sa_flags = SA_ONSTACK;
+    action.sa_sigaction = handler;
+    action.sa_flags = SA_ONSTACK | SA_SIGINFO;
     sigaction(signal, &action, nullptr);
 }
 

@@ -23,9 +23,10 @@ std::string contents(const fs::path& file) {
 Outcome run(const std::string& arguments, const fs::path& folder, const std::string& before) {
     const Scratch streams;
     const std::string out = (streams.path() / "out").string(), err = (streams.path() / "err").string();
-    const std::string command = "cd '" + folder.string() + "' && export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "' && (" +
-                                before + " exec '" LOSTBITS_PROGRAM "' " + arguments + ") >'" + out + "' 2>'" + err +
-                                "' </dev/null";
+    // CI changes where libraries run: what a test expects of it, it says.
+    const std::string command =
+        "cd '" + folder.string() + "' && unset CI && export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "' && (" + before +
+        " exec '" LOSTBITS_PROGRAM "' " + arguments + ") >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
 }

@@ -15,6 +15,7 @@
 #include <mutex>
 #include <thread>
 
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -54,10 +55,20 @@ void say(const char* who, const char* what, const char* remedy) {
     }
 }
 
+/// A copy of the process that foreign code made has no files of its own.
+void clean_up() {
+    if (terms().clean_up && !process::is_a_copy()) terms().clean_up();
+}
+
+[[noreturn]] void leave(Exit code) {
+    if (terms().ends_with) terms().ends_with(static_cast<int>(code));
+    _exit(static_cast<int>(code));
+}
+
 [[noreturn]] void end(const char* who, const char* what, const char* remedy) {
-    if (terms().clean_up) terms().clean_up();
+    clean_up();
     say(who, what, remedy);
-    _exit(static_cast<int>(Exit::environment));
+    leave(Exit::environment);
 }
 
 constexpr const char* try_child = "try --isolate, which runs it in a process of its own, or a debugger";
@@ -74,7 +85,7 @@ const char* crash_of(int signal) {
 
 void on_crash(int signal) {
     if (const char* const who = inside.load()) end(who, crash_of(signal), try_child);
-    if (terms().clean_up) terms().clean_up();
+    clean_up();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }
@@ -115,9 +126,9 @@ void have_signal_stack() { thread_local const SignalStack here; }
             if (who == nullptr) continue;
             const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
             if (asked_to_stop.load() && taken.count() > 1) {  // nothing in there will look whether it was asked
-                if (terms().clean_up) terms().clean_up();
+                clean_up();
                 say(who, "was interrupted in the middle of a batch", "finished files are kept");
-                _exit(static_cast<int>(Exit::interrupted));
+                leave(Exit::interrupted);
             }
             if (taken.count() > terms().seconds)
                 end(who, "has not answered a batch within the time limit", "raise --time-limit SECONDS, or mend it");
@@ -130,6 +141,7 @@ void have_signal_stack() { thread_local const SignalStack here; }
 InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& computes)
     : who_(who), outer_(inside.load()), before_(process::FloatingPoint::current()), computes_(computes) {
     have_signal_stack();
+    process::give_thread_own_folder();
     inside = who;
     computes.set();
     const auto now = Clock::now().time_since_epoch().count();
@@ -144,6 +156,7 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& comp
 }
 
 InForeignCode::~InForeignCode() {
+    process::put_back_own_state(who_);
     const auto left = process::FloatingPoint::current();
     before_.set();
     if (left != computes_)
@@ -156,6 +169,7 @@ InForeignCode::~InForeignCode() {
 
 LoadsForeignCode::~LoadsForeignCode() {
     computes_.set();
+    process::put_back_after_loading();
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // that of C, too
 }
@@ -185,6 +199,7 @@ void guard_foreign_code(const GuardTerms& wanted) {
     terms_now = new GuardTerms(wanted);
     if (on) return;
     on = true;
+    process::keep_own_state();
     struct sigaction action {};
     action.sa_handler = on_crash;
     action.sa_flags = SA_ONSTACK;

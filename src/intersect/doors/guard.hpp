@@ -74,8 +74,9 @@ const char* foreign_code_here() noexcept;
 
 struct GuardTerms {
     double seconds = 30;  ///< that one batch may take
-    void (*clean_up)() =
-        nullptr;  ///< called before the program ends for a fault of foreign code; from a signal handler
+    /// Called before the program ends for a fault of foreign code; from a signal handler.
+    void (*clean_up)() = nullptr;
+    void (*ends_with)(int status) = nullptr;  ///< the same, after the words about it, where there are any
 };
 
 /// From now on a signal of a crash inside of foreign code, a call of exit() there and a batch that takes too long end

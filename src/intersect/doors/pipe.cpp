@@ -6,10 +6,13 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <new>
 
-#include "intersect/doors/child.hpp"
 #include "intersect/doors/greeting.hpp"
+#include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/process/child.hpp"
+#include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -17,6 +20,9 @@ namespace lostbits::intersect::doors {
 static_assert(std::endian::native == std::endian::little, "numbers go through pipes as they lie in memory");
 
 namespace {
+
+using process::Child;
+using process::SharedRoom;
 
 std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
     return read_greeting({.next_line = [&child] { return child.read_line(); },
@@ -29,12 +35,35 @@ std::string duty(const PipeTerms& terms) {
     return terms.ours ? "" : "it must read a whole batch, answer it and flush its output";
 }
 
+template <class T>
+std::span<std::byte> bytes_of(T& value) {
+    return std::as_writable_bytes(std::span(&value, 1));
+}
+
+/// A process that answers, and the memory that it shares with this one where it is one of this program.
+struct Partner {
+    Partner(const std::string& command, const PipeTerms& terms)
+        : room(terms.ours ? std::make_unique<SharedRoom>() : nullptr),
+          child(command, terms.who, duty(terms), terms.seconds, room ? room->descriptor() : -1),
+          contracts(greet(child, terms)) {
+        if (room && room->descriptor() < 0) room.reset();
+        if (!room) return;
+        PipeRequest shared;
+        std::memcpy(shared.magic, shares_memory, sizeof shared.magic);
+        child.exchange(bytes_of(shared), {});
+    }
+
+    std::unique_ptr<SharedRoom> room;
+    Child child;
+    std::vector<Contract> contracts;
+};
+
 /// The processes of one command: as many as ask at the same time.
 class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
-        free_.push_back(std::make_unique<Child>(command_, terms_.who, duty(terms_), terms_.seconds));
-        contracts_ = greet(*free_.back(), terms_);
+        free_.push_back(std::make_unique<Partner>(command_, terms_));
+        contracts_ = free_.back()->contracts;
         running_ = 1;
         const auto alone = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
         if (std::ranges::any_of(contracts_, alone)) terms_.processes = 1;
@@ -43,10 +72,10 @@ public:
     [[nodiscard]] const std::vector<Contract>& contracts() const { return contracts_; }
 
     template <class Ask>
-    void with_child(const Ask& ask) {
-        std::unique_ptr<Child> child = take();
+    void with_partner(const Ask& ask) {
+        std::unique_ptr<Partner> partner = take();
         try {
-            ask(*child);
+            ask(*partner);
         } catch (...) {  // what it may still write belongs to no later question
             const std::scoped_lock lock(mutex_);
             --running_;
@@ -54,27 +83,27 @@ public:
             throw;
         }
         const std::scoped_lock lock(mutex_);
-        free_.push_back(std::move(child));
+        free_.push_back(std::move(partner));
         freed_.notify_one();
     }
 
 private:
-    std::unique_ptr<Child> take() {
+    std::unique_ptr<Partner> take() {
         std::unique_lock lock(mutex_);
         freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, terms_.processes); });
         if (!free_.empty()) {
-            std::unique_ptr<Child> child = std::move(free_.back());
+            std::unique_ptr<Partner> partner = std::move(free_.back());
             free_.pop_back();
-            return child;
+            return partner;
         }
         ++running_;
         lock.unlock();
-        auto child = std::make_unique<Child>(command_, terms_.who, duty(terms_), terms_.seconds);
-        if (greet(*child, terms_) != contracts_)
-            child->fail(
+        auto partner = std::make_unique<Partner>(command_, terms_);
+        if (partner->contracts != contracts_)
+            partner->child.fail(
                 "says something else of itself when it is started a second time; let it say the same, or add "
                 "flags=one_thread");
-        return child;
+        return partner;
     }
 
     std::string command_;
@@ -82,7 +111,7 @@ private:
     std::vector<Contract> contracts_;
     std::mutex mutex_;
     std::condition_variable freed_;
-    std::vector<std::unique_ptr<Child>> free_;
+    std::vector<std::unique_ptr<Partner>> free_;
     unsigned running_ = 0;
 };
 
@@ -100,45 +129,90 @@ private:
     std::vector<std::byte> bytes_;
 };
 
-template <class T>
-std::span<std::byte> bytes_of(T& value) {
-    return std::as_writable_bytes(std::span(&value, 1));
-}
-
-void ask(Child& child, std::uint32_t form, const Contract& contract, const lb_batch& batch) {
-    thread_local Message message;
-    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = batch.size;
-    const std::size_t solids = batch.solid_stride == 0 ? 1 : n;
-    PipeRequest head;
-    head.form = form;
-    head.rays = static_cast<std::uint32_t>(n);
-    head.solids = static_cast<std::uint32_t>(solids);
-    head.ends = batch.ends == nullptr ? 0 : head.rays;
-    message.clear();
-    message.add(&head, sizeof head);
-    message.add(batch.rays, 6 * n * width);
-    if (batch.ends) message.add(batch.ends, n * width);
-    message.add(batch.solids, solids * number_names(contract.shape).size() * width);
-
-    child.about("form \"" + contract.name + "\"");
+/// Asks, and reads all but the columns of the answer. Whether a process of this program says `changes_state`.
+bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours) {
     PipeAnswer answer;
-    child.exchange(message.all(), bytes_of(answer));
+    child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
         const std::string got(reinterpret_cast<const char*>(&answer), sizeof answer);
         child.fail("answered " + shown_text(got) +
                    " where an answer begins with LBA1; whatever it prints must go to "
                    "standard error, and every batch be answered once");
     }
-    if (answer.error != 0) {
-        std::string text(std::min<std::size_t>(answer.error, 1000), ' ');
-        child.read(std::as_writable_bytes(std::span(text)));
-        child.fail("refuses: " + shown_text(text, 400));
-    }
+    const bool changed = ours && (answer.error & changes_state) != 0;
+    if (changed) answer.error &= ~changes_state;
+    if (answer.error == 0) return changed;
+    std::string text(std::min<std::size_t>(answer.error, 1000), ' ');
+    child.read(std::as_writable_bytes(std::span(text)));
+    child.fail("refuses: " + shown_text(text, 400));
+}
+
+PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
+    PipeRequest request;
+    request.form = form;
+    request.rays = static_cast<std::uint32_t>(batch.size);
+    request.solids = batch.solid_stride == 0 ? 1 : request.rays;
+    request.ends = batch.ends == nullptr ? 0 : request.rays;
+    return request;
+}
+
+void ask_by_pipe(Child& child, const PipeRequest& request, const Contract& contract, const lb_batch& batch) {
+    thread_local Message message;
+    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = batch.size;
+    message.clear();
+    message.add(&request, sizeof request);
+    message.add(batch.rays, 6 * n * width);
+    if (batch.ends) message.add(batch.ends, n * width);
+    message.add(batch.solids, request.solids * number_names(contract.shape).size() * width);
+
+    exchange_heads(child, message.all(), false);
     child.read({static_cast<std::byte*>(batch.near_far), 2 * n * width});
     child.read({reinterpret_cast<std::byte*>(batch.hit), n});
 }
 
+void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& request, const Contract& contract,
+                   const lb_batch& batch) {
+    SharedRoom& room = *partner.room;
+    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = batch.size;
+    const BatchPlaces at = places_of(request, contract);
+    std::byte* const data = room.with_bytes(at.end);
+    if (data == nullptr) throw std::bad_alloc();
+    std::memcpy(data + at.rays, batch.rays, 6 * n * width);
+    if (batch.ends) std::memcpy(data + at.ends, batch.ends, n * width);
+    std::memcpy(data + at.solids, batch.solids, request.solids * number_names(contract.shape).size() * width);
+    if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
+        note_change(who,
+                    "changes in a call how the processor computes, which is undone after each; call fegetenv "
+                    "before and fesetenv after");
+    std::memcpy(batch.near_far, data + at.near_far, 2 * n * width);
+    std::memcpy(batch.hit, data + at.hit, n);
+}
+
+void ask(Partner& partner, std::uint32_t form, const std::string& who, const Contract& contract,
+         const lb_batch& batch) {
+    const PipeRequest request = request_of(form, batch);
+    partner.child.about("form \"" + contract.name + "\"");
+    if (partner.room) ask_in_memory(partner, who, request, contract, batch);
+    else ask_by_pipe(partner.child, request, contract, batch);
+}
+
 }  // namespace
+
+BatchPlaces places_of(const PipeRequest& request, const Contract& contract) {
+    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
+    BatchPlaces at;
+    const auto place = [&at](std::size_t bytes) {
+        const std::size_t begin = at.end;
+        at.end += (bytes + 63) / 64 * 64;
+        return begin;
+    };
+    at.rays = place(6 * n * width);
+    at.ends = place(request.ends * width);
+    at.solids = place(request.solids * number_names(contract.shape).size() * width);
+    at.near_far = place(2 * n * width);
+    at.hit = place(n);
+    return at;
+}
 
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms) {
     PipeTerms named = terms;
@@ -147,9 +221,10 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
     std::vector<ForeignForm> forms;
     std::uint32_t place = 0;
     for (const Contract& contract : pool->contracts()) {
-        forms.push_back({contract, named.who, [pool, contract, place](const lb_batch& batch) {
-                             pool->with_child([&](Child& child) { ask(child, place, contract, batch); });
-                         }});
+        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.who, {}});
+        form.answer = [pool, contract, place, who = name_in_messages(form)](const lb_batch& batch) {
+            pool->with_partner([&](Partner& partner) { ask(partner, place, who, contract, batch); });
+        };
         ++place;
     }
     return forms;

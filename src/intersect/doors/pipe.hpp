@@ -30,11 +30,24 @@ struct PipeAnswer {
 };
 static_assert(sizeof(PipeAnswer) == 8);
 
+/// In `error` of a process of this program: the form changes how the processor computes and does not set it back.
+inline constexpr std::uint32_t changes_state = 1U << 31;
+
+/// In place of a request, to a process of this program: from then on the columns of a batch, and of its answer, stand
+/// in memory that both share (process/shared_room.hpp), and only what comes before them goes through the pipe.
+inline constexpr char shares_memory[4] = {'L', 'B', 'M', '1'};
+
+/// Where the columns of a batch stand in that memory, in bytes from its begin.
+struct BatchPlaces {
+    std::size_t rays = 0, ends = 0, solids = 0, near_far = 0, hit = 0, end = 0;
+};
+BatchPlaces places_of(const PipeRequest& request, const Contract& contract);
+
 struct PipeTerms {
     double seconds = 30;     ///< that an answer may take
     unsigned processes = 1;  ///< at most, one a thread; one alone for a form that says one_thread
     std::string who = {};    ///< begins messages; empty: the command
-    bool ours = false;       ///< the command is this program, whose words of refusal stand as they are
+    bool ours = false;  ///< the command is this program: its words of refusal stand as they are, and it shares memory
 };
 
 /// Starts the command and reads what it says of itself. InputError for a header that makes no sense or says `error=`,
@@ -44,7 +57,8 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
 /// In place of a header: why the program cannot serve, line by line.
 std::string refusal_of(const Error& error);
 
-/// The other end: answers requests on `input` with these forms until it ends. False where what came was no request.
+/// The other end: answers requests on `input` with these forms until it ends. False where what came was no request;
+/// EnvironmentError where an answer cannot be written although somebody still asks.
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
 
 }  // namespace lostbits::intersect::doors

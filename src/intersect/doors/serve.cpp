@@ -1,15 +1,23 @@
 // The other end of a pipe: forms of a library, answered from a process of their own.
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
 #include "intersect/doors/foreign_batch.hpp"
+#include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/process/child.hpp"
+#include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -17,9 +25,15 @@ namespace {
 
 bool read_all(int from, void* to, std::size_t bytes) {
     auto* place = static_cast<char*>(to);
-    while (bytes > 0) {
+    for (int look = 0; bytes > 0;) {
         const ssize_t got = read(from, place, bytes);
         if (got < 0 && errno == EINTR) continue;
+        if (got < 0 && errno == EAGAIN) {
+            pollfd end{from, POLLIN, 0};
+            if (++look < process::looks_before_sleep) sched_yield();
+            else poll(&end, 1, -1);
+            continue;
+        }
         if (got <= 0) return false;
         place += got;
         bytes -= static_cast<std::size_t>(got);
@@ -52,44 +66,102 @@ bool write_all(int to, const void* from, std::size_t bytes) {
     return true;
 }
 
-bool refuse(int output, std::string_view why) {
-    PipeAnswer answer;
-    answer.error = static_cast<std::uint32_t>(why.size());
-    return write_all(output, &answer, sizeof answer) && write_all(output, why.data(), why.size());
+/// The numbers of a batch, as bytes: they are handed on as they came.
+struct Columns {
+    const std::byte *rays, *ends, *solids;  ///< `ends`: null where there are none
+    std::byte* near_far;
+    std::uint8_t* hit;
+};
+
+template <class S>
+void mark_unwritten_in(const Columns& columns, std::size_t rays) {
+    mark_unwritten<S>({reinterpret_cast<S*>(columns.near_far), 2 * rays}, {columns.hit, rays});
 }
 
-/// The numbers of a batch, as bytes: they are handed on as they came.
+/// Why there is no answer; empty where there is.
+std::string answer_in_place(const ForeignForm& form, const PipeRequest& request, const Columns& columns) {
+    if (form.contract.bits == 64) mark_unwritten_in<double>(columns, request.rays);
+    else mark_unwritten_in<float>(columns, request.rays);
+    try {
+        form.answer({.size = request.rays,
+                     .rays = columns.rays,
+                     .ends = columns.ends,
+                     .solids = columns.solids,
+                     .solid_stride = request.solids == 1 ? 0 : number_names(form.contract.shape).size(),
+                     .near_far = columns.near_far,
+                     .hit = columns.hit,
+                     .own = nullptr});
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+    return {};
+}
+
+bool is_for(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
+    return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 && request.form < forms.size() &&
+           (request.solids == 1 || request.solids == request.rays) &&
+           (request.ends == 0 || request.ends == request.rays);
+}
+
+/// Where the numbers of batches are kept: in memory of whoever asks, or here.
 struct Room {
-    std::vector<std::byte> rays, ends, solids;
-    std::vector<double> near_far;  ///< or twice as many floats
+    std::optional<process::SharedRoom> shared;
+    std::vector<std::byte> rays, ends, solids, near_far;
     std::vector<std::uint8_t> hit;
 };
 
-bool answer_one(const ForeignForm& form, const PipeRequest& request, Room& room, int input, int output) {
-    const std::size_t width = static_cast<std::size_t>(form.contract.bits) / 8, n = request.rays;
-    const std::size_t numbers = number_names(form.contract.shape).size();
-    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.ends, request.ends * width) ||
-        !read_column(input, room.solids, request.solids * numbers * width))
-        return false;
-    room.near_far.resize(2 * n);
-    room.hit.resize(n);
-    if (width == sizeof(double)) mark_unwritten<double>(room.near_far, room.hit);
-    else mark_unwritten<float>({reinterpret_cast<float*>(room.near_far.data()), 2 * n}, room.hit);
-    try {
-        form.answer({.size = n,
-                     .rays = room.rays.data(),
-                     .ends = room.ends.empty() ? nullptr : room.ends.data(),
-                     .solids = room.solids.data(),
-                     .solid_stride = request.solids == 1 ? 0 : numbers,
-                     .near_far = room.near_far.data(),
-                     .hit = room.hit.data(),
-                     .own = nullptr});
-    } catch (const std::exception& error) {
-        return refuse(output, error.what());
+Columns columns_in(std::byte* memory, const BatchPlaces& at, bool have_ends) {
+    return {.rays = memory + at.rays,
+            .ends = have_ends ? memory + at.ends : nullptr,
+            .solids = memory + at.solids,
+            .near_far = memory + at.near_far,
+            .hit = reinterpret_cast<std::uint8_t*>(memory + at.hit)};
+}
+
+/// The columns of a batch, read where they do not stand in memory that is shared. Nothing where not all came.
+std::optional<Columns> take_batch(int input, const PipeRequest& request, const Contract& contract, Room& room) {
+    const BatchPlaces at = places_of(request, contract);
+    if (room.shared) {
+        std::byte* const memory = room.shared->with_bytes(at.end);
+        if (memory == nullptr) return std::nullopt;
+        return columns_in(memory, at, request.ends != 0);
     }
-    const PipeAnswer fine;
-    return write_all(output, &fine, sizeof fine) && write_all(output, room.near_far.data(), 2 * n * width) &&
-           write_all(output, room.hit.data(), n);
+    const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
+    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.ends, request.ends * width) ||
+        !read_column(input, room.solids, request.solids * number_names(contract.shape).size() * width))
+        return std::nullopt;
+    room.near_far.resize(2 * n * width);
+    room.hit.resize(n);
+    return Columns{.rays = room.rays.data(),
+                   .ends = room.ends.empty() ? nullptr : room.ends.data(),
+                   .solids = room.solids.data(),
+                   .near_far = room.near_far.data(),
+                   .hit = room.hit.data()};
+}
+
+/// False where the output takes no more of it.
+bool give_answer(int output, const std::string& refusal, const ForeignForm& form, const Room& room) {
+    PipeAnswer answer;
+    answer.error = static_cast<std::uint32_t>(refusal.size());
+    if (room.shared && !change_noted(name_in_messages(form)).empty()) answer.error |= changes_state;
+    if (!write_all(output, &answer, sizeof answer)) return false;
+    if (!refusal.empty()) return write_all(output, refusal.data(), refusal.size());
+    return room.shared || (write_all(output, room.near_far.data(), room.near_far.size()) &&
+                           write_all(output, room.hit.data(), room.hit.size()));
+}
+
+/// Whether whoever asks has closed this, as when the run is interrupted.
+bool has_ended(int input) {
+    pollfd end{input, POLLIN, 0};
+    char byte = 0;
+    return poll(&end, 1, 0) > 0 && ((end.revents & POLLHUP) != 0 || read(input, &byte, 1) == 0);
+}
+
+/// An answer that nobody waits for is lost to nobody.
+void require_somebody(int input) {
+    const int error = errno;
+    if (!has_ended(input))
+        throw EnvironmentError(std::string("cannot write to whoever asks for answers: ") + std::strerror(error));
 }
 
 }  // namespace
@@ -107,14 +179,21 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     std::vector<Contract> contracts;
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
     const std::string header = pipe_header_of(contracts);
-    if (!write_all(output, header.data(), header.size())) return true;
+    signal(SIGPIPE, SIG_IGN);  // what cannot be written is an error with words
+    if (!write_all(output, header.data(), header.size())) return require_somebody(input), true;
     Room room;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
-        if (std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) != 0) return false;
-        if (request.form >= forms.size() || (request.solids != 1 && request.solids != request.rays) ||
-            (request.ends != 0 && request.ends != request.rays))
-            return false;
-        if (!answer_one(forms[request.form], request, room, input, output)) return true;
+        if (std::memcmp(request.magic, shares_memory, sizeof request.magic) == 0) {
+            room.shared.emplace(process::SharedRoom::inherited);
+            fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // nobody else has this end
+            continue;
+        }
+        if (!is_for(request, forms)) return false;
+        const ForeignForm& form = forms[request.form];
+        const std::optional<Columns> columns = take_batch(input, request, form.contract, room);
+        if (!columns) return true;
+        if (!give_answer(output, answer_in_place(form, request, *columns), form, room))
+            return require_somebody(input), true;
     }
     return true;
 }

@@ -37,6 +37,7 @@ struct Slots {
 Slots first_slots;
 // Threads read and free names under it; the handler, which frees none, does without.
 std::mutex names_mutex;
+std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
 
 /// Calls `use` on slot after slot, until it answers true or all were there.
@@ -69,6 +70,7 @@ std::atomic<char*>* register_partial(const std::string& partial) {
         return true;
     };
     while (!any_slot(take)) add_slots();
+    if (const auto listener = partial_listener.load()) listener(name);
     return found;
 }
 
@@ -321,6 +323,8 @@ void remove_partial_files() noexcept {
     });
     errno = saved;
 }
+
+void listen_to_partial_files(void (*listener)(const char*) noexcept) noexcept { partial_listener = listener; }
 
 void raise_open_file_limit() noexcept {
     rlimit limit{};

@@ -84,6 +84,9 @@ void remove_if_abandoned(const std::filesystem::path& partial) noexcept;
 /// only. The files stay open, and their `commit` throws Interrupted.
 void remove_partial_files() noexcept;
 
+/// From now on `listener` is told the name of every temporary file before it is made. No name comes twice.
+void listen_to_partial_files(void (*listener)(const char* partial) noexcept) noexcept;
+
 /// Raises the soft limit on open files to the hard one: a run holds a few files open for each form and format.
 void raise_open_file_limit() noexcept;
 

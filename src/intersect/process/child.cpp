@@ -1,7 +1,8 @@
-#include "intersect/doors/child.hpp"
+#include "intersect/process/child.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -13,11 +14,12 @@
 #include <cstring>
 #include <thread>
 
+#include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
 
 extern char** environ;
 
-namespace lostbits::intersect::doors {
+namespace lostbits::intersect::process {
 namespace {
 
 /// Both ends close when another program is started, so that no child keeps another's open.
@@ -28,24 +30,36 @@ std::array<int, 2> make_pipe() {
     return ends;
 }
 
-/// Waits until the process has ended, but not longer than this.
-bool ends_within(int process, std::chrono::milliseconds time, int& status) {
+/// Waits until the process has ended, but not longer than this; it stays to be waited for, so that nobody else gets its
+/// number.
+bool ends_within(int process, std::chrono::milliseconds time) {
     for (auto waited = std::chrono::milliseconds(0); waited <= time; waited += std::chrono::milliseconds(5)) {
-        if (waitpid(process, &status, WNOHANG) == process) return true;
+        siginfo_t info{};
+        const int error = waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOHANG | WNOWAIT);
+        if (error != 0 || info.si_pid == process) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
 }
 
+/// Ends it and whatever it started, copies of itself among them. How it ended.
+int end_group(int process) {
+    int status = 0;
+    kill(-process, SIGKILL);
+    waitpid(process, &status, 0);
+    return status;
+}
+
 }  // namespace
 
-Child::Child(std::string command, std::string who, std::string duty, double seconds)
+Child::Child(std::string command, std::string who, std::string duty, double seconds, int shared)
     : command_(std::move(command)), who_(std::move(who)), duty_(std::move(duty)), limit_(seconds) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
+    if (shared >= 0) posix_spawn_file_actions_adddup2(&files, shared, SharedRoom::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t defaults;
@@ -74,15 +88,13 @@ Child::~Child() {
     if (input_ >= 0) close(input_);
     if (output_ >= 0) close(output_);
     if (process_ <= 0) return;
-    int status = 0;
-    if (ends_within(process_, std::chrono::seconds(1), status)) return;
-    kill(-process_, SIGKILL);
-    waitpid(process_, &status, 0);
+    ends_within(process_, std::chrono::seconds(1));
+    end_group(process_);
 }
 
 std::string Child::how_it_ended() {
-    int status = 0;
-    if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200), status)) return "";
+    if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200))) return "";
+    const int status = end_group(process_);
     process_ = -1;
     if (WIFSIGNALED(status))
         return std::string(" (it was ended by signal ") + std::to_string(WTERMSIG(status)) + ", " +
@@ -136,6 +148,11 @@ std::size_t Child::read_some(std::span<std::byte> room) {
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit_);
+    if (!request.empty()) write_some(request);  // most fit at once, and need no poll
+    for (int look = 0; look < looks_before_sleep && request.empty() && !answer.empty(); ++look) {
+        answer = answer.subspan(read_some(answer));
+        if (!answer.empty()) sched_yield();
+    }
     while (!request.empty() || !answer.empty()) {
         bool can_write = false, can_read = false;
         wait_for(request.empty() ? short{0} : short{POLLOUT}, until, can_write, can_read);
@@ -159,4 +176,4 @@ std::string Child::read_line() {
     }
 }
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::process

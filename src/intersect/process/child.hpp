@@ -6,14 +6,21 @@
 #include <span>
 #include <string>
 
-namespace lostbits::intersect::doors {
+namespace lostbits::intersect::process {
+
+/// So often the two ends of a pipe look for what is due before they sleep, and give the processor away in between. To
+/// wake on another processor takes up to 40 µs, many times as long as a batch does; where both share one, the other
+/// runs at once.
+inline constexpr int looks_before_sleep = 30;
 
 class Child {
 public:
     /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages;
-    /// `duty` says what its author may have overlooked where no answer comes, or nothing. EnvironmentError.
-    Child(std::string command, std::string who, std::string duty, double seconds);
-    /// Closes its input, which tells it to end, and ends it with a signal where it does not within a second.
+    /// `duty` says what its author may have overlooked where no answer comes, or nothing. `shared` is the descriptor of
+    /// a SharedRoom that it gets at, or -1. EnvironmentError.
+    Child(std::string command, std::string who, std::string duty, double seconds, int shared = -1);
+    /// Closes its input, which tells it to end, and ends it with a signal where it does not within a second; and what
+    /// else is left in its group.
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
@@ -46,4 +53,4 @@ private:
     bool output_ended_ = false;
 };
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::process

@@ -1,0 +1,242 @@
+#include "analysis/shell/supervisor.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/random.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "number/error.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
+
+namespace lostbits::analysis::shell {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What goes through the pipe, with the path of a file behind it where it is about one. No longer than PIPE_BUF, so
+/// that two threads' messages do not mix.
+struct Message {
+    enum Kind : std::uint32_t { status, partial_file };
+    std::uint64_t token;
+    Kind kind;
+    std::uint32_t value;  ///< the status, or how long the path is
+};
+constexpr std::size_t longest_path = 4096 - sizeof(Message);
+
+/// Of the process that works.
+struct Told {
+    int pipe = -1;
+    pid_t worker = 0, supervisor = 0;
+    std::uint64_t token = 0;
+};
+Told told;
+
+void tell(Message::Kind kind, std::uint32_t value, const char* path = nullptr) noexcept {
+    if (told.pipe < 0 || getpid() != told.worker || value > longest_path) return;
+    const int before = errno;
+    std::array<char, 4096> bytes;
+    const Message message{told.token, kind, value};
+    std::memcpy(bytes.data(), &message, sizeof message);
+    std::size_t size = sizeof message;
+    if (path != nullptr) std::memcpy(bytes.data() + size, path, value), size += value;
+    while (write(told.pipe, bytes.data(), size) < 0 && errno == EINTR) {}
+    errno = before;
+}
+
+void tell_partial(const char* path) noexcept {
+    tell(Message::partial_file, static_cast<std::uint32_t>(std::strlen(path)), path);
+}
+
+sigset_t to_hand_on() {
+    sigset_t all;
+    sigfillset(&all);
+    // A stopped job stops both processes, and a fault of our own here is one.
+    for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+        sigdelset(&all, signal);
+    return all;
+}
+
+/// The process that waits.
+class Supervisor {
+public:
+    Supervisor(int pipe, std::uint64_t token, pid_t worker, std::string libraries, double seconds)
+        : pipe_(pipe), token_(token), worker_(worker), libraries_(std::move(libraries)), patience_(seconds) {
+        const sigset_t signals = to_hand_on();
+        signals_ = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+        fcntl(pipe_, F_SETFL, fcntl(pipe_, F_GETFL) | O_NONBLOCK);
+    }
+
+    [[noreturn]] void run() {
+        while (!has_ended()) {
+            std::array<pollfd, 2> sources{{{signals_, POLLIN, 0}, {pipe_, POLLIN, 0}}};
+            poll(sources.data(), sources.size(), status_ ? 50 : 1000);
+            read_messages();
+            read_signals();
+            if (status_ && Clock::now() > told_at_ + patience_ && !was_slow_) {
+                was_slow_ = true;
+                kill(worker_, SIGKILL);
+            }
+        }
+        read_messages();
+        read_signals();
+        end_what_is_left();
+        end();
+    }
+
+private:
+    bool has_ended() { return waitpid(worker_, &how_, WNOHANG) == worker_; }
+
+    void read_signals() {
+        for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) {
+            const auto signal = static_cast<int>(info.ssi_signo);
+            if (signal == SIGCHLD) continue;
+            heard_.insert(signal);
+            // The terminal and the kernel tell both processes.
+            if (info.ssi_code == SI_USER || info.ssi_code == SI_QUEUE || info.ssi_code == SI_TKILL)
+                kill(worker_, signal);
+        }
+    }
+
+    void read_messages() {
+        std::array<char, 65536> piece;
+        for (ssize_t got; (got = read(pipe_, piece.data(), piece.size())) > 0;)
+            unread_.append(piece.data(), static_cast<std::size_t>(got));
+        std::size_t at = 0;
+        for (Message message; unread_.size() - at >= sizeof message;) {
+            std::memcpy(&message, unread_.data() + at, sizeof message);
+            const std::size_t path = message.kind == Message::partial_file ? message.value : 0;
+            if (message.token != token_ || path > longest_path) return unread_.clear();
+            if (unread_.size() - at < sizeof message + path) break;
+            if (path > 0) partial_.emplace_back(unread_, at + sizeof message, path);
+            else if (!status_) status_ = static_cast<int>(message.value), told_at_ = Clock::now();
+            at += sizeof message + path;
+        }
+        unread_.erase(0, at);
+    }
+
+    /// Copies of the worker, and what it or they started: they are this process's children now.
+    static void end_what_is_left() {
+        const auto until = Clock::now() + std::chrono::seconds(5);
+        while (Clock::now() < until) {
+            while (waitpid(-1, nullptr, WNOHANG) > 0) {}
+            if (errno == ECHILD) return;
+            std::ifstream children(fmt::format("/proc/self/task/{}/children", getpid()));
+            for (pid_t child = 0; children >> child;) kill(child, SIGKILL);
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+    }
+
+    [[noreturn]] void end() {
+        if (status_ && WIFEXITED(how_)) _exit(*status_);
+        for (const std::string& path : partial_) unlink(path.c_str());
+        const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
+        if (!status_ && heard_.contains(signal)) {  // somebody ended it, from outside
+            ::signal(signal, SIG_DFL);
+            sigset_t one;
+            sigemptyset(&one);
+            sigaddset(&one, signal);
+            raise(signal);
+            sigprocmask(SIG_UNBLOCK, &one, nullptr);
+        }
+        const std::string text = fmt::format(
+            "lostbits: {}: {}; try --isolate, which runs a library in a process of "
+            "its own\n",
+            libraries_, what_happened(signal));
+        const std::string safe = output::file::terminal_text(text);
+        static_cast<void>(write(STDERR_FILENO, safe.data(), safe.size()));
+        _exit(static_cast<int>(Exit::environment));
+    }
+
+    [[nodiscard]] std::string what_happened(int signal) const {
+        const char* const named = signal != 0 ? strsignal(signal) : "";
+        if (was_slow_) return "hangs while the program ends: its destructors, or what it told atexit() to call";
+        if (status_)
+            return fmt::format(
+                "crashed while the program ended (signal {}, {}): a destructor, or what atexit() was "
+                "told to call; the results before it are whole",
+                signal, named);
+        if (signal == SIGKILL) return "the program was killed in the middle of its work, perhaps for lack of memory";
+        if (signal != 0)
+            return fmt::format(
+                "the program crashed outside of every call (signal {}, {}), perhaps in a thread that the "
+                "library started; its results are not complete",
+                signal, named);
+        return fmt::format(
+            "ended the program in the middle of its work, by _exit(), quick_exit() or the like (status "
+            "{}); its results are not complete",
+            WEXITSTATUS(how_));
+    }
+
+    int pipe_, signals_ = -1, how_ = 0;
+    std::uint64_t token_;
+    pid_t worker_;
+    std::string libraries_, unread_;
+    std::chrono::duration<double> patience_;
+    Clock::time_point told_at_{};
+    std::optional<int> status_;
+    std::vector<std::string> partial_;  ///< many have got their final names since
+    std::set<int> heard_;
+    bool was_slow_ = false;
+};
+
+std::uint64_t drawn_token() {
+    std::uint64_t token = 0;
+    if (getrandom(&token, sizeof token, GRND_NONBLOCK) != sizeof token)
+        token = static_cast<std::uint64_t>(Clock::now().time_since_epoch().count());
+    return token;
+}
+
+}  // namespace
+
+void supervise(const std::string& libraries, double seconds) {
+    if (told.pipe >= 0) return;
+    std::array<int, 2> ends{};
+    if (std::fflush(stdout) != 0 || pipe2(ends.data(), O_CLOEXEC) != 0)
+        throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
+    const Told ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
+    signal(SIGCHLD, SIG_DFL);  // ignored, it would take away how the worker ended
+    const sigset_t signals = to_hand_on();
+    sigset_t before;
+    sigprocmask(SIG_BLOCK, &signals, &before);
+    const pid_t worker = fork();
+    if (worker < 0)
+        throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno) +
+                               "; try --isolate");
+    if (worker > 0) {
+        close(ends[1]);
+        prctl(PR_SET_CHILD_SUBREAPER, 1);
+        Supervisor(ends[0], ours.token, worker, libraries, seconds).run();
+    }
+    close(ends[0]);
+    told = ours;
+    told.worker = getpid();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != ours.supervisor) _exit(static_cast<int>(Exit::environment));
+    output::file::listen_to_partial_files(tell_partial);
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+void tell_status(int status) noexcept { tell(Message::status, static_cast<std::uint32_t>(status)); }
+
+bool is_from_supervisor(int sender) noexcept { return told.supervisor != 0 && sender == told.supervisor; }
+
+}  // namespace lostbits::analysis::shell

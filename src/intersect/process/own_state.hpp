@@ -1,0 +1,26 @@
+// What foreign code in this process may change and must not: which process goes on, and what all threads share.
+#pragma once
+
+namespace lostbits::intersect::process {
+
+/// Remembers the process, its working folder, its umask and what it does about signals that ask it to stop. Before
+/// anything foreign is loaded; later calls change nothing.
+void keep_own_state();
+
+/// Whether this process is a copy (fork) of the one that `keep_own_state` remembers.
+[[nodiscard]] bool is_a_copy() noexcept;
+
+/// Before foreign code runs in this thread: a working folder that it changes is this thread's alone, where the system
+/// allows that; the others may be opening files.
+void give_thread_own_folder() noexcept;
+
+/// After foreign code has returned: the working folder is set back. Where the code has made a copy of
+/// the process and the copy returned, too, the copy ends here, with a line that begins with `who`: it would otherwise
+/// measure and write as the process itself does. Nothing before `keep_own_state`.
+void put_back_own_state(const char* who) noexcept;
+
+/// After a library was loaded: also the umask, the mask of signals, and what SIGINT, SIGTERM and SIGHUP do. (A call to
+/// the system for each of them after every batch of a thousand rays would be a tenth of a quick form's time.)
+void put_back_after_loading() noexcept;
+
+}  // namespace lostbits::intersect::process
