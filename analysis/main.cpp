@@ -88,7 +88,8 @@ constexpr const char* footer =
     "  0    done, and every selected claim holds\n"
     "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
     "  2    bad input: what was typed, or a file\n"
-    "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names\n"
+    "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names;\n"
+    "       or a library, a pipe or a shader that crashes, ends the program or does not answer\n"
     "  4    nothing was selected\n"
     "  70   something could not be proved\n"
     "  130  interrupted; finished files stay\n"
@@ -193,6 +194,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         if (const std::string here = choice::loaded_here(common.doors); !here.empty())
             shell::supervise(here, common.doors.seconds);
         choice::open_doors(common.doors, common.threads);
+        shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
             choice::note_states();
             choice::note_unasked(shell::command_named(program));

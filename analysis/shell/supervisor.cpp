@@ -217,13 +217,13 @@ void supervise(const std::string& libraries, double seconds) {
     const sigset_t signals = to_hand_on();
     sigset_t before;
     sigprocmask(SIG_BLOCK, &signals, &before);
+    prctl(PR_SET_CHILD_SUBREAPER, 1);  // before: the worker may be quicker than what follows here
     const pid_t worker = fork();
     if (worker < 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno) +
                                "; try --isolate");
     if (worker > 0) {
         close(ends[1]);
-        prctl(PR_SET_CHILD_SUBREAPER, 1);
         Supervisor(ends[0], ours.token, worker, libraries, seconds).run();
     }
     close(ends[0]);

@@ -34,6 +34,7 @@ Started::Started(const std::vector<std::string>& words, const fs::path& folder, 
     ::close(to_out);
     ::close(to_err);
     ::setenv("LOSTBITS_DATA", LOSTBITS_DATA_DIR, 1);
+    ::unsetenv("CI");
     ::execv(arguments[0], arguments.data());
     ::_exit(127);
 }

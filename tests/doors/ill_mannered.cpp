@@ -49,6 +49,7 @@ void behave(const char* when) {
     if (deed == "fork and exit") make_copy([] { std::exit(0); });
     if (deed == "fork and stay") make_copy(stay);
     if (deed == "chdir" && chdir("/") != 0) std::abort();
+    if (deed == "close") close(STDOUT_FILENO);
     if (deed == "umask") umask(0777);
 }
 

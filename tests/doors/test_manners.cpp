@@ -143,6 +143,34 @@ TEST_CASE("manners: results lie where -o says, though a library goes elsewhere",
     }
 }
 
+TEST_CASE("manners: standard output that a library closes is an error, and no result is written into a file",
+          "[doors]") {
+    for (const Way& way : ways) {
+        if (std::string(way.words) == "plugin check") continue;
+        const Ran ran = run_with("load close", way.words, way.before);
+        INFO(way.before << way.words << " | " << ran.outcome.err);
+        CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
+        if (!way.isolated) CHECK(has(ran.outcome.err, "standard output: cannot write"));
+    }
+}
+
+TEST_CASE("manners: a library of formulas stays in the program, which says so", "[doors]") {
+    const Scratch folder;
+    const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",
+                      said = "only_march.so: holds formulas, which run in this program itself";
+    const Outcome by_default = run(command, folder.path(), "export CI=1;");
+    CHECK(by_default.code == 0);
+    CHECK(has(by_default.err, said));
+    for (const char* more : {"", " --in-process"}) {
+        const Outcome other = run(command + more, folder.path(), *more == '\0' ? "" : "export CI=1;");
+        CHECK(other.code == 0);
+        CHECK(other.err.empty());
+    }
+    CHECK_FALSE(has(run(command + " -q", folder.path(), "export CI=1;").err, said));
+    CHECK(run("list forms --in-process", folder.path()).code == 2);
+    CHECK(run(command + " --in-process --isolate", folder.path()).code == 2);
+}
+
 TEST_CASE("manners: signals reach the process that works, once each, and it does not outlive the one that waits",
           "[doors]") {
     for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
