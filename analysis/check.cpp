@@ -19,6 +19,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis {
 
@@ -236,6 +237,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");
     std::optional<output::claim::ClaimBaseline> before;
+    if (!o.against.empty() && o.against != o.save) scene::toml::note_read(o.against);
     if (!o.against.empty()) before = output::claim::read_baseline(o.against);
     if (o.timing() && (o.strict || !o.junit.empty() || !o.save.empty() || !o.against.empty() || !o.csv.empty() ||
                        !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
@@ -260,6 +262,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     const bool whole = o.shard.empty() && !common.joined;
     Divided divided =
         divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
+    divided.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty() && !divided.division.is_shard())
         folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});

@@ -164,6 +164,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (scene) read.push_back(scene->path);
     Divided divided = divide(o.shard, o.out, read, common);
     shard::Division& division = divided.division;
+    division.expect({"judge"});
     const auto folder = std::filesystem::path(o.out) / stem;
     std::unique_ptr<output::file::ResultFolder> owner;
     if (!division.is_shard()) owner = own_folder(folder, common, output::blame::shell_word(o.file));

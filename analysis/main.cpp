@@ -24,6 +24,7 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis {
 namespace {
@@ -226,22 +227,31 @@ namespace {
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
             "smaller --size, or -j 1\n",
             stderr);
-    const auto status =
-        static_cast<int>(std::current_exception() ? lostbits::Exit::internal : lostbits::Exit::environment);
-    lostbits::analysis::shell::tell_status(status);
-    std::_Exit(status);
+    auto code = lostbits::Exit::environment;
+    try {
+        if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+    } catch (const std::system_error&) {  // no more threads
+    } catch (...) {
+        code = lostbits::Exit::internal;
+    }
+    lostbits::analysis::shell::tell_status(static_cast<int>(code));
+    std::_Exit(static_cast<int>(code));
 }
 
 /// The whole program, and its status.
 int run_program(int argc, char** argv) {
     using namespace lostbits;
     // stdio, not fmt: what cannot be written because stderr is closed must not throw while an error is reported.
-    const auto fail = [](Exit code, const char* message) {
-        std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(message).c_str());
+    const std::vector<std::string> words(argv, argv + argc);
+    const auto fail = [&words](Exit code, const char* message) {
+        const std::string text = analysis::shell::with_words_on_one_line(message, words);
+        std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(text).c_str());
         return static_cast<int>(code);
     };
     try {
-        const Exit code = analysis::run_words({argv, argv + argc}, nullptr);
+        const scene::toml::FilesOfRun files;
+        const Exit code = analysis::run_words(words, nullptr);
         // What stdout did not take (a full disk behind a redirection) is as lost as a file that was not written.
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");

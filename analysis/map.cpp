@@ -253,6 +253,12 @@ Exit run(MapOptions o, const Common& common) {
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto divided = divide(o.shard, o.out, files, common);
+    std::vector<std::string> jobs;
+    for (const SceneWork& work : works) {
+        jobs.push_back("map " + work.map.scene->id);
+        if (work.needed) jobs.push_back("needed " + work.map.scene->id);
+    }
+    divided.division.expect(jobs);
     o.out = divided.out.string();
     auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
@@ -269,7 +275,7 @@ Exit run(MapOptions o, const Common& common) {
     output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
     const auto advance = advancing(progress);
     auto folder = folders.begin();
-    for (SceneWork& work : works) {
+    for (SceneWork work : works) {  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
         const auto bands =
             measure::map::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();

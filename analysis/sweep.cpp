@@ -237,16 +237,6 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     return only(search.shape);
 }
 
-/// The files that decide what a sweep measures.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
-                                            const std::filesystem::path& data) {
-    std::vector<std::filesystem::path> files{path};
-    if (kind != SweepKind::axes) return files;
-    const auto scene = scene::sweep::SweepFile(path, data, choice::read_changes(o.changes)).scene_path();
-    if (!scene.empty()) files.push_back(scene);
-    return files;
-}
-
 Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
     Divided divided;
@@ -292,8 +282,11 @@ Exit run(SweepOptions o, const Common& common) {
     choice::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
-        std::ranges::move(files_of(sweep.path, sweep.kind, o, data), std::back_inserter(files));
+        std::ranges::move(choice::files_of(sweep.path, sweep.kind, o.changes, data), std::back_inserter(files));
     divided = divide(o.shard, o.out, files, common, o.resume);
+    std::vector<std::string> jobs;
+    for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
+    divided.division.expect(jobs);
     o.out = divided.out.string();
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
     for (const Sweep& sweep : sweeps) {

@@ -9,9 +9,23 @@ install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lost
     ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml")
 
-foreach(room number geometry intersect scene measure)
+set(layers number geometry intersect scene measure)
+foreach(room IN LISTS layers)
     install(DIRECTORY src/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lostbits FILES_MATCHING PATTERN "*.hpp")
 endforeach()
+# Installed, a header is <lostbits/number/error.hpp> for everyone and "number/error.hpp" for nobody: that would be found
+# in front of, or behind, what others call so.
+string(REPLACE ";" "|" layers "${layers}")
+install(CODE "set(include \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
+set(layers \"${layers}\")")
+install(CODE [[
+    file(GLOB_RECURSE headers "${include}/lostbits/*.hpp")
+    foreach(header IN LISTS headers ITEMS "${include}/lostbits_plugin.hpp" "${include}/lostbits_form.hpp")
+        file(READ "${header}" text)
+        string(REGEX REPLACE "#include \"((${layers})/[^\"]*)\"" "#include <lostbits/\\1>" text "${text}")
+        file(WRITE "${header}" "${text}")
+    endforeach()
+]])
 foreach(library core scene measure)
     set_target_properties(lostbits_${library} PROPERTIES EXPORT_NAME ${library})
     add_library(lostbits::${library} ALIAS lostbits_${library})

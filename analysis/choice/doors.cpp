@@ -23,6 +23,7 @@
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -166,6 +167,7 @@ Behind open_each(const DoorWords& words, int threads) {
     std::string again;
     for (const std::string& named : words.plugins) {
         const auto library = intersect::doors::find_plugin(named);
+        scene::toml::note_read(library);
         const bool apart = is_isolated(library, words);
         add(apart ? isolated(library, terms) : intersect::doors::load_plugin(library), found.forms);
         if (!apart) add(intersect::doors::load_formulas(library), found.formulas);
@@ -176,6 +178,8 @@ Behind open_each(const DoorWords& words, int threads) {
         again += " --pipe " + shell_word(command);
     }
     for (const std::string& shader : words.shaders) {
+        for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
+            scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
         add(served_by_each(shader, words, terms), found.forms);
         again += " --shader " + shell_word(shader);
     }

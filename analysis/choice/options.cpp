@@ -1,5 +1,6 @@
 #include "analysis/choice/options.hpp"
 
+#include <fmt/format.h>
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -114,7 +115,7 @@ CLI::Validator number_from(double low, double high) {
     const auto check = [range, low, high](std::string& word) {
         double value = 0;
         if (CLI::detail::lexical_cast(word, value) && std::isnan(value))
-            return "Value " + word + " not in range " + std::to_string(low) + " to " + std::to_string(high);
+            return fmt::format("Value {} not in range {} to {}", word, low, high);
         return range(word);
     };
     return {check, range.get_description()};

@@ -88,4 +88,13 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
                        parts_of(kind), name);
 }
 
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,
+                                            const std::filesystem::path& data) {
+    std::vector<std::filesystem::path> files{path};
+    if (kind != SweepKind::axes) return files;
+    const auto scene = scene::sweep::SweepFile(path, data, read_changes(words)).scene_path();
+    if (!scene.empty()) files.push_back(scene);
+    return files;
+}
+
 }  // namespace lostbits::analysis::choice

@@ -1,6 +1,7 @@
 // What --size, --set and --steps mean to a sweep, by its kind; and what an interrupt leaves of it.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct SweepWords {
 
 /// InputError for what is no size, no numbers of steps, no assignment.
 scene::sweep::SweepChanges read_changes(const SweepWords& words);
+
+/// The files that decide what a sweep measures; its scenes are looked up in `data`.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
+                                                          scene::sweep::SweepKind kind, const SweepWords& words,
+                                                          const std::filesystem::path& data);
 
 /// InputError where a word means nothing to a sweep of that kind, with why and what to do instead.
 void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const std::string& name);

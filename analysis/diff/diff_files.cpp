@@ -29,7 +29,7 @@ const char* name_of(FileKind kind) {
 }
 
 void print_largest(const char* name, const output::diff::Largest& largest) {
-    if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, largest.at);
+    if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, terminal_line(largest.at));
 }
 
 }  // namespace
@@ -138,12 +138,13 @@ void refuse_unknown_columns(const CompareOptions& options, const std::set<std::s
 }
 
 void print(const Result& r, bool verbose) {
-    if (!r.only.empty()) return fmt::print("{}: only in {}\n", r.file, r.only);
+    const std::string file = terminal_line(r.file);
+    if (!r.only.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(r.only));
     const Comparison& c = r.comparison;
     if (c.same()) {
-        if (verbose) fmt::print("{}: same\n", r.file);
+        if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {} {}", r.file, c.count, c.count == 1 ? "difference" : "differences");
+        fmt::print("{}: {} {}", file, c.count, c.count == 1 ? "difference" : "differences");
         if (c.rows_differ > 0) fmt::print(", in {} of {} rows", c.rows_differ, c.rows);
         fmt::print("\n");
     }
@@ -156,11 +157,11 @@ void print(const Result& r, bool verbose) {
         fmt::print("\n");
     }
     for (const auto& d : c.differences) {
-        if (d.line > 0) fmt::print("{}:{}: {}\n", terminal_line(r.file), d.line, terminal_line(d.what));
-        else fmt::print("{}: {}\n", terminal_line(r.file), terminal_line(d.what));
+        if (d.line > 0) fmt::print("{}:{}: {}\n", file, d.line, terminal_line(d.what));
+        else fmt::print("{}: {}\n", file, terminal_line(d.what));
     }
     if (c.count > c.differences.size())
-        fmt::print("{}: and {} more; -v shows all\n", r.file, c.count - c.differences.size());
+        fmt::print("{}: and {} more; -v shows all\n", file, c.count - c.differences.size());
 }
 
 }  // namespace lostbits::analysis::diff

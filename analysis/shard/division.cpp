@@ -152,6 +152,12 @@ void Shards::check_inputs(std::uint64_t inputs) const {
                      "claims, or a library; join the shards where those files are, or run the shards again");
 }
 
+void Shards::check_jobs(const std::vector<std::string>& jobs) const {
+    for (const StateFileReader& file : files_) {
+        if (!std::ranges::is_permutation(file.names(), jobs)) file.damaged();
+    }
+}
+
 void Shards::each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
     for (StateFileReader& file : files_) {
         std::string bits;

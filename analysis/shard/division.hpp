@@ -32,6 +32,8 @@ public:
     [[nodiscard]] std::uint64_t size() const { return files_.size(); }
     /// InputError where the run's files are no longer those that the shards read.
     void check_inputs(std::uint64_t inputs) const;
+    /// InputError where a shard has other jobs than these: before a result is written, not after the last.
+    void check_jobs(const std::vector<std::string>& jobs) const;
     /// Every record of this name, of one shard after another.
     void each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take);
     /// InputError where a shard has more than was asked for.
@@ -87,6 +89,11 @@ public:
         if (!is_shard()) return here;
         put(job, here);
         return std::nullopt;
+    }
+
+    /// All jobs of the run.
+    void expect(const std::vector<std::string>& jobs) const {
+        if (joined_) joined_->check_jobs(jobs);
     }
 
     /// The end of the run: a shard's file gets its name.

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "analysis/shell/usage.hpp"
+#include "intersect/device/temporary_folder.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::analysis::shell {
@@ -26,13 +27,6 @@ constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit"
 /// The table of a run: the first of these that it wrote.
 constexpr std::array<std::string_view, 7> tables{"summary.csv",    "samples.csv", "cases.csv", "worst.csv",
                                                  "statements.csv", "pareto.csv",  "choose.csv"};
-
-fs::path new_folder() {
-    std::string pattern = (fs::temp_directory_path() / "lostbits-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-        throw EnvironmentError(pattern + ": cannot be made; set TMPDIR to a folder that you may write to");
-    return pattern;
-}
 
 }  // namespace
 
@@ -57,7 +51,7 @@ TableOnStdout::TableOnStdout(CLI::App& program) {
         throw InputError(
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
-    scratch_ = new_folder();
+    scratch_ = intersect::device::make_temporary_folder("lostbits");
     chosen->clear();
     chosen->add_result((is_folder_ ? scratch_ : scratch_ / "table").string());
     chosen->run_callback();

@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
 #include <regex>
 
+#include "output/file/escape.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::shell {
@@ -91,7 +93,7 @@ std::string not_one_of(const std::string& option, const std::string& value, cons
 }
 
 std::string without_zeros(const std::string& number) {
-    return fmt::format("{:g}", std::strtod(number.c_str(), nullptr));
+    return fmt::format("{:g}", output::file::number_in(number).value_or(NAN));
 }
 
 std::string unfit_value(const std::string& text) {
@@ -146,7 +148,7 @@ std::vector<std::string> commands_of(const CLI::App& program) {
 }
 
 std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error) {
-    const std::string text = error.what();
+    const std::string text = output::file::terminal_line(error.what());
     // By type: the name of an ExtrasError is that of the command.
     const bool required = is<CLI::RequiredError>(error);
     if (is<CLI::ExtrasError>(error)) return leftover(program, text);
@@ -157,6 +159,24 @@ std::string what_is_wrong(const CLI::App& program, const CLI::ParseError& error)
     if (is<CLI::ConversionError>(error)) return unread_value(program, text);
     if (is<CLI::ArgumentMismatch>(error)) return wrong_count(program, text);
     return text;
+}
+
+std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words) {
+    std::string out;
+    for (std::size_t at = 0; at < message.size(); ++at) {
+        // With what stands on either side of it in the word: whatever was cut out of a word keeps that much.
+        const auto typed = [&](const std::string& word) {
+            for (std::size_t in = 0; (in = word.find('\n', in)) != std::string::npos; ++in) {
+                const bool before = in == 0 || (at > 0 && message[at - 1] == word[in - 1]);
+                const bool after = in + 1 == word.size() || message.substr(at + 1, 1) == word.substr(in + 1, 1);
+                if (before && after) return true;
+            }
+            return false;
+        };
+        if (message[at] == '\n' && std::ranges::any_of(words, typed)) out += "\\n";
+        else out += message[at];
+    }
+    return out;
 }
 
 }  // namespace lostbits::analysis::shell

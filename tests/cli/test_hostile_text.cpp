@@ -109,3 +109,19 @@ TEST_CASE("a file that would have a terminal obey is refused") {
     CHECK(has(r.err, "mine.toml:2:9: title holds the control character 27, which a terminal would obey; leave it out"));
     CHECK_FALSE(fs::exists(scratch.path() / "out"));
 }
+
+TEST_CASE("a name of a file moves no cursor where two folders differ") {
+    const Scratch scratch;
+    const std::string name = "x\x1b[31m\n::error::forged\xE2\x80\xAE.csv";
+    for (const char* folder : {"a", "b"}) fs::create_directories(scratch.path() / folder);
+    static_cast<void>(scratch.write("a/" + name, "x\n1\n"));
+    static_cast<void>(scratch.write("b/" + name, "x\n2\n"));
+    static_cast<void>(scratch.write("a/1" + name, "x\n1\n"));
+    for (const char* words : {"diff --strict a b", "diff --strict -v a b", "diff --strict -v a a"}) {
+        const auto r = run(words, scratch.path());
+        INFO(words << "\n" << r.out << r.err);
+        CHECK(has(r.out, "x\\x1b[31m\\n\\x3a:error::forged\\u{202e}.csv"));
+        CHECK_FALSE(has_forged_command(r.out + r.err));
+        CHECK_FALSE(has(r.out + r.err, "\x1b"));
+    }
+}

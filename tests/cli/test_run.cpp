@@ -48,6 +48,21 @@ private:
     Scratch scratch_;
 };
 
+/// A ctest that writes down tests which ended so.
+std::string ctest_says(const std::string& ends) {
+    return R"(echo some words; while [ $# -gt 1 ]; do [ "$1" = --output-junit ] && junit=$2; shift; done
+n=0; for end in )" +
+           ends + R"(; do
+    n=$((n + 1)); tab=$(printf '\t')
+    case $end in
+        missing) status=notrun more="<skipped message=\"Unable to find executable\"/>" ;;
+        skip) status=notrun more="<skipped message=\"SKIP_REGULAR_EXPRESSION_MATCHED\"/>" ;;
+        *) status=$end more="<failure message=\"status=\"/>" ;;
+    esac
+    printf '%s\n' "$tab<testcase name=\"test $n\" classname=\"x\" time=\"0\" status=\"$status\">" "$tab$tab$more"
+done >>"$junit")";
+}
+
 }  // namespace
 
 TEST_CASE("./run builds the program alone, maps one scene first and all of them small, and ends with their folder") {
@@ -79,12 +94,12 @@ TEST_CASE("./run all makes everything and ends with the page, another word is re
         CHECK(has(said.calls, part));
     CHECK(said.out.ends_with(tree.at("out/report/index.html").string() + "\n"));
     CHECK(tree.run("al").code != 0);
-    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all | test [--sanitize] | fuzz [SECONDS]]"));
+    CHECK(has(contents(tree.at("err.txt")), "usage: ./run [all | test [--long | --sanitize] | fuzz [SECONDS]]"));
 }
 
 TEST_CASE("./run test says how many tests passed, and with --sanitize of both sanitizers' builds") {
     const Tree tree;
-    tree.stand_in("bin/ctest", "echo '100% tests passed, 0 tests failed out of 7'");
+    tree.stand_in("bin/ctest", ctest_says("run run run run run run run"));
     const auto plain = tree.run("test");
     INFO(plain.calls);
     CHECK(plain.code == 0);
@@ -102,9 +117,30 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
     tree.stand_in("tests/instrumented_tbb", "exit 100");
     CHECK(tree.run("test --sanitize").out.ends_with("\n7 passed, 1 failed\n"));
 
-    tree.stand_in("bin/ctest",
-                  "echo ' 3/7 Test #3: x .....***Failed'; echo '86% tests passed, 1 tests failed out of 7'; exit 8");
+    tree.stand_in("bin/ctest", ctest_says("run run fail run run run run") + "; exit 8");
     const auto bad = tree.run("test");
     CHECK(bad.code != 0);
     CHECK(bad.out.ends_with("\n6 passed, 1 failed\n"));
+    // One without its program failed, once; one that lacks a package failed where that could be installed.
+    tree.stand_in("bin/ctest", ctest_says("run missing skip") + "; exit 8");
+    CHECK(tree.run("test").out.ends_with("\n1 passed, 2 failed\n"));
+    CHECK(has(contents(tree.at("err.txt")), "\ntest 3\n"));
+    tree.stand_in("bin/ctest", "exit 8");
+    CHECK(tree.run("test").out.ends_with("0 passed, 1 failed\n"));
+}
+
+TEST_CASE("./run test --long compiles each source by itself as well, and counts an error as a failure") {
+    const Tree tree;
+    tree.stand_in("bin/ctest", ctest_says("run run"));
+    const auto said = tree.run("test --long");
+    INFO(said.calls);
+    CHECK(said.code == 0);
+    CHECK(has(said.calls, "cmake --preset dev -DLOSTBITS_BUILD_TESTS=OFF"));
+    CHECK(has(said.calls, "cmake --build --preset dev"));
+    CHECK(said.out.ends_with("\n2 passed, 0 failed\n"));
+    CHECK_FALSE(has(said.calls, "ctest --preset dev"));
+    tree.stand_in("bin/cmake", "case \"$*\" in *--build*dev*) exit 1;; esac");
+    const auto bad = tree.run("test --long");
+    CHECK(bad.code != 0);
+    CHECK(bad.out.ends_with("\n2 passed, 1 failed\n"));
 }

@@ -223,6 +223,30 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
             "was measured from other files");
 }
 
+TEST_CASE("a forged shard is refused before the first result") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    REQUIRE(run("-q map mine.toml -i sphere.press -f f32 --shard 1/1 -o parts", scratch.path()).code == 0);
+    const std::string good = contents(scratch.path() / "parts/shard-1-of-1/shard.state");
+    const auto bytes_of = [](std::uint64_t n) { return std::string(reinterpret_cast<const char*>(&n), sizeof n); };
+    const auto refused = [&](const std::string& more) {
+        std::string forged = good.substr(0, good.size() - 8) + more;
+        std::uint64_t hash = 14695981039346656037U;  // the file's own, so that it alone does not tell
+        for (const char c : forged) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+        static_cast<void>(scratch.write("parts/shard-1-of-1/shard.state", forged + bytes_of(hash)));
+        const auto r = run("merge parts -o out", scratch.path());
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "is damaged, or not the file of a shard"));
+        CHECK_FALSE(fs::exists(scratch.path() / "out"));
+    };
+    refused("trailing");
+    refused(bytes_of(3) + "map" + bytes_of(1U << 20U) + "x");
+    refused(bytes_of(5) + "map x" + bytes_of(1) + "x");  // a job that nobody asked for
+    static_cast<void>(scratch.write("parts/shard-1-of-1/shard.state", good));
+    CHECK(run("merge parts -o out", scratch.path()).code == 0);
+}
+
 TEST_CASE("a shard that was killed leaves nothing half written, goes on with --resume, or is run again alone") {
     const Scratch scratch;
     const std::string text = every_float_to("0x1.6bp34");  // some seconds of work

@@ -113,6 +113,13 @@ Offences formula_rules(const SourceFile& file) {
     return offences;
 }
 
+Offences locale_rules(const SourceFile& file) {
+    static const std::regex reader(R"(\b(stod|stof|stold|strtod|strtof|strtold|atof|setlocale)\s*\()");
+    Offences offences;
+    find_all(file, code_of(file.text), reader, "reads a number as the locale says; use std::from_chars", offences);
+    return offences;
+}
+
 Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile& catalogue) {
     Offences offences;
     const std::string code = code_of(catalogue.text);

@@ -35,6 +35,9 @@ Offences form_includes(const SourceFile& file);
 /// No libm by name, no decimal literal, no `if` on a mask, no ternary, no double by the back door.
 Offences formula_rules(const SourceFile& file);
 
+/// No function whose decimal point is the locale's reads a number or writes one: a library that is loaded may set it.
+Offences locale_rules(const SourceFile& file);
+
 /// Every form is included once and listed once in the catalogue, and the catalogue holds nothing else.
 Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile& catalogue);
 

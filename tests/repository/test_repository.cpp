@@ -209,6 +209,15 @@ TEST_CASE("a formula that breaks a rule is caught", "[repository]") {
     }
 }
 
+TEST_CASE("no number is read as the locale says", "[repository]") {
+    hold_everywhere(read_tree({"src", "analysis"}), locale_rules);
+    for (const char* bad : {"double x = std::stod(text);", "x = strtod(a, &b);", "std::setlocale(LC_ALL, \"\");"}) {
+        INFO(bad);
+        CHECK(locale_rules({"src/x.cpp", bad}).size() == 1);
+    }
+    CHECK(locale_rules({"src/x.cpp", "// strtod() would read 0.5 as 0\nstd::from_chars(a, b, x);"}).empty());
+}
+
 TEST_CASE("the catalogue and the form files agree", "[repository]") {
     const auto files = read_tree({"src/intersect"});
     const Offences offences = catalogue_agrees(files, find(files, "src/intersect/catalogue.hpp"));

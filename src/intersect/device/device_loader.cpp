@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "intersect/device/device.hpp"
+#include "intersect/device/temporary_folder.hpp"
 
 namespace lostbits::intersect::device {
 
@@ -30,6 +31,9 @@ fs::path module_of(std::string_view kind) {
 std::unique_ptr<Device> open_device(std::string_view kind) {
     const fs::path path = module_of(kind);
     const auto fail = [&](const char* why) -> EnvironmentError {
+        if (why != nullptr && lacks_memory(why))
+            return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " + why +
+                                    "; raise `ulimit -v`, or free memory");
         return EnvironmentError(
             std::string(kind) + ": cannot load " + path.string() + ": " + (why != nullptr ? why : "unknown") +
             "; install its libraries (Debian: " + (kind == "opengl" ? "libegl1 libopengl0" : "libvulkan1") + ")");

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "intersect/device/device.hpp"
+#include "intersect/device/temporary_folder.hpp"
 
 namespace lostbits::intersect::device {
 namespace {
@@ -19,9 +20,7 @@ namespace fs = std::filesystem;
 /// A folder that goes away again.
 class ScratchFolder {
 public:
-    ScratchFolder() : path_((fs::temp_directory_path() / "lostbits-shader-XXXXXX").string()) {
-        if (mkdtemp(path_.data()) == nullptr) throw EnvironmentError("vulkan: cannot make a folder in TMPDIR");
-    }
+    ScratchFolder() : path_(make_temporary_folder("lostbits-shader").string()) {}
     ~ScratchFolder() {
         std::error_code ignored;
         fs::remove_all(path_, ignored);

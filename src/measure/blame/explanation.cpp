@@ -36,6 +36,7 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
 
 std::vector<Standing> better_than(const Standing& mine, const Format& format, const OneRay& ray) {
     std::vector<Standing> better;
+    // The catalogue's: one from outside that nobody asked for may hang or crash, and would take the answer with it.
     for (const Intersector& other : intersect::table::intersectors(mine.form->shape)) {
         if (&other == mine.form || !other.exists_in(format)) continue;
         const Standing s = standing_of(other, format, ray);

@@ -1,6 +1,7 @@
 #include "measure/choice/candidates.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 
@@ -14,14 +15,10 @@ using map::MapRow;
 
 double quantile_named(const std::string& text) {
     if (text == "max") return 1;
-    std::size_t end = 0;
     double percent = 0;
-    try {
-        if (text.starts_with("p")) percent = std::stod(text.substr(1), &end);
-    } catch (const std::exception&) {
-        end = 0;
-    }
-    if (end == 0 || end + 1 != text.size() || !(percent > 0 && percent < 100))
+    const char* const end = text.data() + text.size();
+    const bool is_number = text.starts_with("p") && std::from_chars(text.data() + 1, end, percent).ptr == end;
+    if (!is_number || !(percent > 0 && percent < 100))
         throw InputError(text + ": here it is p50, p99, p99.9 or the like, or max; p99: 99 of 100 hits keep the bits");
     return percent / 100;
 }

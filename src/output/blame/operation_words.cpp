@@ -9,14 +9,16 @@
 #include <string_view>
 
 #include "measure/blame/operation_error.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 
 std::string short_number(double x) {
     if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
-    return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6 ? fmt::format("{}", std::stod(fmt::format("{:.3g}", x)))
-                                                      : fmt::format("{:.2e}", x);
+    return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6
+               ? fmt::format("{}", file::number_in(fmt::format("{:.3g}", x)).value_or(x))
+               : fmt::format("{:.2e}", x);
 }
 
 OperationWords::OperationWords(const measure::blame::Explanation& x)

@@ -9,6 +9,7 @@
 #include "measure/choice/file_rays.hpp"
 #include "output/choice/obstacle_text.hpp"
 #include "output/choice/requirement_files.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::choice {
 
@@ -165,7 +166,7 @@ std::string bits_beside(double kept, const Wish& wish) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
         text = fmt::format("{:.{}f}", kept, digits);
-        if ((std::stod(text) < wish.bits) == (kept < wish.bits)) break;
+        if ((file::number_in(text).value_or(kept) < wish.bits) == (kept < wish.bits)) break;
     }
     return text;
 }

@@ -88,12 +88,9 @@ private:
 /// Of a hexadecimal float, or `inf`, `-inf` and `nan`.
 double number_in(const nlohmann::json& hex, const Refusal& refuse) {
     const auto& text = hex.get_ref<const std::string&>();
-    char* end = nullptr;
-    const double x = std::strtod(text.c_str(), &end);
-    const bool overflows = std::isinf(x) && text.find("inf") == std::string::npos;
-    if (text.empty() || end != text.c_str() + text.size() || overflows)
-        refuse("\"" + text + "\" is not a number that a double holds");
-    return x;
+    const auto x = file::number_in(text);
+    if (!x) refuse("\"" + text + "\" is not a number that a double holds");
+    return *x;
 }
 
 MeasuredClaim claim_in(const nlohmann::json& json, const Refusal& refuse) {

@@ -6,8 +6,9 @@
 #include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
+
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::diff {
 
@@ -32,7 +33,8 @@ struct Exact {
                boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
     }
     [[nodiscard]] double approximate(int shift = 0) const {
-        return std::strtod((n.str() + "e" + std::to_string(exponent - shift)).c_str(), nullptr);
+        const double size = file::nearest_double(boost::multiprecision::cpp_int(abs(n)).str(), exponent - shift);
+        return n < 0 ? -size : size;
     }
 };
 

@@ -72,9 +72,12 @@ std::string percent(std::string_view text, std::string_view those) {
     return out;
 }
 
-/// What turns other text around: comments and tables of source code can be made to read as what they are not.
-bool is_direction(char32_t c) {
-    return c == 0x61C || c == 0x200E || c == 0x200F || (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+/// What no document is to hold: controls of both sets (tab and line feed are text), what turns other text around, so
+/// that a table or a comment can be made to read as what it is not, the separators that some readers end a line at, and
+/// what is no character.
+bool is_unshowable(char32_t c) {
+    return (c < 0x20 && c != '\n' && c != '\t') || (c >= 0x7F && c <= 0x9F) || c == 0x61C || c == 0x200E ||
+           c == 0x200F || (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFFFE || c == 0xFFFF;
 }
 
 /// On one line, of characters that every reader takes and shows where they stand.
@@ -84,7 +87,6 @@ std::string plain_line(std::string_view text) {
     for (std::string_view rest = valid; !rest.empty();) {
         const auto [code, size] = first_of(rest);
         if (code == '\n' || code == '\t') out += ' ';
-        else if (is_direction(code)) out += "\xEF\xBF\xBD";
         else out += rest.substr(0, size);
         rest.remove_prefix(size);
     }
@@ -102,8 +104,7 @@ std::string xml_text(std::string_view text) {
     for (std::string_view rest = valid; !rest.empty();) {
         const auto [code, size] = first_of(rest);
         if (code == '\r') out += rest.substr(1).starts_with('\n') ? "" : "\n";
-        else if ((code < 0x20 && code != '\n' && code != '\t') || code == 0xFFFE || code == 0xFFFF)
-            out += "\xEF\xBF\xBD";
+        else if (is_unshowable(code)) out += "\xEF\xBF\xBD";
         else out += rest.substr(0, size);
         rest.remove_prefix(size);
     }

@@ -16,8 +16,9 @@ namespace lostbits::output::file {
 [[nodiscard]] std::string terminal_line(std::string_view text);
 
 /// For XML 1.0, before a library writes `&lt;`: U+FFFD in place of every character that no document may hold (U+0000
-/// to U+001F but tab and line feed, U+FFFE, U+FFFF) and of every byte that is not UTF-8; a carriage return, which
-/// readers turn into a line feed, is one.
+/// to U+001F but tab and line feed, U+FFFE, U+FFFF), of the controls U+007F to U+009F, of what turns text around or
+/// separates lines (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069) and of every byte that is not UTF-8; a
+/// carriage return, which readers turn into a line feed, is one.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
 /// For a line of Markdown: no markup, no tag, no link, no line break, and no end of a cell of a table. Emphasis stays.

@@ -1,7 +1,9 @@
 #include "output/file/number_text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace lostbits::output::file {
 namespace {
@@ -25,6 +27,28 @@ std::string hex(double value) {
     char text[64];
     const auto end = std::to_chars(text, text + sizeof text, std::fabs(value), std::chars_format::hex).ptr;
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
+}
+
+std::optional<double> number_in(std::string_view text) {
+    const bool minus = text.starts_with('-');
+    if (minus) text.remove_prefix(1);
+    const bool hexadecimal = text.starts_with("0x");
+    if (hexadecimal) text.remove_prefix(2);
+    if (text.starts_with('-')) return std::nullopt;
+    double x = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), x,
+                                               hexadecimal ? std::chars_format::hex : std::chars_format::general);
+    if (error != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+    return minus ? -x : x;
+}
+
+double nearest_double(std::string_view digits, long exponent) {
+    const std::string text = std::string(digits) + "e" + std::to_string(exponent);
+    double x = 0;
+    if (std::from_chars(text.data(), text.data() + text.size(), x).ec == std::errc{}) return x;
+    const std::size_t zeros = std::min(digits.find_first_not_of('0'), digits.size());
+    const bool huge = zeros < digits.size() && static_cast<long>(digits.size() - zeros) + exponent > 0;
+    return huge ? std::numeric_limits<double>::infinity() : 0;
 }
 
 }  // namespace lostbits::output::file

@@ -1,7 +1,9 @@
 // Numbers as text that reads back to the same bits.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace lostbits::output::file {
 
@@ -14,5 +16,12 @@ namespace lostbits::output::file {
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
+
+/// What `decimal` or `hex` wrote, whatever the locale says of commas; nothing for any other text, and for a number that
+/// no double holds.
+[[nodiscard]] std::optional<double> number_in(std::string_view text);
+
+/// The double nearest to digits · 10^exponent: 0 or infinite beyond its range.
+[[nodiscard]] double nearest_double(std::string_view digits, long exponent);
 
 }  // namespace lostbits::output::file

@@ -10,6 +10,8 @@
 #include <fstream>
 
 #include "number/error.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -167,7 +169,10 @@ CsvTable parse_csv(std::string text, const std::string& source) {
     return table;
 }
 
-CsvTable read_csv(const std::filesystem::path& path) { return parse_csv(read_file(path), path.string()); }
+CsvTable read_csv(const std::filesystem::path& path) {
+    scene::toml::note_read(path);
+    return parse_csv(read_file(path), path.string());
+}
 
 std::string read_file(const std::filesystem::path& path) {
     std::error_code error;
@@ -192,8 +197,8 @@ bool CellValue::operator==(const CellValue& other) const {
 }
 
 double CellValue::approximate() const {
-    return std::strtod(
-        ((negative ? "-" : "") + (digits.empty() ? "0" : digits) + "e" + std::to_string(exponent)).c_str(), nullptr);
+    const double size = nearest_double(digits.empty() ? "0" : digits, exponent);
+    return negative ? -size : size;
 }
 
 CellValue read_cell(std::string_view cell) {

@@ -11,12 +11,13 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/csv.hpp"
+#include "output/file/result_list.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::file {
 
@@ -24,10 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* list_name = "manifest.json";
 constexpr const char* marker_name = "UNFINISHED.txt";
 constexpr const char* marker_words = "The results in this folder are not complete.";
-constexpr const char* schema = "lostbits-manifest/1";
 
 /// The folders that are some run's own now.
 struct Owned {
@@ -48,13 +47,6 @@ fs::path plain(const fs::path& path) {
 std::string name_in(const fs::path& folder, const fs::path& path) {
     const fs::path inside = plain(path).lexically_relative(folder);
     return inside.empty() || *inside.begin() == ".." ? "" : inside.generic_string();
-}
-
-/// A name that stays in its folder, whatever somebody wrote into the list.
-bool stays_inside(const std::string& name) {
-    const fs::path path(name);
-    return !name.empty() && path.is_relative() &&
-           std::ranges::none_of(path, [](const fs::path& part) { return part == ".."; });
 }
 
 /// What this program writes, and people look at for its results.
@@ -101,46 +93,6 @@ std::string kind_of(const std::string& command) {
     return name == std::string::npos ? command : command.substr(0, command.find(' ', name + 1));
 }
 
-std::string text_of(const nlohmann::json& entry, const char* key) {
-    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
-}
-
-ResultFolder::Made made_of(const nlohmann::json& entry) {
-    ResultFolder::Made made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
-    if (entry.contains("forms") && entry["forms"].is_object()) {
-        for (const auto& [name, what] : entry["forms"].items())
-            made.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
-    }
-    if (!entry.contains("files")) return made;
-    for (const auto& name : entry["files"]) {
-        if (name.is_string() && stays_inside(name.get<std::string>())) made.files.insert(name.get<std::string>());
-    }
-    return made;
-}
-
-/// What the list of a folder names, the last run first; nothing where there is no list, or none of ours.
-std::vector<ResultFolder::Made> made_in(const fs::path& folder) {
-    std::ifstream in(folder / list_name, std::ios::binary);
-    if (!in) return {};
-    const auto list = nlohmann::json::parse(in, nullptr, false);
-    if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
-    std::vector<ResultFolder::Made> all{made_of(list)};
-    if (!list.contains("others") || !list["others"].is_array()) return all;
-    for (const auto& entry : list["others"]) {
-        if (entry.is_object()) all.push_back(made_of(entry));
-    }
-    return all;
-}
-
-nlohmann::ordered_json json_of(const MadeBy& by, const std::set<std::string>& names) {
-    auto files = nlohmann::ordered_json::array();
-    for (const std::string& each : names) files.push_back(valid_utf8(each));
-    nlohmann::ordered_json json{{"program", by.program}, {"command", valid_utf8(by.command)}};
-    for (const auto& [name, what] : by.forms) json["forms"][name] = valid_utf8(what);
-    json["files"] = std::move(files);
-    return json;
-}
-
 }  // namespace
 
 std::optional<MadeBy> ResultFolder::made_by_in(const fs::path& folder) {
@@ -178,7 +130,11 @@ ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
         if (rules_.shared && kind_of(made.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(made));
         else earlier_.merge(made.files);
     }
+    refuse_strange_list();
     if (!rules_.force && !rules_.shared) refuse_strange_results();
+    if (!rules_.keep) {
+        for (const std::string& name : earlier_) scene::toml::note_written(folder_ / name);
+    }
     lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     // A file system without locks answers otherwise, and then nobody can tell.
     if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -218,6 +174,35 @@ void ResultFolder::refuse_strange_results() const {
         fmt::format("{}: holds results that are not in its {}: {}{}; they would stand among those of this run: choose "
                     "another -o, move them away, or add --force to leave them there",
                     folder_.string(), list_name, strange.front(), more));
+}
+
+/// Without it nobody would know what of the folder is whose.
+void ResultFolder::refuse_strange_list() const {
+    std::error_code ignored;
+    const fs::path list = folder_ / list_name;
+    const auto status = fs::symlink_status(list, ignored);
+    if (!fs::exists(status) || (fs::is_regular_file(status) && !made_in(folder_).empty())) return;
+    throw InputError(list.string() +
+                     ": is not a list of results, and this run's would take its place; move it away, or choose another "
+                     "-o");
+}
+
+void ResultFolder::refuse_strange(const std::string& name) {
+    std::error_code ignored;
+    const fs::path path = folder_ / name;
+    const auto status = fs::symlink_status(path, ignored);
+    if (!fs::exists(status)) return;
+    const bool elsewhere =
+        name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
+    const auto lists = [&name](const Made& made) { return made.files.contains(name); };
+    const std::lock_guard lock(mutex_);
+    const bool own =
+        rules_.shared || earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
+    if (own && !elsewhere && !fs::is_symlink(status)) return;
+    throw InputError(fmt::format(
+        "{}: {}, and a result of this run would take its place; move it away, or choose another -o", path.string(),
+        elsewhere || fs::is_symlink(status) ? "is a link, or lies behind one"
+                                            : fmt::format("is not in the {} of its folder", list_name)));
 }
 
 void ResultFolder::clear_earlier() const {
@@ -280,14 +265,11 @@ void ResultFolder::forget(const std::string& name) {
 }
 
 void ResultFolder::write_list() {
-    nlohmann::ordered_json list{{"schema", schema}};
-    list.update(json_of(made_by_, files_));
     for (Made& other : others_) {
         for (const std::string& name : files_) other.files.erase(name);
-        list["others"].push_back(json_of(other.by, other.files));
     }
     AtomicFile file(folder_ / list_name);
-    file.write(list.dump(2) + "\n");
+    file.write(list_text({made_by_, files_}, others_));
     file.commit();
 }
 
@@ -309,6 +291,11 @@ bool is_in_own_folder(const fs::path& path) {
 void note_result(const fs::path& path) {
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->note(name);
+}
+
+void require_own(const fs::path& path) {
+    std::string name;
+    if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->refuse_strange(name);
 }
 
 std::string words_of_forms(const MadeBy& by) {

@@ -21,7 +21,7 @@ struct MadeBy {
 };
 
 struct ResultFolderRules {
-    bool force = false;  ///< results that no list names may lie there
+    bool force = false;  ///< results that no list names may lie there; they stay, and no result takes their place
     /// Others keep files there on purpose, so results that no list names are no offence; and what another command of
     /// this program made there stays, and stays on the list.
     bool shared = false;
@@ -64,11 +64,14 @@ public:
 
 private:
     friend void note_result(const std::filesystem::path& path);
+    friend void require_own(const std::filesystem::path& path);
     friend void forget_result(const std::filesystem::path& path);
     friend bool is_in_own_folder(const std::filesystem::path& path);
     friend std::optional<MadeBy> maker_of(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
+    void refuse_strange_list() const;
+    void refuse_strange(const std::string& name);
     void note(const std::string& name);
     void forget(const std::string& name);
     void write_list();
@@ -90,6 +93,10 @@ private:
 
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
+
+/// Of AtomicFile: InputError where what stands under this name in a folder that is a run's own is somebody else's: no
+/// list names it, or it is a link or lies behind one.
+void require_own(const std::filesystem::path& path);
 
 /// Removes a file that is no result any more, and takes it from the list: how far an unfinished run came.
 void forget_result(const std::filesystem::path& path);

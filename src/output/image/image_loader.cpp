@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "intersect/device/temporary_folder.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
@@ -35,6 +36,9 @@ fs::path find_module() {
 }
 
 [[noreturn]] void cannot_load(const fs::path& path, const char* why) {
+    if (why != nullptr && intersect::device::lacks_memory(why))
+        throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
+                               "; all that it needs takes 500 MB of addresses: raise `ulimit -v`");
     throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
                            "; install OpenImageIO (Debian: libopenimageio2.4) and rebuild the target `lostbits_image`");
 }

@@ -1,24 +1,14 @@
 #include "output/page/picture.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 
+#include "intersect/device/temporary_folder.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::output::page {
 
-TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lostbits-report-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-        throw EnvironmentError(name + ": the folder could not be made: " + std::strerror(errno) +
-                               "; set TMPDIR to one that can be written");
-    path_ = name;
-}
+TemporaryFolder::TemporaryFolder() : path_(intersect::device::make_temporary_folder("lostbits-report")) {}
 
 TemporaryFolder::~TemporaryFolder() {
     std::error_code ignored;

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "number/error.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::shard {
 
@@ -75,9 +76,11 @@ void StateFileWriter::close() {
 }
 
 StateFileReader::StateFileReader(fs::path path) : path_(std::move(path)), in_(path_, std::ios::binary) {
+    scene::toml::note_read(path_);
     if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
     check_hash();
     read_head();
+    read_names();
     rest();
 }
 
@@ -129,6 +132,25 @@ void StateFileReader::read_head() {
     if (!line("").empty()) damaged();
 }
 
+void StateFileReader::read_names() {
+    const std::uint64_t start = at_;
+    while (!is_at_end()) {
+        const std::string name = bytes(number());
+        if (names_.empty() || names_.back() != name) names_.push_back(name);
+        const std::uint64_t size = number();
+        if (size > end_ - at_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) damaged();
+        at_ += size;
+    }
+    at_ = start;
+}
+
+std::uint64_t StateFileReader::number() {
+    const std::string text = bytes(sizeof(std::uint64_t));
+    std::uint64_t n = 0;
+    std::memcpy(&n, text.data(), sizeof n);
+    return n;
+}
+
 bool StateFileReader::next(std::string_view name, std::string& bits) {
     if (is_at_end()) return false;
     const std::uint64_t start = at_;
@@ -137,12 +159,6 @@ bool StateFileReader::next(std::string_view name, std::string& bits) {
         in_.seekg(static_cast<std::streamoff>(start));
         if (!in_) throw EnvironmentError(path_.string() + ": cannot be opened again");
     }
-    const auto number = [this] {
-        const std::string text = bytes(sizeof(std::uint64_t));
-        std::uint64_t n = 0;
-        std::memcpy(&n, text.data(), sizeof n);
-        return n;
-    };
     if (bytes(number()) != name) {
         in_.seekg(static_cast<std::streamoff>(start));
         at_ = start;

@@ -63,6 +63,9 @@ public:
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] const StateHead& head() const { return head_; }
 
+    /// The names of its records in their order; one for all that stand together.
+    [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
     /// The bits of the next record, where it has this name.
     [[nodiscard]] bool next(std::string_view name, std::string& bits);
     /// Closes the file; the next record stays the next.
@@ -74,12 +77,15 @@ public:
 private:
     void check_hash();
     void read_head();
+    void read_names();
+    std::uint64_t number();
     std::string line(std::string_view name);
     std::string bytes(std::uint64_t size);
 
     std::filesystem::path path_;
     std::ifstream in_;
     StateHead head_;
+    std::vector<std::string> names_;
     std::uint64_t at_ = 0, end_ = 0;
 };
 

@@ -9,10 +9,12 @@
 #include <cstring>
 
 #include "number/error.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::scene::dump {
 
 ByteSource::ByteSource(const std::filesystem::path& path) : name_(path.string()) {
+    toml::note_read(path);
     fd_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd_ < 0) {
         const int error = errno;

@@ -90,7 +90,7 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     for (std::size_t i = 0; i < paths.size(); ++i) {
         // The constants of a march are no part of a family.
         axis.targets.push_back({(paths[i].starts_with("march.") ? "" : prefix) + paths[i],
-                                factors ? static_cast<double>((*factors)[i]) : 1.0});
+                                factors ? static_cast<double>((*factors)[i]) : 1.0, table.where("set")});
     }
     table.reject_unknown_keys();
     return axis;
@@ -257,9 +257,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
         for (const Axis::Target& target : axes[a].targets) {
-            const toml::Where where{id + ": axis " + axes[a].name, 0, 0};
-            changes.push_back(
-                {target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), where), where});
+            changes.push_back({target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), target.where),
+                               target.where});
         }
     }
     if (!scene_) {

@@ -22,6 +22,7 @@ struct Axis : AxisName {
     struct Target {
         std::string path;   ///< in the scene, or in the family's table
         double factor = 1;  ///< the path is set to factor · value
+        toml::Where where = {};
     };
     std::vector<Target> targets;
 

@@ -181,8 +181,7 @@ std::optional<Real> TableReader::optional_number(std::string_view key) {
 
 void TableReader::read_number(std::string_view key, double& x, double lowest, double highest) {
     x = static_cast<double>(optional_number(key).value_or(Real(x)));
-    if (!(x >= lowest && x <= highest))
-        fail_at(key, "must lie between " + std::to_string(lowest) + " and " + std::to_string(highest));
+    if (!(x >= lowest && x <= highest)) fail_at(key, fmt::format("must lie between {} and {}", lowest, highest));
 }
 
 std::vector<Real> TableReader::numbers(std::string_view key, std::size_t count) {

@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/files_of_run.hpp"
 #include "scene/toml/parse_number.hpp"
 
 namespace lostbits::scene::toml {
@@ -181,6 +182,7 @@ Node read_toml(const std::filesystem::path& path) {
     const Where start{path.string(), 1, 1}, unread{path.string(), 0, 0};
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) fail(unread, "is a folder; name a .toml file in it");
+    note_read(path);
     std::ifstream file(path, std::ios::binary);
     if (!file)
         fail(unread, std::string("cannot be read: ") + std::strerror(errno) + "; check the path and its permissions");

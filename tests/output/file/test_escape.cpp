@@ -123,6 +123,15 @@ void for_texts(int count, const Check& check) {
     }
 }
 
+/// Of XML 1.0, and neither a control nor what turns text around or ends a line.
+bool is_showable(char32_t c) {
+    const bool of_xml =
+        c == '\t' || c == '\n' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) || c >= 0x10000;
+    const bool turns = c == 0x61C || c == 0x200E || c == 0x200F || (c >= 0x202A && c <= 0x202E) ||
+                       (c >= 0x2066 && c <= 0x2069) || c == 0x2028 || c == 0x2029;
+    return of_xml && !(c >= 0x7F && c < 0xA0) && !turns;
+}
+
 constexpr int many = 20000;
 
 /// What GitHub's runner does with `%25` and the like.
@@ -195,9 +204,7 @@ TEST_CASE("every XML that is written can be read, and says the same", "[escape]"
         node.text().set(("x" + safe + "x").c_str());
         std::ostringstream out;
         written.save(out, "");
-        for (const char32_t c : code_points(out.str()))
-            REQUIRE(
-                (c == '\t' || c == '\n' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) || c >= 0x10000));
+        for (const char32_t c : code_points(out.str())) REQUIRE(is_showable(c));
         // A number in `&#…;` is a character too, and the same rule holds.
         for (std::size_t at = 0; (at = out.str().find("&#", at)) != std::string::npos; ++at) {
             const int code = std::stoi(out.str().substr(at + 2));
@@ -208,6 +215,7 @@ TEST_CASE("every XML that is written can be read, and says the same", "[escape]"
         REQUIRE(read.child("a").attribute("b").value() == safe);
         REQUIRE(read.child("a").text().get() == "x" + safe + "x");
     });
+    CHECK(xml_text("a\u0085\u009b\u202Eb\u2066c") == "a\uFFFD\uFFFD\uFFFDb\uFFFDc");
     CHECK(xml_text("a\xEF\xBF\xBF\x01z\r\n") == "a\xEF\xBF\xBD\xEF\xBF\xBDz\n");
 }
 
@@ -235,6 +243,7 @@ TEST_CASE("text in Markdown stays in its cell and marks nothing up", "[escape]")
         REQUIRE(code.find_first_of("\r\n") == std::string::npos);
         REQUIRE(cell_ends("| " + inside + " | " + code + " |") == 3);
         REQUIRE_FALSE(has_markup(inside));
+        REQUIRE(std::ranges::all_of(code_points(inside + code), is_showable));
         const std::string fence = code.substr(0, code.find_first_not_of('`'));
         REQUIRE(code.find(fence, fence.size()) == code.size() - fence.size());
         REQUIRE(markdown_path(text).find_first_of("() <>[]\\\"'|\r\n\t") == std::string::npos);

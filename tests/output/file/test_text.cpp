@@ -44,6 +44,26 @@ TEST_CASE("hex floats are exact and in C's form", "[number_text]") {
     CHECK(hex(-inf) == "-inf");
 }
 
+TEST_CASE("text is read with a dot, whatever the locale says, and nothing but a number is one", "[number_text]") {
+    for (const double x : {0.1, -0.0, 1e308, 5e-324, -0x1.8p+3, 0x1p-1074, 123456.0, inf, -inf}) {
+        for (const std::string& text : {decimal(x), hex(x)}) {
+            INFO(text);
+            REQUIRE(number_in(text).has_value());
+            CHECK(std::bit_cast<std::uint64_t>(*number_in(text)) == std::bit_cast<std::uint64_t>(x));
+        }
+    }
+    CHECK(std::isnan(number_in("nan").value_or(0)));
+    for (const char* text : {"", "-", "--1", "1,5", "1.5x", " 1", "0x", "0x-1", "1e400", "0x1p+5000", "+1"}) {
+        INFO(text);
+        CHECK_FALSE(number_in(text).has_value());
+    }
+    CHECK(nearest_double("15", -1) == 1.5);
+    CHECK(nearest_double("1", 400) == inf);
+    CHECK(nearest_double("1", -400) == 0);
+    CHECK(nearest_double("000", 9000) == 0);
+    CHECK(nearest_double("1" + std::string(400, '0'), -400) == 1);
+}
+
 TEST_CASE("every bit pattern reads back from its text", "[number_text]") {
     std::mt19937_64 random(7);
     for (int i = 0; i < 20000; ++i) {

@@ -1,9 +1,13 @@
 // A stranger's program: one ray, one form in float, the certified truth, and the bits between them.
 #include <cstdio>
 
-#include "intersect/catalogue.hpp"
-#include "measure/truth/lost_bits.hpp"
-#include "measure/truth/truth.hpp"
+#include <lostbits/intersect/catalogue.hpp>
+#include <lostbits/measure/truth/lost_bits.hpp>
+#include <lostbits/measure/truth/truth.hpp>
+
+#if __has_include("number/error.hpp") || __has_include(<measure/truth/truth.hpp>)
+#error "a header of ours is found under a name that is anybody's"
+#endif
 
 int main() {
     using namespace lostbits;

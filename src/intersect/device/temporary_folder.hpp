@@ -1,0 +1,42 @@
+// A new folder for what a run needs for a while, and what to say where there can be none.
+#pragma once
+
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::device {
+
+/// `NAME-` and six letters, in the system's folder for such; whoever asked removes it. EnvironmentError, which names
+/// TMPDIR.
+[[nodiscard]] inline std::filesystem::path make_temporary_folder(std::string_view name) {
+    std::error_code error;
+    const auto place = std::filesystem::temp_directory_path(error);
+    const char* const wanted = std::getenv("TMPDIR");
+    const std::string where = wanted != nullptr ? "TMPDIR=" + std::string(wanted) : "TMPDIR is not set, and /tmp";
+    std::string path = (place / name).string() + "-XXXXXX";
+    if (error || mkdtemp(path.data()) == nullptr)
+        throw EnvironmentError(where +
+                               ": no folder can be made there: " + (error ? error.message() : std::strerror(errno)) +
+                               "; set TMPDIR to a folder that you may write to");
+    return path;
+}
+
+/// Whether the loader of libraries refused one for lack of memory. It does not say why it could not map a file: under a
+/// limit of the address space (`ulimit -v`) that is the reason.
+[[nodiscard]] inline bool lacks_memory(std::string_view loader_words) {
+    const auto says = [&](const char* words) { return loader_words.find(words) != std::string_view::npos; };
+    rlimit limit{};
+    const bool limited = ::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+    return says("annot allocate memory") || (limited && (says("failed to map segment") || says("zero-fill pages")));
+}
+
+}  // namespace lostbits::intersect::device

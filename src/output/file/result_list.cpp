@@ -1,0 +1,72 @@
+#include "output/file/result_list.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "output/file/csv.hpp"
+
+namespace lostbits::output::file {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* schema = "lostbits-manifest/1";
+
+/// A name that stays in its folder, whatever somebody wrote into the list.
+bool stays_inside(const std::string& name) {
+    const fs::path path(name);
+    return !name.empty() && path.is_relative() &&
+           std::ranges::none_of(path, [](const fs::path& part) { return part == ".."; });
+}
+
+std::string text_of(const nlohmann::json& entry, const char* key) {
+    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
+}
+
+ResultFolder::Made made_of(const nlohmann::json& entry) {
+    ResultFolder::Made made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+    if (entry.contains("forms") && entry["forms"].is_object()) {
+        for (const auto& [name, what] : entry["forms"].items())
+            made.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
+    }
+    if (!entry.contains("files")) return made;
+    for (const auto& name : entry["files"]) {
+        if (name.is_string() && stays_inside(name.get<std::string>())) made.files.insert(name.get<std::string>());
+    }
+    return made;
+}
+
+nlohmann::ordered_json json_of(const MadeBy& by, const std::set<std::string>& names) {
+    auto files = nlohmann::ordered_json::array();
+    for (const std::string& each : names) files.push_back(valid_utf8(each));
+    nlohmann::ordered_json json{{"program", by.program}, {"command", valid_utf8(by.command)}};
+    for (const auto& [name, what] : by.forms) json["forms"][name] = valid_utf8(what);
+    json["files"] = std::move(files);
+    return json;
+}
+
+}  // namespace
+
+std::vector<ResultFolder::Made> made_in(const fs::path& folder) {
+    std::ifstream in(folder / list_name, std::ios::binary);
+    if (!in) return {};
+    const auto list = nlohmann::json::parse(in, nullptr, false);
+    if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
+    std::vector<ResultFolder::Made> all{made_of(list)};
+    if (!list.contains("others") || !list["others"].is_array()) return all;
+    for (const auto& entry : list["others"]) {
+        if (entry.is_object()) all.push_back(made_of(entry));
+    }
+    return all;
+}
+
+std::string list_text(const ResultFolder::Made& last, const std::vector<ResultFolder::Made>& others) {
+    nlohmann::ordered_json list{{"schema", schema}};
+    list.update(json_of(last.by, last.files));
+    for (const ResultFolder::Made& other : others) list["others"].push_back(json_of(other.by, other.files));
+    return list.dump(2) + "\n";
+}
+
+}  // namespace lostbits::output::file

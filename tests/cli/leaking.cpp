@@ -1,0 +1,9 @@
+// Loses ten blocks of memory: what the test of leaks has to find.
+#include <cstdlib>
+
+int main() {
+    for (int i = 0; i < 10; ++i) {
+        volatile char* const lost = static_cast<char*>(std::malloc(1000));
+        lost[0] = 1;
+    }
+}

@@ -1,0 +1,188 @@
+// What a run reads it does not write, and what is somebody else's stays: whatever it is called, linked or forced.
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* one_claim = R"(schema = "lostbits-claims/1"
+[[claim]]
+id = "a"
+statement = "-"
+source = "-"
+verdict = "holds"
+[claim.given]
+scene = "mine.toml"
+form = "sphere.press"
+format = "f32"
+[claim.expect]
+metric = "false_miss_fraction"
+in = [0, 1]
+)";
+
+constexpr const char* one_ray = "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n";
+
+/// A folder with a scene, a claim about it, a ray and a baseline, none of which a run may change.
+class Inputs {
+public:
+    Inputs() {
+        keep("mine.toml", good_scene);
+        keep("claims.toml", one_claim);
+        keep("rays.csv", one_ray);
+        keep("form.glsl", "bool intersect(vec3 o, vec3 d, vec3 c, float r, out float t) { t = 1.0; return true; }\n");
+        REQUIRE(run("check claims.toml --save base.json", scratch_.path()).code == 0);
+        keep("base.json", contents(scratch_.path() / "base.json"));
+    }
+    [[nodiscard]] fs::path operator/(const std::string& name) const { return scratch_.path() / name; }
+
+    void refused(const std::string& words, const std::string& says) const {
+        const auto r = run(words, scratch_.path());
+        INFO(words << "\n" << r.out << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+        for (const auto& [name, text] : kept_) {
+            INFO(name);
+            CHECK(contents(scratch_.path() / name) == text);
+        }
+    }
+
+private:
+    void keep(const std::string& name, const std::string& text) {
+        static_cast<void>(scratch_.write(name, text));
+        kept_[name] = text;
+    }
+
+    Scratch scratch_;
+    std::map<std::string, std::string> kept_;
+};
+
+const std::string taken = "is read by this run, whose results would take its place";
+
+}  // namespace
+
+TEST_CASE("no output of checked claims is one of their inputs") {
+    const Inputs inputs;
+    for (const char* option : {"--junit", "--export-csv", "--export-json", "--save"}) {
+        for (const char* file : {"claims.toml", "mine.toml", "./claims.toml"})
+            inputs.refused(std::string("check claims.toml ") + option + " " + file, taken);
+    }
+    inputs.refused("check claims.toml --against base.json --moves claims.toml", taken);
+    inputs.refused("check claims.toml --against base.json --export-json base.json", "name");
+    // The same file by other names.
+    fs::create_hard_link(inputs / "claims.toml", inputs / "hard.toml");
+    fs::create_symlink("claims.toml", inputs / "soft.toml");
+    fs::create_hard_link(inputs / "base.json", inputs / "other.json");
+    inputs.refused("check claims.toml --junit hard.toml", taken);
+    inputs.refused("check claims.toml --junit soft.toml", taken);
+    inputs.refused("check soft.toml --junit claims.toml", taken);
+    inputs.refused("check claims.toml --against base.json --junit other.json", taken);
+    inputs.refused("check claims.toml --shader form.glsl:intersect --junit form.glsl", "form.glsl");
+    // A baseline may be compared with and replaced.
+    CHECK(run("check claims.toml --against base.json --save base.json", inputs / "").code == 0);
+}
+
+TEST_CASE("a folder of results that holds an input stays as it is") {
+    const Inputs inputs;
+    REQUIRE(run("map mine.toml -i sphere.press,sphere.unified -f f32 --pixels csv -o a", inputs / "").code == 0);
+    const std::string before = contents(inputs / "a/mine/summary.csv");
+    // Drawn into one of the two, the results of that one would go first.
+    inputs.refused("diff a/mine a/mine --draw a/mine", taken);
+    CHECK(contents(inputs / "a/mine/summary.csv") == before);
+    // What an earlier run wrote goes before the results of the next: not where it is asked about.
+    REQUIRE(run("judge rays.csv --sphere 0,0,0,1 -i sphere.press --rows -o b", inputs / "").code == 0);
+    fs::path table;
+    for (const auto& entry : fs::directory_iterator(inputs / "b/rays")) {
+        if (entry.path().extension() == ".csv" && entry.path().filename() != "summary.csv") table = entry.path();
+    }
+    REQUIRE(!table.empty());
+    const std::string rows = contents(table);
+    const fs::path place = table.parent_path().parent_path() / table.stem();
+    fs::rename(table.parent_path(), place);
+    inputs.refused("judge " + (place / table.filename()).string() + " --sphere 0,0,0,1 -i sphere.press -o b", taken);
+    CHECK(contents(place / table.filename()) == rows);
+}
+
+TEST_CASE("--force leaves what is somebody's own, links and what they lead to among it") {
+    const Inputs inputs;
+    const std::string words = "map mine.toml -i sphere.press -f f32 -o out --force";
+    const fs::path folder = inputs / "out/mine";
+    fs::create_directories(folder);
+    const auto write = [](const fs::path& file) { std::ofstream(file) << "precious"; };
+    const auto refused_for = [&](const char* name, const char* says) {
+        inputs.refused(words, std::string(name) + ": " + says);
+        CHECK(contents(folder / name) == "precious");
+        fs::remove(folder / name);
+    };
+    write(folder / "summary.csv");
+    refused_for("summary.csv", "is not in the manifest.json of its folder");
+    write(folder / "manifest.json");
+    refused_for("manifest.json", "is not a list of results");
+    write(inputs / "elsewhere");
+    fs::create_symlink(inputs / "elsewhere", folder / "contact.png");
+    refused_for("contact.png", "is a link, or lies behind one");
+    CHECK(contents(inputs / "elsewhere") == "precious");
+    write(folder / "mine.txt");
+    REQUIRE(run(words, inputs / "").code == 0);
+    CHECK(contents(folder / "mine.txt") == "precious");
+    // A result that was replaced by a link since is somebody's own as well.
+    fs::remove(folder / "summary.csv");
+    fs::create_symlink(inputs / "elsewhere", folder / "summary.csv");
+    refused_for("summary.csv", "is a link, or lies behind one");
+    CHECK(contents(inputs / "elsewhere") == "precious");
+    CHECK(run(words, inputs / "").code == 0);
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    write(folder / "datapackage.json");
+    refused_for("datapackage.json", "is not in the manifest.json of its folder");
+}
+
+TEST_CASE("a missing TMPDIR is named") {
+    const Inputs inputs;
+    for (const char* words :
+         {"map mine.toml -i sphere.press -f f32 -o -", "report mine.toml -i sphere.press -f f32 --no-claims -o page"}) {
+        const auto r = run(words, inputs / "", "TMPDIR=" + (inputs / "nowhere").string());
+        INFO(words << "\n" << r.err);
+        CHECK(r.code == 3);
+        CHECK(has(r.err, "TMPDIR=" + (inputs / "nowhere").string() + ": no folder can be made there"));
+    }
+}
+
+TEST_CASE("a line break that was typed is shown as one") {
+    const Inputs inputs;
+    inputs.refused("list forms --isa '5\nx'", "--isa 5\\nx: is not one of scalar, 128, 256, 512");
+    inputs.refused("map 'near\nx' -o out", "no scene \"near\\nx\" in ");
+    inputs.refused("map mine.toml -j '4\n' -o out", "4\\n: is not a number from 1 to 1024");
+    inputs.refused("map mine.toml --set 'a\nb=1' -o out", "--set a\\nb=1: unknown key a\\nb");
+}
+
+TEST_CASE("what an axis cannot be set to is said with its place in the file") {
+    const Inputs inputs;
+    const auto refused_by = [&](const std::string& what, const std::string& by, const std::string& says) {
+        std::string text = small_sweep;
+        const auto at = text.find(what);
+        REQUIRE(at != std::string::npos);
+        std::ofstream(inputs / "s.toml") << text.replace(at, what.size(), by);
+        inputs.refused("sweep s.toml -i sphere.press -f f32 -o out", says);
+    };
+    const std::string set = small_sweep.substr(small_sweep.find("set = "));
+    const std::string line = set.substr(0, set.find('\n'));
+    refused_by(line, "set = [\"gap_radii\"]", "s.toml:16:7: unknown key family.gap_radii; known here");
+    refused_by("1048576\nsteps = 20\n" + line, "1e60\nsteps = 20\nset = [\"radius\"]",
+               "s.toml:16:7: family.radius must lie between 1.1754943508222875e-38 and 8.507059173023462e+37");
+}
+
+TEST_CASE("an image module without room says so") {
+    if (under_sanitizer) return;  // which takes terabytes of addresses
+    const Inputs inputs;
+    const auto r = run("map mine.toml -i sphere.press -f f32 -o out", inputs / "", "ulimit -v 250000;");
+    INFO(r.err);
+    CHECK(r.code == 3);
+    CHECK(has(r.err, "raise `ulimit -v`"));
+    CHECK_FALSE(has(r.err, "install OpenImageIO"));
+}

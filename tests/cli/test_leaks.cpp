@@ -1,0 +1,44 @@
+// Commands of every kind under LeakSanitizer, which is loaded in front of the program as it ships. What it is not to
+// report stands in tests/leak_sanitizer.txt, with the reason.
+#include <cstdlib>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+using namespace lostbits::test;
+
+namespace {
+
+constexpr int leaks = 23;
+
+std::string watched(const std::string& exceptions) {
+    return std::string("LD_PRELOAD='") + LOSTBITS_LEAK_SANITIZER + "' LSAN_OPTIONS=exitcode=" + std::to_string(leaks) +
+           ":suppressions='" + exceptions + "'";
+}
+
+}  // namespace
+
+TEST_CASE("no command loses memory but where the list says why") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("mine.toml", good_scene));
+    static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n"));
+    const std::string library = std::string(" --plugin ") + LOSTBITS_LIBRARIES + "/schoolbook.so";
+    for (const std::string words :
+         {std::string("list forms"), std::string("map mine.toml -i sphere.press -f f32 --pixels csv --exr -o map"),
+          std::string("explain near-benign --pixel 16,12 -i sphere.schoolbook -f f32"),
+          std::string("sweep sphere-tilt -i sphere.press -f f32 --seeds 0 --steps 5 -o sweep"),
+          std::string("judge rays.csv --sphere 0,0,0,1 -i sphere.press -o judge"),
+          std::string("check --filter 'float.*'"),
+          std::string("report mine.toml -i sphere.press -f f32 --no-claims -o page"),
+          "map mine.toml -i example.schoolbook -f f32 -o plugin" + library,
+          "map mine.toml -i example.schoolbook -f f32 -o alone --isolate" + library}) {
+        const auto r = run(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
+        INFO(words << "\n" << r.err);
+        CHECK(r.code == 0);
+    }
+    // It looks, and the list is what keeps it quiet.
+    const std::string lost = watched("/dev/null") + " '" + LOSTBITS_LEAKING + "' 2>/dev/null";
+    CHECK(WEXITSTATUS(std::system(lost.c_str())) == leaks);
+    CHECK(run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(), watched("/dev/null"))
+              .code == leaks);
+}
