@@ -124,14 +124,62 @@ private:
             Place p;
             for (std::size_t i = 0; i < file_.ranges.size(); ++i) {
                 const auto [low, high] = file_.ranges[i];
-                p.x[i] = low + random_.unit() * (high - low);
+                p.x[i] = file_.exponents ? free_number() : low + random_.unit() * (high - low);
             }
             if (file_.nearest) approach(p);
-            aim(p);
+            if (file_.at_edge) put_edge(p);
+            else aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.shape);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return std::nullopt;
+    }
+
+    /// In [1, 2): any, or a few last places from a power of two.
+    double significand() {
+        const double m = 1 + random_.unit(),
+                     few = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.shape.precision - 1));
+        const double drawn[] = {m, 1 + few, 2 - few};
+        return drawn[random_.below(3)];
+    }
+    double free_number() {
+        const auto [low, high] = *file_.exponents;
+        const int e = static_cast<int>(low) + random_.below(static_cast<int>(high - low) + 1);
+        return random_.sign() * std::ldexp(significand(), e);
+    }
+
+    /// Puts an edge of the box on the ray: the plane that it enters one axis by, and the one that it leaves another by.
+    /// What rounding moved the planes is made up for in the origin: the smaller that is, the nearer the ray is to the
+    /// edge.
+    void put_edge(Place& p) {
+        const double t = std::ldexp(significand(), random_.below(6) - 3);
+        const auto enter = static_cast<std::size_t>(random_.below(3)),
+                   leave = (enter + 1 + static_cast<std::size_t>(random_.below(2))) % 3;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p.x[6 + k] = file_.ranges[6 + k].low;
+            p.x[9 + k] = file_.ranges[9 + k].high;
+            p.x[3 + k] = rounding::to_format(p.x[3 + k], 0, row_.format.shape);
+        }
+        for (const std::size_t k : {enter, leave}) {
+            double& plane = p.x[((p.x[3 + k] > 0) == (k == enter) ? 6 : 9) + k];
+            plane = rounding::to_format(p.x[k] + t * p.x[3 + k], 0, row_.format.shape);
+            p.x[k] = plane - t * p.x[3 + k];
+        }
+    }
+
+    /// Moves the origin along the axis that the ray leaves first, so that it leaves where it enters the last.
+    void back_to_edge(Place& p) {
+        double entry = 0, exit = std::numeric_limits<double>::infinity();
+        std::size_t leave = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double o = p.x[k], d = p.x[3 + k];
+            if (d == 0) continue;
+            entry = std::max(entry, (p.x[(d > 0 ? 6 : 9) + k] - o) / d);
+            const double out = (p.x[(d > 0 ? 9 : 6) + k] - o) / d;
+            if (out < exit) exit = out, leave = k;
+        }
+        const double d = p.x[3 + leave];
+        p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.shape);
     }
 
     /// Moves the centre to where the search still has something to gain: between the smallest distance allowed and the
@@ -167,12 +215,26 @@ private:
             Place p = from;
             for (int k = 0; k < count; ++k) {
                 double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
-                const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
-                x = step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+                x = file_.exponents && random_.below(2) == 0 ? with_a_bit_turned(x) : stepped(x);
             }
+            if (file_.at_edge && random_.below(2) == 0) back_to_edge(p);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return from;
+    }
+
+    double stepped(double x) {
+        const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
+        return step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+    }
+
+    /// x with one bit of its significand turned, or twice or half of it.
+    double with_a_bit_turned(double x) {
+        const FloatFormat& f = row_.format.shape;
+        const int bit = random_.below(f.precision + 1) - 2;
+        if (bit < 0) return rounding::to_format(bit == -1 ? 2 * x : x / 2, 0, f);
+        const std::int64_t n = truth::ordinal(std::fabs(x), f), turned = n ^ (std::int64_t{1} << bit);
+        return std::copysign(step_from(std::fabs(x), turned - n, f), x);
     }
 
     Judge judged(const std::vector<Place>& places) {

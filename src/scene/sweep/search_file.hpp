@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,13 @@ public:
     std::uint64_t seed = 1;
     int starts = 16;       ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start
+    /// Numbers are drawn as ±m·2^e, e from these whole numbers, each significand m as likely as another or a few last
+    /// places from a power of two, where roundings are largest; and moves also turn single bits and exponents. Without
+    /// it numbers are drawn evenly from their ranges.
+    std::optional<Range> exponents;
+    /// Boxes only: one plane that the ray enters by and one that it leaves by are drawn where the ray passes at once,
+    /// and the others at the ends of their ranges: an edge.
+    bool at_edge = false;
     /// Spheres only: of wrong decisions the one nearest to the sphere, in radii, is the worst; the search does not end
     /// with the first.
     bool nearest = false;
