@@ -46,13 +46,15 @@ struct Place {
 /// What the sink of one litter remembers: the worst of it.
 class Judge final : public map::MapSink {
 public:
-    Judge(std::size_t metric, Direction unit_of, bool nearest)
-        : metric_(metric), unit_of_(unit_of), nearest_(nearest) {}
+    Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
+        : metric_(metric), unit_of_(unit_of), file_(file) {}
     void band(const map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
-            const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i])
+            if (file_.smallest && o != Outcome::agree_hit) continue;
+            const double size = std::fabs(result.metrics[metric_][i]);
+            const double value = o == Outcome::agree_hit ? (file_.smallest ? 1 / size : size)
                                                          : wrong(result.inputs->rays[i], result.inputs->solids[0]);
             if (!(value > score)) continue;
             score = value;
@@ -71,13 +73,13 @@ public:
 private:
     /// The score of a wrong decision: above that of every right one.
     [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
-        return nearest_ ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
-                        : std::numeric_limits<double>::infinity();
+        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
+                             : std::numeric_limits<double>::infinity();
     }
 
     std::size_t metric_;
     Direction unit_of_;
-    bool nearest_;
+    const scene::sweep::SearchFile& file_;
 };
 
 class Search {
@@ -92,7 +94,7 @@ public:
     std::optional<WorstFound> run() {
         for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
         best_.evaluations = evaluations_;
-        return best_.value < 0 ? std::nullopt : std::optional(best_);
+        return best_score_ < 0 ? std::nullopt : std::optional(best_);
     }
 
 private:
@@ -256,15 +258,16 @@ private:
         const auto inputs = band.inputs(
             row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
         map::MapSummary summary(request_.metrics);
-        Judge judge(metric_, row_.form->info->direction, file_.nearest);
+        Judge judge(metric_, row_.form->info->direction, file_);
         map::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
         return judge;
     }
 
     void keep(const Judge& judge, const Place& place) {
-        if (!(judge.score > best_.value)) return;
+        if (!(judge.score > best_score_)) return;
+        best_score_ = judge.score;
         best_ = {.outcome = judge.outcome,
-                 .value = judge.score,
+                 .value = file_.smallest ? 1 / judge.score : judge.score,
                  .ray = place.ray(),
                  .solid = place.solid(file_.shape),
                  .t = judge.t,
@@ -280,6 +283,7 @@ private:
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
+    double best_score_ = -1;  ///< the metric, or 1 over it where the smallest is looked for
     WorstFound best_;
 };
 

@@ -59,6 +59,9 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     nearest = table.optional_boolean("nearest").value_or(false);
     if (nearest && shape != Shape::sphere)
         table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
+    smallest = table.optional_boolean("smallest").value_or(false);
+    if (smallest && nearest)
+        table.reject("smallest", "cannot be combined with nearest, which is about wrong decisions");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }
