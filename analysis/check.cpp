@@ -77,10 +77,10 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
 void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
     const char* verdict = claim.verdict == Claim::Verdict::holds ? "holds" : "refuted";
     if (r.state == State::agrees) {
-        const std::string all = output::claim::floats_text(r);
+        const std::string all = output::claim::floats_text(r), reach = output::claim::evidence_text(claim, r);
         if (verbose)
-            fmt::print("ok       {} ({}{}): {}\n", terminal_line(claim.id), verdict, all.empty() ? "" : ", " + all,
-                       output::file::decimal(r.measured));
+            fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict, all.empty() ? "" : ", " + all,
+                       reach.empty() ? "" : ", " + terminal_line(reach), output::file::decimal(r.measured));
         return;
     }
     const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"

@@ -34,8 +34,12 @@ private:
 ///
 /// What rounding loses is known exactly of sums, and of products that do not underflow (error_free.hpp has why); of all
 /// others it is at most u|v|, computed from the rounded v, so u(1 + u), and the least subnormal number. The bounds are
-/// sums of products of at most twelve operations, each of which rounds: `outward` takes 16u more and four subnormals,
-/// which is more than they can have lost.
+/// sums of products of at most seven operations in a row, each of which rounds: what they lose relatively is made up
+/// for by 16u, as (1 − u)^7 (1 + 16u) ≥ 1 for every u ≤ 1/8. What products lose to underflow is less than half of the
+/// least subnormal number η each (sums lose nothing there), at most three of them and that of `outward` itself: four η
+/// are more than that. So `outward(B)` is never below B. What it must not be given is a zero that stands for more: a
+/// bound is zero only where its operands say that it is (`is_exact_zero`, errors that are zero), never because a
+/// product of errors underflowed. A bound that is not a number says nothing, as infinity does.
 ///
 /// Where a decision is not proved, `select` answers by the values, as F does, and its error reaches the other side too.
 template <class F>
@@ -45,7 +49,7 @@ public:
     /// An input: exact.
     template <std::floating_point X>
     explicit Bounded(X x) : value_(static_cast<F>(x)) {}
-    Bounded(F value, F error) : value_(value), error_(error) {}
+    Bounded(F value, F error) : value_(value), error_(error >= 0 ? error : infinity) {}
 
     [[nodiscard]] F value() const { return value_; }
     [[nodiscard]] F error() const { return error_; }
@@ -58,6 +62,7 @@ public:
         return rounded(v, a.error_ + b.error_, size_of(lost), a, b);
     }
     friend Bounded operator-(const Bounded& a, const Bounded& b) { return a + (-b); }
+    /// |ab − a*b*| ≤ |a| δb + |b| δa + δa δb, which is zero only where both are exact or one is an exact zero.
     friend Bounded operator*(const Bounded& a, const Bounded& b) {
         const F v = a.value_ * b.value_;
         if (a.is_exact_infinity() || b.is_exact_infinity())
@@ -65,17 +70,19 @@ public:
         const F lost = a.value_ == 0 || b.value_ == 0 ? F(0)
                        : size_of(v) < deep            ? nearest(v)
                                                       : size_of(fma(a.value_, b.value_, -v));
-        return rounded(v, size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_, lost, a, b);
+        const bool moves = (a.error_ > 0 || b.error_ > 0) && !a.is_exact_zero() && !b.is_exact_zero();
+        const F apart = size(a) * b.error_ + size(b) * a.error_ + a.error_ * b.error_;
+        return rounded(v, moves ? apart + tiny : apart, lost, a, b);
     }
     /// |a/b − a*/b*| ≤ (δa + |a/b| δb)/(|b| − δb).
     friend Bounded operator/(const Bounded& a, const Bounded& b) {
         const F v = a.value_ / b.value_;
-        if (b.value_ == 0 && b.error_ == 0) return a.has_sign() ? Bounded(v, 0) : unknown(v);
+        if (b.is_exact_zero()) return a.has_sign() ? Bounded(v, 0) : unknown(v);
         if (b.is_exact_infinity()) return a.error_ < infinity && !a.is_exact_infinity() ? Bounded(v, 0) : unknown(v);
         if (a.is_exact_infinity()) return b.has_sign() ? Bounded(v, 0) : unknown(v);
         const F least = size(b) * (1 - 4 * u) - b.error_;
         if (!(least > 0)) return unknown(v);
-        if (a.value_ == 0 && a.error_ == 0) return {v, 0};
+        if (a.is_exact_zero()) return {v, 0};
         // What a product loses to underflow counts before it is divided by what may be small.
         const F above = a.error_ + (size_of(v) + tiny) * b.error_ + (a.error_ > 0 || b.error_ > 0 ? tiny : F(0));
         return rounded(v, above / least, nearest(v), a, b);
@@ -87,7 +94,7 @@ public:
     /// |√a − √a*| ≤ δa/(√a + √(a − δa)). Nothing is said where a* may be negative.
     friend Bounded sqrt(const Bounded& a) {
         const F v = sqrt(a.value_);
-        if (a.error_ == 0 && (a.value_ == 0 || a.is_exact_infinity())) return {v, 0};
+        if (a.is_exact_zero() || a.is_exact_infinity()) return {v, 0};
         if (a.error_ == 0 && a.value_ < 0) return {v, 0};  // NaN in any arithmetic
         const F least = a.value_ * (1 - 4 * u) - a.error_;
         if (a.error_ > 0 && !(least >= 0)) return unknown(v);
@@ -158,10 +165,11 @@ private:
     [[nodiscard]] bool is_nan() const { return !(value_ == value_); }
     [[nodiscard]] bool is_infinite() const { return abs(value_) >= infinity; }
     [[nodiscard]] bool is_exact_infinity() const { return is_infinite() && error_ == 0; }
+    [[nodiscard]] bool is_exact_zero() const { return value_ == 0 && error_ == 0; }
     /// Whether the exact number is known to be above or below zero.
     [[nodiscard]] bool has_sign() const { return abs(value_) > error_; }
     /// Whether its sign is known, that of an exact zero too.
-    [[nodiscard]] bool has_sign_bit() const { return has_sign() || (value_ == 0 && error_ == 0); }
+    [[nodiscard]] bool has_sign_bit() const { return has_sign() || is_exact_zero(); }
 
     /// Of a sum or product in which an exact infinity stands: an infinity, where the other is finite or agrees; NaN for
     /// certain where both are exact.
@@ -187,6 +195,8 @@ private:
         if (a.error_ == 0 && b.error_ == 0) return true;
         if ((a.is_nan() && a.error_ == 0) || (b.is_nan() && b.error_ == 0)) return true;
         if (!(a.error_ < infinity) || !(b.error_ < infinity)) return false;
+        // An infinity is apart from every number, although the bounds outward may be infinite, too.
+        if (a.is_exact_infinity() || b.is_exact_infinity()) return true;
         return abs(a.value_ - b.value_) * (1 - 4 * u) > outward(a.error_ + b.error_);
     }
 

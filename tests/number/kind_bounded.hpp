@@ -22,13 +22,16 @@ struct Kind<Bounded<F>> {
     struct Setting {
         explicit Setting(Random&) {}
     };
-    /// Half of the operands are exact; the points of the others are at their ends, in the middle and between.
+    /// Half of the operands are exact; the points of the others are at their ends, in the middle and between. Errors
+    /// are a part of the number, or anything, of a zero too: what products of them lose to underflow is nobody's exact
+    /// zero.
     static std::array<Operand<T>, 3> draw(Random& random, Op op) {
         const auto drawn = draw_operands(random, Kind<F>::format(), op);
         const auto operand = [&random](double x) {
             if (random.one_in(2) || !std::isfinite(x)) return Operand<T>{T(static_cast<F>(x)), Mpfr(x, 53)};
-            const F error =
-                static_cast<F>(std::fabs(x) * std::ldexp(random.unit(), -static_cast<int>(random.between(0, 30))));
+            if (random.one_in(10)) x = std::copysign(0.0, x);
+            const double part = std::fabs(x) * std::ldexp(random.unit(), -static_cast<int>(random.between(0, 30)));
+            const F error = static_cast<F>(random.one_in(2) ? part : std::fabs(draw_finite(random, format())));
             if (error == 0) return Operand<T>{T(static_cast<F>(x)), Mpfr(x, 53)};
             Operand<T> some{T(static_cast<F>(x), error), Mpfr(error, 3000)};
             mpfr_mul_si(some.point, some.point, random.between(-4, 4), MPFR_RNDN);

@@ -8,6 +8,7 @@
 #include "intersect/table/kernels.hpp"
 #include "number/bounded.hpp"
 #include "number/counted.hpp"
+#include "number/interval.hpp"
 #include "number/recorded.hpp"
 #include "number/with_number.hpp"
 
@@ -21,13 +22,19 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
         rays, target, hits, [](double x) { return RoundedAny(x); }, [](RoundedAny x) { return x.value(); });
 }
 
-/// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t that double precision can name.
-inline constexpr double unlimited = 0x1p1000;
+/// "Nowhere", for enclosures, whose arithmetic has no infinity: beyond every t of a ray and a solid of doubles, which
+/// is less than 2^1026/2^-1074 (lengths over the smallest direction). A `Ball` says nothing above 2^1000.
+template <class E>
+E unlimited() {
+    const E far(0x1p1000);
+    if constexpr (std::same_as<E, Interval>) return far * far * far;
+    else return far;
+}
 
 template <class Form, class E>
 Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
     sdf::Unwatched unwatched;
-    return intersect_target<Form>(ray, target, E(unlimited), unwatched);
+    return intersect_target<Form>(ray, target, unlimited<E>(), unwatched);
 }
 
 template <class Form, class T>

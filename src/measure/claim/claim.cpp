@@ -102,7 +102,7 @@ MapRow claim_row(const Claim& claim) {
 
 namespace {
 
-enum class Kind { scene, sweep, render, offsets, consistency, table, timing, choice };
+enum class Kind { scene, sweep, render, offsets, consistency, search, table, timing, choice };
 
 Kind kind_of(const Claim& c) {
     return c.timing                 ? Kind::timing
@@ -112,6 +112,7 @@ Kind kind_of(const Claim& c) {
            : !c.render.empty()      ? Kind::render
            : !c.offsets.empty()     ? Kind::offsets
            : !c.consistency.empty() ? Kind::consistency
+           : !c.search.empty()      ? Kind::search
                                     : Kind::table;
 }
 
@@ -180,6 +181,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             case Kind::render: measure_render(claims, places, request.data_dir, results); break;
             case Kind::offsets: measure_offsets(claims, places, request.data_dir, results); break;
             case Kind::consistency: measure_consistency(claims, places, request.data_dir, results); break;
+            case Kind::search: measure_search(claims, places, request.data_dir, results); break;
             case Kind::sweep:
             case Kind::table: measure_draws(claims, places, request, results); break;
             case Kind::choice:

@@ -25,6 +25,7 @@ struct ClaimResult {
     std::uint64_t samples = 0;
     /// Every float of a range was tried, so many; 0: the claim is about nothing of the kind.
     std::uint64_t floats = 0;
+    std::uint64_t evaluations = 0;     ///< of a search: how many rays it tried; 0: the claim is about none
     std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist
     double seconds = 0;  ///< that measuring took; where claims share a map or a sweep, each has an equal part of it
 

@@ -40,6 +40,9 @@ void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places&
 /// About a sweep over every float.
 void measure_exhaustive(const std::vector<scene::claim::Claim>& claims, const Places& places,
                         const std::filesystem::path& path, std::vector<ClaimResult>& results);
+/// About the worst ray that a search finds.
+void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places,
+                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
 void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, int draw,
                    std::vector<ClaimResult>& results);
 

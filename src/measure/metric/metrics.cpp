@@ -29,10 +29,11 @@ double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.for
 double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->shape.precision); }
 double correct(const Sample& s) { return s.format->shape.precision - lost(s); }
 
+/// Of binary64 the numbers of either sign fill 63 bits: the steps between them are a number without a sign.
 double herbie(const Sample& s) {
-    const FloatFormat& f = s.format->shape;
-    const auto apart = static_cast<double>(std::abs(truth::ordinal(s.t, f) - truth::ordinal(s.truth_rounded, f)));
-    return bits::log2_of(1 + apart);
+    const auto place = [&s](double x) { return truth::ordinal(x, s.format->shape); };
+    const auto [low, high] = std::minmax({place(s.t), place(s.truth_rounded)});
+    return bits::log2_of(1 + static_cast<double>(static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low)));
 }
 
 double absolute(const Sample& s) {

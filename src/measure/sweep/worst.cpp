@@ -46,13 +46,15 @@ struct Place {
 /// What the sink of one litter remembers: the worst of it.
 class Judge final : public map::MapSink {
 public:
-    Judge(std::size_t metric, Direction unit_of, bool nearest)
-        : metric_(metric), unit_of_(unit_of), nearest_(nearest) {}
+    Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
+        : metric_(metric), unit_of_(unit_of), file_(file) {}
     void band(const map::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
-            const double value = o == Outcome::agree_hit ? std::fabs(result.metrics[metric_][i])
+            if (file_.smallest && o != Outcome::agree_hit) continue;
+            const double size = std::fabs(result.metrics[metric_][i]);
+            const double value = o == Outcome::agree_hit ? (file_.smallest ? 1 / size : size)
                                                          : wrong(result.inputs->rays[i], result.inputs->solids[0]);
             if (!(value > score)) continue;
             score = value;
@@ -71,13 +73,13 @@ public:
 private:
     /// The score of a wrong decision: above that of every right one.
     [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
-        return nearest_ ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
-                        : std::numeric_limits<double>::infinity();
+        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
+                             : std::numeric_limits<double>::infinity();
     }
 
     std::size_t metric_;
     Direction unit_of_;
-    bool nearest_;
+    const scene::sweep::SearchFile& file_;
 };
 
 class Search {
@@ -92,7 +94,7 @@ public:
     std::optional<WorstFound> run() {
         for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
         best_.evaluations = evaluations_;
-        return best_.value < 0 ? std::nullopt : std::optional(best_);
+        return best_score_ < 0 ? std::nullopt : std::optional(best_);
     }
 
 private:
@@ -124,14 +126,62 @@ private:
             Place p;
             for (std::size_t i = 0; i < file_.ranges.size(); ++i) {
                 const auto [low, high] = file_.ranges[i];
-                p.x[i] = low + random_.unit() * (high - low);
+                p.x[i] = file_.exponents ? free_number() : low + random_.unit() * (high - low);
             }
             if (file_.nearest) approach(p);
-            aim(p);
+            if (file_.at_edge) put_edge(p);
+            else aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.shape);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return std::nullopt;
+    }
+
+    /// In [1, 2): any, or a few last places from a power of two.
+    double significand() {
+        const double m = 1 + random_.unit(),
+                     few = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.shape.precision - 1));
+        const double drawn[] = {m, 1 + few, 2 - few};
+        return drawn[random_.below(3)];
+    }
+    double free_number() {
+        const auto [low, high] = *file_.exponents;
+        const int e = static_cast<int>(low) + random_.below(static_cast<int>(high - low) + 1);
+        return random_.sign() * std::ldexp(significand(), e);
+    }
+
+    /// Puts an edge of the box on the ray: the plane that it enters one axis by, and the one that it leaves another by.
+    /// What rounding moved the planes is made up for in the origin: the smaller that is, the nearer the ray is to the
+    /// edge.
+    void put_edge(Place& p) {
+        const double t = std::ldexp(significand(), random_.below(6) - 3);
+        const auto enter = static_cast<std::size_t>(random_.below(3)),
+                   leave = (enter + 1 + static_cast<std::size_t>(random_.below(2))) % 3;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p.x[6 + k] = file_.ranges[6 + k].low;
+            p.x[9 + k] = file_.ranges[9 + k].high;
+            p.x[3 + k] = rounding::to_format(p.x[3 + k], 0, row_.format.shape);
+        }
+        for (const std::size_t k : {enter, leave}) {
+            double& plane = p.x[((p.x[3 + k] > 0) == (k == enter) ? 6 : 9) + k];
+            plane = rounding::to_format(p.x[k] + t * p.x[3 + k], 0, row_.format.shape);
+            p.x[k] = plane - t * p.x[3 + k];
+        }
+    }
+
+    /// Moves the origin along the axis that the ray leaves first, so that it leaves where it enters the last.
+    void back_to_edge(Place& p) {
+        double entry = 0, exit = std::numeric_limits<double>::infinity();
+        std::size_t leave = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double o = p.x[k], d = p.x[3 + k];
+            if (d == 0) continue;
+            entry = std::max(entry, (p.x[(d > 0 ? 6 : 9) + k] - o) / d);
+            const double out = (p.x[(d > 0 ? 9 : 6) + k] - o) / d;
+            if (out < exit) exit = out, leave = k;
+        }
+        const double d = p.x[3 + leave];
+        p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.shape);
     }
 
     /// Moves the centre to where the search still has something to gain: between the smallest distance allowed and the
@@ -167,12 +217,26 @@ private:
             Place p = from;
             for (int k = 0; k < count; ++k) {
                 double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
-                const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
-                x = step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+                x = file_.exponents && random_.below(2) == 0 ? with_a_bit_turned(x) : stepped(x);
             }
+            if (file_.at_edge && random_.below(2) == 0) back_to_edge(p);
             if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
         }
         return from;
+    }
+
+    double stepped(double x) {
+        const auto steps = std::int64_t{1} << random_.below(row_.format.shape.precision + 2);
+        return step_from(x, random_.below(2) == 0 ? steps : -steps, row_.format.shape);
+    }
+
+    /// x with one bit of its significand turned, or twice or half of it.
+    double with_a_bit_turned(double x) {
+        const FloatFormat& f = row_.format.shape;
+        const int bit = random_.below(f.precision + 1) - 2;
+        if (bit < 0) return rounding::to_format(bit == -1 ? 2 * x : x / 2, 0, f);
+        const std::int64_t n = truth::ordinal(std::fabs(x), f), turned = n ^ (std::int64_t{1} << bit);
+        return std::copysign(step_from(std::fabs(x), turned - n, f), x);
     }
 
     Judge judged(const std::vector<Place>& places) {
@@ -194,15 +258,16 @@ private:
         const auto inputs = band.inputs(
             row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
         map::MapSummary summary(request_.metrics);
-        Judge judge(metric_, row_.form->info->direction, file_.nearest);
+        Judge judge(metric_, row_.form->info->direction, file_);
         map::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
         return judge;
     }
 
     void keep(const Judge& judge, const Place& place) {
-        if (!(judge.score > best_.value)) return;
+        if (!(judge.score > best_score_)) return;
+        best_score_ = judge.score;
         best_ = {.outcome = judge.outcome,
-                 .value = judge.score,
+                 .value = file_.smallest ? 1 / judge.score : judge.score,
                  .ray = place.ray(),
                  .solid = place.solid(file_.shape),
                  .t = judge.t,
@@ -218,6 +283,7 @@ private:
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
+    double best_score_ = -1;  ///< the metric, or 1 over it where the smallest is looked for
     WorstFound best_;
 };
 

@@ -79,6 +79,23 @@ std::string quantity(const Claim& c) {
 
 std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt::format("all {} floats", r.floats); }
 
+std::string evidence_text(const Claim& c, const ClaimResult& r) {
+    using Evidence = Claim::Evidence;
+    const bool found = c.verdict == Claim::Verdict::refuted;
+    if (r.evaluations > 0)
+        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse one found",
+                           r.evaluations, file::decimal(r.measured));
+    switch (c.evidence) {
+        case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
+        case Evidence::exhaustive: return r.floats > 0 ? "" : "all that it speaks of was measured";
+        case Evidence::search: return found ? "by the worst that a search found" : "of the worst that a search found";
+        // One ray is enough to refute it.
+        case Evidence::sample: return found ? "" : "of what was measured, a sample";
+        case Evidence::none: break;
+    }
+    return "";
+}
+
 std::string explain(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
@@ -86,6 +103,9 @@ std::string explain(const Claim& c, const ClaimResult& r) {
         return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
                            1 + r.further.size());
     if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
+    if (r.evaluations > 0)
+        return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(r.measured),
+                           r.evaluations);
     if (r.floats > 0)
         return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
@@ -112,6 +132,8 @@ std::string reproduce(const Claim& c) {
     if (!c.offsets.empty())
         return fmt::format("lostbits offsets {} --strategy {} --points {} -i {} -f {} -o out", shell_word(c.offsets),
                            c.strategy, c.points, c.form, c.format);
+    if (!c.search.empty())
+        return fmt::format("lostbits sweep {} --worst -i {} -f {} -o out", shell_word(c.search), c.form, c.format);
     if (!c.consistency.empty())
         return fmt::format("lostbits consistency {} --check {} -i {} -f {} -o out", shell_word(c.consistency), c.check,
                            c.form, c.format);
@@ -214,6 +236,10 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                {"samples", "integer", "", "independent random samples that it rests on; 0: nothing is random"},
                {"floats", "integer", "",
                 "every float of a range was tried, so many; missing where the claim does not rest on all of them"},
+               {"evidence", "string", "",
+                "what a sentence about all cases rests on: proof, exhaustive, search or sample; empty for others"},
+               {"lemma", "string", "", "the inequality of a proof"},
+               {"evaluations", "integer", "", "rays that a search tried; missing where none did"},
                {"draws", "integer", "", "of those samples, one a seed: missing where nothing is random"},
                {"draw_low", "number", "", "smallest number measured over the draws"},
                {"draw_median", "number", "", "the middle one, the lower of two"},
@@ -242,6 +268,9 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                  std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured),
                  r.samples,
                  r.floats == 0 ? file::Cell() : file::Cell(r.floats),
+                 std::string(name_of(c.evidence)),
+                 c.lemma,
+                 r.evaluations == 0 ? file::Cell() : file::Cell(r.evaluations),
                  drawn(s.draws),
                  drawn(s.low),
                  drawn(s.median),
@@ -277,6 +306,9 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"measured", number(results[i].measured)},
                          {"samples", results[i].samples},
                          {"floats", results[i].floats},
+                         {"evidence", std::string(name_of(c.evidence))},
+                         {"lemma", c.lemma},
+                         {"evaluations", results[i].evaluations},
                          {"further_draws", further},
                          {"interval_draws", c.draws},
                          {"state", state_name(results[i].state)},

@@ -38,6 +38,7 @@ std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& cl
         const std::string name = c.subject() + (!c.render.empty()        ? ", rendered"
                                                 : !c.offsets.empty()     ? ", offsets"
                                                 : !c.consistency.empty() ? ", consistency"
+                                                : !c.search.empty()      ? ", searched"
                                                                          : "");
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
@@ -252,7 +253,9 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                                 : c.verdict == Claim::Verdict::holds ? "**expected to hold, does not**"
                                                                      : "**refuted, but the number has changed**";
     // Expressions have stars.
-    const std::string all = floats_text(r), number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
+    const std::string reach = r.state == State::agrees ? evidence_text(c, r) : "";
+    const std::string all = floats_text(r) + (reach.empty() ? "" : file::markdown_text(reach)),
+                      number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
     const std::string what = c.operations.empty() ? file::markdown_text(quantity(c))
                                                   : fmt::format("{} of {}", c.metric, in_code(c.operations));
     std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;

@@ -132,8 +132,8 @@ void fields(Bits& bits, measure::judge::JudgeResult& result) {
 
 template <class Bits>
 void fields(Bits& bits, measure::claim::ClaimResult& result) {
-    auto& [state, measured, trouble, witness, samples, floats, further, seconds] = result;
-    bits(state, measured, trouble, witness, samples, floats, further, seconds);
+    auto& [state, measured, trouble, witness, samples, floats, evaluations, further, seconds] = result;
+    bits(state, measured, trouble, witness, samples, floats, evaluations, further, seconds);
 }
 
 /// Anything that has fields, as bits.

@@ -69,8 +69,9 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
         head_of_cases(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
-                      fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, largest {}",
-                                  search.id, search.seed, search.starts, search.generations, search.metric) +
+                      fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
+                                  search.id, search.seed, search.starts, search.generations,
+                                  search.smallest ? "smallest" : "largest", search.metric) +
                           (search.nearest ? ", nearest wrong decision" : ""));
     for (std::size_t r = 0; r < found.size(); ++r) {
         const measure::map::MapRow& row = request.rows[r];

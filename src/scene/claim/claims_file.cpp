@@ -1,6 +1,8 @@
 #include "scene/claim/claims_file.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <regex>
 #include <set>
 
 #include "scene/file/beside.hpp"
@@ -22,6 +24,22 @@ constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"
 constexpr long long most_draws = 1000;
 constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {
     {"results", Claim::Profile::results}, {"timing", Claim::Profile::timing}, {"libraries", Claim::Profile::libraries}};
+
+using Evidence = Claim::Evidence;
+constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidence::proof},
+                                                               {"exhaustive", Evidence::exhaustive},
+                                                               {"search", Evidence::search},
+                                                               {"sample", Evidence::sample}};
+
+/// What the verdict rests on, and whether the claim has that.
+void read_evidence(TableReader& table, Claim& claim) {
+    claim.evidence = table.optional_one_of<Evidence>("evidence", evidences).value_or(Evidence::none);
+    claim.lemma = table.optional_string("lemma").value_or("");
+    if (claim.evidence == Evidence::proof && claim.lemma.empty())
+        table.fail_at("evidence", "is a proof: write its inequality, or where that stands, as lemma = \"...\"");
+    if (claim.evidence != Evidence::proof && !claim.lemma.empty())
+        table.fail_at("lemma", "goes with evidence = \"proof\", of which it is the inequality");
+}
 
 void read_timing(TableReader table, Claim& claim) {
     Claim::Timing timing;
@@ -117,15 +135,21 @@ void read_given(TableReader table, Claim& claim) {
     claim.render = named("render");
     claim.offsets = named("offsets");
     claim.consistency = named("consistency");
-    const std::string* const subjects[] = {&claim.scene,  &claim.sweep,   &claim.table,
-                                           &claim.render, &claim.offsets, &claim.consistency};
+    claim.search = named("search");
+    const std::string* const subjects[] = {&claim.scene,   &claim.sweep,       &claim.table, &claim.render,
+                                           &claim.offsets, &claim.consistency, &claim.search};
     if (std::ranges::count_if(subjects, [](const std::string* s) { return !s->empty(); }) != 1) {
-        toml::fail(table.where(),
-                   "claim.given names a scene, a sweep, a table, a scene to render or one of which offsets or "
-                   "consistency are measured; write one of them");
+        toml::fail(
+            table.where(),
+            "claim.given names a scene, a sweep, a search, a table, a scene to render or one of which offsets or "
+            "consistency are measured; write one of them");
     }
     read_offsets(table, claim);
     read_consistency(table, claim);
+    if (!claim.search.empty()) {
+        for (const char* key : {"at", "case", "convention"})
+            table.reject(key, "has no meaning for a search, which draws its rays by itself; leave it out");
+    }
     if (!claim.render.empty()) {
         for (const char* key : {"at", "case", "convention"})
             table.reject(key, "has no meaning for a rendered scene; leave it out");
@@ -221,6 +245,19 @@ std::string_view name_of(Claim::Profile profile) {
     return std::ranges::find(profiles, profile, &std::pair<std::string_view, Claim::Profile>::second)->first;
 }
 
+std::string_view name_of(Claim::Evidence evidence) {
+    const auto found = std::ranges::find(evidences, evidence, &std::pair<std::string_view, Evidence>::second);
+    return found == std::end(evidences) ? "" : found->first;
+}
+
+std::string universal_word(const std::string& statement) {
+    static const std::regex word(
+        R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",
+        std::regex::icase);
+    std::smatch found;
+    return std::regex_search(statement, found, word) ? found[1].str() : "";
+}
+
 std::vector<Claim> read_claims(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     TableReader file(root);
@@ -237,6 +274,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         claim.source = table.string("source");
         claim.note = table.optional_string("note").value_or("");
         claim.verdict = table.one_of<V>("verdict", verdicts);
+        read_evidence(table, claim);
         claim.profile = profile;
         if (profile == Claim::Profile::timing && table.has("severity"))
             table.reject("severity", "has no meaning here: times never fail a check");

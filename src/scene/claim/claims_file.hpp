@@ -20,6 +20,11 @@ struct Claim {
     /// `libraries`: of intersectors that are not part of lostbits, and may not be loaded.
     enum class Profile { results, timing, libraries };
 
+    /// What the verdict rests on. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence speaks
+    /// of was measured. `search`: an adversarial search for the worst case, or the worst that one found. `sample`: the
+    /// rays that were measured, and no others. A sentence with a word of all cases ("never", "at most") must say.
+    enum class Evidence { none, proof, exhaustive, search, sample };
+
     /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
     struct Timing {
         std::string work, data;  ///< see measure/speed/timing_work.hpp
@@ -42,6 +47,8 @@ struct Claim {
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     Severity severity = Severity::error;
     Profile profile = Profile::results;
+    Evidence evidence = Evidence::none;
+    std::string lemma;  ///< the inequality of a proof, or where it stands
     toml::Where where;  ///< of the claim, for messages
 
     // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or
@@ -70,6 +77,9 @@ struct Claim {
     /// A scene, of whose questions put in two ways `lostbits consistency` makes the claim is: of which check.
     std::string consistency, check;
 
+    /// A sweep file with a `[search]`, whose worst ray the claim is about.
+    std::string search;
+
     /// What is measured on: the scene, sweep or table, the work that is timed, or what is chosen for.
     [[nodiscard]] const std::string& subject() const {
         return timing                 ? timing->work
@@ -79,6 +89,7 @@ struct Claim {
                : !render.empty()      ? render
                : !offsets.empty()     ? offsets
                : !consistency.empty() ? consistency
+               : !search.empty()      ? search
                                       : table;
     }
 
@@ -95,6 +106,9 @@ struct Claim {
 };
 
 std::string_view name_of(Claim::Profile profile);
+std::string_view name_of(Claim::Evidence evidence);
+/// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.
+std::string universal_word(const std::string& statement);
 
 /// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
 std::vector<Claim> read_claims(const std::filesystem::path& path);

@@ -43,6 +43,15 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
         if (table.has("distance_radii")) distance_radii = read_range(table, "distance_radii");
         if (table.has("impact_radii")) impact_radii = read_range(table, "impact_radii");
     }
+    if (table.has("exponents")) {
+        exponents = read_range(table, "exponents");
+        for (const double end : {exponents->low, exponents->high}) {
+            if (end != std::rint(end) || !(std::fabs(end) <= 1074))
+                table.fail_at("exponents", "are two whole numbers, -1074 to 1074: of the powers of two of its numbers");
+        }
+    }
+    at_edge = table.optional_boolean("at_edge").value_or(false);
+    if (at_edge && shape != Shape::box) table.reject("at_edge", "needs a box: it is an edge that rays are aimed at");
     metric = table.optional_string("metric").value_or("lost_bits");
     seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
     starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
@@ -50,6 +59,9 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     nearest = table.optional_boolean("nearest").value_or(false);
     if (nearest && shape != Shape::sphere)
         table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
+    smallest = table.optional_boolean("smallest").value_or(false);
+    if (smallest && nearest)
+        table.reject("smallest", "cannot be combined with nearest, which is about wrong decisions");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,18 @@ public:
     /// no surprise; these keep the search to rays that should be easy.
     Range distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
     std::string metric;  ///< made as large as possible; a wrong decision beats any value
+    /// The metric is made as small as possible instead, as of `bound_ratio`; wrong decisions are passed over.
+    bool smallest = false;
     std::uint64_t seed = 1;
     int starts = 16;       ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start
+    /// Numbers are drawn as ±m·2^e, e from these whole numbers, each significand m as likely as another or a few last
+    /// places from a power of two, where roundings are largest; and moves also turn single bits and exponents. Without
+    /// it numbers are drawn evenly from their ranges.
+    std::optional<Range> exponents;
+    /// Boxes only: one plane that the ray enters by and one that it leaves by are drawn where the ray passes at once,
+    /// and the others at the ends of their ranges: an edge.
+    bool at_edge = false;
     /// Spheres only: of wrong decisions the one nearest to the sphere, in radii, is the worst; the search does not end
     /// with the first.
     bool nearest = false;

@@ -300,6 +300,10 @@ RayGroup SweepFile::first_rays() const {
 
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
+    // `hard/padding`: by its whole name alone, as the search that found it has the same last part.
+    if (const auto hard = data_dir / (name_or_path + ".toml");
+        name_or_path.starts_with("hard/") && std::filesystem::is_regular_file(hard))
+        return hard;
     std::vector<std::string> names;
     std::error_code error;
     const auto folder = data_dir / "sweeps";

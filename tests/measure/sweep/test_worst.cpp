@@ -103,6 +103,40 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
               found[0][0]));
 }
 
+TEST_CASE("a search at edges parts slabs further than random rays do, the same for any number of threads") {
+    scene::sweep::SearchFile search(folder / "padding.toml");
+    search.starts = 64;
+    search.generations = 96;
+    const measure::sweep::WorstRequest request{.search = &search,
+                                               .rows = {row("box.filtered", "f32"), row("box.filtered", "f64")},
+                                               .metrics = metrics_of(search)};
+    std::vector<std::optional<measure::sweep::WorstFound>> found[2];
+    for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
+        const Threads limit(threads);
+        found[threads - 1] = measure::sweep::find_worst(request);
+    }
+    for (std::size_t r = 0; r < 2; ++r) {
+        REQUIRE(found[0][r]);
+        CHECK(equal(found[0][r], found[1][r]));
+        CHECK(search.holds(found[0][r]->ray, found[0][r]->solid));
+        CHECK(found[0][r]->value > 2.5);  // box-edge-inside shows 2 u
+        CHECK(found[0][r]->value < 6);    // docs/bounds.md: the padding that slabs need
+    }
+}
+
+TEST_CASE("a search for the smallest reports the metric itself, and no wrong decision ends it") {
+    scene::sweep::SearchFile search(folder / "bound-ratio.toml");
+    search.starts = 8;
+    search.generations = 16;
+    const auto found = measure::sweep::find_worst(
+        {.search = &search, .rows = {row("sphere.embree_point", "f32")}, .metrics = metrics_of(search)})[0];
+    REQUIRE(found);
+    CHECK(found->outcome == measure::answer::Outcome::agree_hit);
+    CHECK(found->value >= 1);
+    CHECK(found->value < 8);
+    CHECK(found->evaluations == 8 * 16 * 32);
+}
+
 TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
     for (const char* name : {"near", "far"}) {
         scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));

@@ -67,6 +67,23 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
     CHECK_FALSE(box.holds(Ray<double>{{0, 0, 0}, {0, 0, 0}}, Box<double>{{0, 0, 0}, {1, 1, 1}}));
 }
 
+TEST_CASE("a search may draw free significands, rays at edges, and look for the smallest") {
+    const scene::sweep::SearchFile plain = loaded_search(good_search);
+    CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest));
+    const scene::sweep::SearchFile free =
+        loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
+    CHECK(free.smallest);
+    REQUIRE(free.exponents);
+    CHECK((free.exponents->low == -20 && free.exponents->high == 3));
+    CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-20, 0.5]")
+              .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
+    CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-2000, 0]")
+              .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
+    CHECK(broken("impact_radii = [0, 0.5]", "at_edge = true").find("needs a box") != std::string::npos);
+    CHECK(broken("impact_radii = [0, 0.5]", "smallest = true\nnearest = true").find("cannot be combined") !=
+          std::string::npos);
+}
+
 TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
     const scene::sweep::SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {
