@@ -23,10 +23,10 @@ public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
     [[nodiscard]] const DeviceWords& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
-    [[nodiscard]] std::unique_ptr<device::Program> compile(const std::string&, device::Language) override {
+    [[nodiscard]] std::unique_ptr<device::Program> compile_here(const std::string&, device::Language) override {
         return std::make_unique<device::Program>();
     }
-    void run(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_here(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
         KernelHead head;
         std::memcpy(&head, buffers[BufferPlace::head].bytes.data(), sizeof head);
         for (const Buffer& b : buffers) {
