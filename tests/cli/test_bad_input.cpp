@@ -2,6 +2,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_bad_input {
+
 using namespace lostbits::test;
 
 namespace {
@@ -184,3 +186,5 @@ TEST_CASE("an index that no array has is too large, not no number") {
     CHECK(r.code == 2);
     CHECK(has(r.err, "has an index that is too large"));
 }
+
+}  // namespace test_bad_input

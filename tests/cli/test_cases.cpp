@@ -5,6 +5,8 @@
 #include "output/file/read_csv.hpp"
 #include "program.hpp"
 
+namespace test_cases {
+
 using namespace lostbits::test;
 
 namespace {
@@ -189,3 +191,5 @@ set = ["radius"]
     CHECK(cases("1e6") == "lostbits: c in fp16: radius = 1e+06 rounds to infinity (case \"one, ahead\")\n");
     for (const char* meant : {"\"tiny\"", "\"min\"", "\"max\""}) CHECK(cases(meant).empty());
 }
+
+}  // namespace test_cases

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_check {
+
 using namespace lostbits::test;
 
 namespace {
@@ -336,3 +338,5 @@ TEST_CASE("the command of a claim writes what the claim is about") {
     }
     CHECK(contents(scratch.path() / "out/near-benign/summary.csv").find("model_error_max") != std::string::npos);
 }
+
+}  // namespace test_check

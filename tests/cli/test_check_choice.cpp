@@ -2,6 +2,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_check_choice {
+
 using namespace lostbits::test;
 
 namespace {
@@ -106,3 +108,5 @@ TEST_CASE("a claim about a choice fails nothing, and wrong words are refused wit
     CHECK(elsewhere.code == 2);
     CHECK(has(elsewhere.err, "profile = \"timing\""));
 }
+
+}  // namespace test_check_choice

@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_choose {
+
 using namespace lostbits::test;
 
 namespace {
@@ -100,3 +102,5 @@ TEST_CASE("choose refuses what is no wish") {
     CHECK(choose("near-benign --bits 8 -i 'box.*'", scratch).code == 4);
     CHECK(has(choose("rtg-fig-7-4 --bits 8", scratch).err, "variants"));
 }
+
+}  // namespace test_choose

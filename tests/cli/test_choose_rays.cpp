@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_choose_rays {
+
 using namespace lostbits::test;
 
 namespace {
@@ -122,3 +124,5 @@ TEST_CASE("choose refuses files that are none, and words for the other subject")
     CHECK(wrong_shape.code == 4);
     CHECK(has(wrong_shape.err, "sphere.*"));
 }
+
+}  // namespace test_choose_rays

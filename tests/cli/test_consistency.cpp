@@ -6,6 +6,8 @@
 #include "output/file/read_csv.hpp"
 #include "program.hpp"
 
+namespace test_consistency {
+
 using namespace lostbits::test;
 using lostbits::output::file::CsvTable;
 
@@ -225,3 +227,5 @@ TEST_CASE("claims about consistency are measured, and those that are none are re
         CHECK(has(r.err, c.says));
     }
 }
+
+}  // namespace test_consistency

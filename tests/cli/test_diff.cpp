@@ -9,6 +9,8 @@
 #include "program.hpp"
 #include "two_pixels.hpp"
 
+namespace test_diff {
+
 using namespace lostbits::test;
 namespace output = lostbits::output;
 
@@ -311,3 +313,5 @@ TEST_CASE("diff: what map writes is the same as itself, and another form is not"
     CHECK(has(pictures.out, ": part sphere.schoolbook.f32 is added in the second\n"));
     CHECK_FALSE(has(pictures.out, "truth"));
 }
+
+}  // namespace test_diff

@@ -7,6 +7,8 @@
 #include "program.hpp"
 #include "two_pixels.hpp"
 
+namespace test_diff_maps {
+
 using namespace lostbits::test;
 namespace output = lostbits::output;
 
@@ -112,3 +114,5 @@ TEST_CASE("diff: folders made with other numbers are said to be, first") {
     CHECK_FALSE(has(run("diff one two", scratch.path()).out, heading));
     CHECK(run("diff one one", scratch.path()).out == "same\n");
 }
+
+}  // namespace test_diff_maps

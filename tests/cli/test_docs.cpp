@@ -12,6 +12,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_docs {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -325,3 +327,5 @@ TEST_CASE("documents cite sources by their titles, not by our numbers for them")
         CHECK_FALSE(std::regex_search(text, number));
     }
 }
+
+}  // namespace test_docs

@@ -8,6 +8,8 @@
 #include "output/file/read_csv.hpp"
 #include "program.hpp"
 
+namespace test_exhaustive {
+
 using namespace lostbits::test;
 using lostbits::output::file::CsvTable;
 
@@ -265,3 +267,5 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict says how 
     CHECK(never.code == 1);
     CHECK(has(never.out, "it does not happen at any of the floats"));
 }
+
+}  // namespace test_exhaustive

@@ -10,6 +10,8 @@
 #include "intersect/table/table.hpp"
 #include "program.hpp"
 
+namespace test_explain {
+
 using namespace lostbits;
 using test::has;
 using test::run;
@@ -337,3 +339,5 @@ TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds
     CHECK(has(run("explain world-offset-own --pixel 60,60 -i sphere.unified -f fp16").out,
               "The input o.x is inf in fp16. Everything after it follows from that."));
 }
+
+}  // namespace test_explain

@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_explain_ray {
+
 using lostbits::test::has;
 using lostbits::test::run;
 using lostbits::test::Scratch;
@@ -112,3 +114,5 @@ TEST_CASE("a ray is asked alone, however many spheres there are") {
     REQUIRE(r.code == 0);
     CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
 }
+
+}  // namespace test_explain_ray

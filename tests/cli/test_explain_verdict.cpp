@@ -9,6 +9,8 @@
 #include "intersect/table/table.hpp"
 #include "program.hpp"
 
+namespace test_explain_verdict {
+
 using namespace lostbits;
 using test::has;
 using test::run;
@@ -112,3 +114,5 @@ TEST_CASE("every operation that a row names has a row") {
         }
     }
 }
+
+}  // namespace test_explain_verdict

@@ -12,6 +12,8 @@
 #include "program.hpp"
 #include "started.hpp"
 
+namespace test_faults {
+
 using namespace lostbits::test;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -185,3 +187,5 @@ TEST_CASE("a run that is killed while it replaces results says that they are not
     CHECK_FALSE(has_partial_files(scratch.path()));
     CHECK_FALSE(has(run("diff out out", scratch.path()).err, "not finished"));
 }
+
+}  // namespace test_faults

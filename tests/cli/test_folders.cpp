@@ -13,6 +13,8 @@
 #include "output/image/image.hpp"
 #include "program.hpp"
 
+namespace test_folders {
+
 using namespace lostbits::test;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -265,3 +267,5 @@ TEST_CASE("an interrupted report leaves no folder") {
     CHECK(scratch.files().empty());
     CHECK_FALSE(fs::exists(scratch.path() / "page"));
 }
+
+}  // namespace test_folders

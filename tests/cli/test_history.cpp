@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_history {
+
 using namespace lostbits::test;
 
 TEST_CASE("what claims measure is kept, and what moved since is shown to the last bit") {
@@ -125,3 +127,5 @@ TEST_CASE("two options of check that name one file are refused") {
     CHECK(run(check).code == 0);
     CHECK(run(check + " --against" + in("b.json")).code == 0);
 }
+
+}  // namespace test_history

@@ -6,6 +6,8 @@
 #include "program.hpp"
 #include "started.hpp"
 
+namespace test_hostile_text {
+
 using namespace lostbits::test;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -125,3 +127,5 @@ TEST_CASE("a name of a file moves no cursor where two folders differ") {
         CHECK_FALSE(has(r.out + r.err, "\x1b"));
     }
 }
+
+}  // namespace test_hostile_text

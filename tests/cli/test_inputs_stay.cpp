@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_inputs_stay {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -186,3 +188,5 @@ TEST_CASE("an image module without room says so") {
     CHECK(has(r.err, "raise `ulimit -v`"));
     CHECK_FALSE(has(r.err, "install OpenImageIO"));
 }
+
+}  // namespace test_inputs_stay

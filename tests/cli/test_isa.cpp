@@ -5,6 +5,8 @@
 #include "intersect/simd/packed.hpp"
 #include "program.hpp"
 
+namespace test_isa {
+
 using namespace lostbits::test;
 using namespace lostbits;
 
@@ -106,3 +108,5 @@ TEST_CASE("an unknown register width is refused, one that the processor lacks is
         CHECK((r.err.find("try one of scalar, 128") != std::string::npos) == !available);
     }
 }
+
+}  // namespace test_isa

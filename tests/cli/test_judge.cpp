@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_judge {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -210,3 +212,5 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     CHECK(has(wide.err, "--format f32"));
     CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());
 }
+
+}  // namespace test_judge

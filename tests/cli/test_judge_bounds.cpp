@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_judge_bounds {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -56,3 +58,5 @@ TEST_CASE("the steps between numbers of either sign fill 64 bits, and herbie_bit
     const double far = binade * (1000 + 1022 + 1), near = binade * (999 + 1022 + 1);
     CHECK(number_in(rows[1].at("herbie_bits")) == Approx(std::log2(far + near)).epsilon(1e-12));
 }
+
+}  // namespace test_judge_bounds

@@ -11,6 +11,8 @@
 #include "program.hpp"
 #include "started.hpp"
 
+namespace test_kills {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -118,3 +120,5 @@ TEST_CASE("sweeps that are killed while they replace each other damage nothing, 
     other.insert(other.end(), {"-f", "f32"});
     kill_often(scratch, scratch.path() / "out/small", {words}, {other});
 }
+
+}  // namespace test_kills

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_leaks {
+
 using namespace lostbits::test;
 
 namespace {
@@ -42,3 +44,5 @@ TEST_CASE("no command loses memory but where the list says why") {
     CHECK(run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(), watched("/dev/null"))
               .code == leaks);
 }
+
+}  // namespace test_leaks

@@ -8,6 +8,8 @@
 #include "program.hpp"
 #include "started.hpp"
 
+namespace test_limits {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -135,3 +137,5 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
 }
+
+}  // namespace test_limits

@@ -5,6 +5,8 @@
 #include "measure/metric/metrics.hpp"
 #include "program.hpp"
 
+namespace test_list {
+
 using namespace lostbits;
 using test::run;
 using test::Scratch;
@@ -166,3 +168,5 @@ TEST_CASE("every sentence of a claim can be read alone") {
         for (const char* leaning : {"and ", "but ", "The same"}) CHECK_FALSE(statement.starts_with(leaning));
     }
 }
+
+}  // namespace test_list

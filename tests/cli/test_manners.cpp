@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_manners {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -264,3 +266,5 @@ TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal
     }
     CHECK(paths == 2);
 }
+
+}  // namespace test_manners

@@ -14,6 +14,8 @@
 #include "output/image/image.hpp"
 #include "program.hpp"
 
+namespace test_map {
+
 using namespace lostbits::test;
 using lostbits::output::image::ExrImage;
 
@@ -292,3 +294,5 @@ TEST_CASE("a run that is asked to stop does so within a band, however many spher
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
 }
+
+}  // namespace test_map

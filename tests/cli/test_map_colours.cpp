@@ -7,6 +7,8 @@
 #include "output/image/image.hpp"
 #include "program.hpp"
 
+namespace test_map_colours {
+
 using namespace lostbits::test;
 using lostbits::output::image::outcome_colours;
 
@@ -69,3 +71,5 @@ TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
         CHECK_FALSE(std::filesystem::exists(scratch.path() / "none"));
     }
 }
+
+}  // namespace test_map_colours

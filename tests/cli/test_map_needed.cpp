@@ -12,6 +12,8 @@
 #include "output/map/needed_files.hpp"
 #include "program.hpp"
 
+namespace test_map_needed {
+
 using namespace lostbits::test;
 using namespace lostbits::output;
 using namespace lostbits::output::image;
@@ -258,3 +260,5 @@ TEST_CASE("a long map with --bits-needed says how long it will take") {
     CHECK(r.code == 130);
     CHECK(has(contents(scratch.path() / "said"), "lostbits: grazing --bits-needed will take about "));
 }
+
+}  // namespace test_map_needed

@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_march {
+
 using namespace lostbits::test;
 
 TEST_CASE("explain prints a march sample by sample") {
@@ -171,3 +173,5 @@ set = ["march.hit_eps"]
         CHECK(std::filesystem::exists(scratch.path() / "one/s" / file));
     for (const auto& row : read_csv(scratch.path() / "one/s/samples.csv")) CHECK(row.count("model_error_p50") == 1);
 }
+
+}  // namespace test_march

@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_offsets {
+
 using namespace lostbits::test;
 
 namespace {
@@ -200,3 +202,5 @@ TEST_CASE("claims about offsets are measured, and those that are none are refuse
         CHECK(has(r.err, c.says));
     }
 }
+
+}  // namespace test_offsets

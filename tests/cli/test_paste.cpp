@@ -9,6 +9,8 @@
 #include "output/file/read_csv.hpp"
 #include "program.hpp"
 
+namespace test_paste {
+
 using lostbits::output::file::CsvTable;
 using lostbits::output::file::read_csv;
 using lostbits::test::contents;
@@ -284,3 +286,5 @@ TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML 
         else CHECK(std::fabs(number(j["ulp_error"])) == number(cell(table, "measured", i)));
     }
 }
+
+}  // namespace test_paste

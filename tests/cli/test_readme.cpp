@@ -6,6 +6,8 @@
 #include "output/image/image.hpp"
 #include "program.hpp"
 
+namespace test_readme {
+
 using namespace lostbits::test;
 
 TEST_CASE("the picture and the table of the README are what the program makes") {
@@ -39,3 +41,5 @@ TEST_CASE("the scene of the README can be mapped as it stands there") {
     CHECK(r.code == 0);
     CHECK(std::stod(read_csv(scratch.path() / "mine/summary.csv").front().at("agree_hit")) > 100);
 }
+
+}  // namespace test_readme

@@ -11,6 +11,8 @@
 #include "output/image/image.hpp"
 #include "program.hpp"
 
+namespace test_render {
+
 using namespace lostbits::test;
 using lostbits::measure::picture::Seen;
 using lostbits::measure::picture::Shadow;
@@ -238,3 +240,5 @@ TEST_CASE("a claim about a rendered picture: its number, and what it cannot be a
         CHECK(r.err.find("claims.toml:") != std::string::npos);
     }
 }
+
+}  // namespace test_render

@@ -13,6 +13,8 @@
 #include "scene/file/scene.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
+namespace test_report {
+
 using namespace lostbits::test;
 
 namespace {
@@ -286,3 +288,5 @@ TEST_CASE("what is packed for a page") {
     layer.set(1, std::uint64_t{0x14131211});
     CHECK(layer.planes() == std::string("\x01\x11\x02\x12\x03\x13\x04\x14"));
 }
+
+}  // namespace test_report

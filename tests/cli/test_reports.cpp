@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_reports {
+
 using namespace lostbits::test;
 
 TEST_CASE("every claim measures as stated, on three further draws too, and the report of all is the same") {
@@ -42,3 +44,5 @@ TEST_CASE("every claim measures as stated, on three further draws too, and the r
     INFO(pictures.out);
     CHECK(pictures.code == 0);
 }
+
+}  // namespace test_reports

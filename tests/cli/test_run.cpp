@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_run {
+
 using namespace lostbits::test;
 
 namespace {
@@ -144,3 +146,5 @@ TEST_CASE("./run test --long compiles each source by itself as well, and counts 
     CHECK(bad.code != 0);
     CHECK(bad.out.ends_with("\n2 passed, 1 failed\n"));
 }
+
+}  // namespace test_run

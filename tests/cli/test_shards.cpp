@@ -8,6 +8,8 @@
 #include "every_float.hpp"
 #include "program.hpp"
 
+namespace test_shards {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -272,3 +274,5 @@ TEST_CASE("a shard that was killed leaves nothing half written, goes on with --r
     REQUIRE(run("-q merge " + shell_word(parts) + " -o " + shell_word(scratch.path() / "joined")).code == 0);
     check_same(scratch.path() / "whole", scratch.path() / "joined");
 }
+
+}  // namespace test_shards

@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_shell {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -212,3 +214,5 @@ TEST_CASE("JUnit says how long each claim took") {
     CHECK(sum > 0);
     CHECK(std::abs(std::stod(suite[1]) - sum) < 1e-4);
 }
+
+}  // namespace test_shell

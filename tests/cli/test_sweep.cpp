@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_sweep {
+
 using namespace lostbits::test;
 
 namespace {
@@ -199,3 +201,5 @@ TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is wr
     CHECK(unknown.code == 2);
     CHECK(unknown.err.find("sphere-distance") != std::string::npos);
 }
+
+}  // namespace test_sweep

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_sweep_options {
+
 using namespace lostbits::test;
 
 namespace {
@@ -190,3 +192,5 @@ TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
     CHECK_FALSE(has(r.err, "scenes"));
 }
+
+}  // namespace test_sweep_options

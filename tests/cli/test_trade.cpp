@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "program.hpp"
 
+namespace test_trade {
+
 using namespace lostbits::test;
 
 namespace {
@@ -194,3 +196,5 @@ TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
     CHECK(run("trade --quick").code == 2);
     CHECK(run("trade --quick -i sphere.press -o /dev/null/here").code == 3);
 }
+
+}  // namespace test_trade

@@ -8,6 +8,8 @@
 #include "measure/answer/against.hpp"
 #include "measure/truth/missing.hpp"
 
+namespace test_against {
+
 using namespace lostbits::test;
 using namespace lostbits;
 using measure::answer::Against;
@@ -96,3 +98,5 @@ TEST_CASE("against: a sweep counts too, and wrong words are refused", "[doors]")
     refused("--against sphere.unifide", "did you mean");
     refused("--metric apart", "--against FORM");
 }
+
+}  // namespace test_against

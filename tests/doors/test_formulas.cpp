@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_formulas {
+
 using namespace lostbits::test;
 
 namespace {
@@ -178,3 +180,5 @@ TEST_CASE("formulas: the example is what the page shows", "[doors]") {
         CHECK(has(page, text));
     }
 }
+
+}  // namespace test_formulas

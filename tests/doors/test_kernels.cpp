@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_kernels {
+
 using namespace lostbits::test;
 
 namespace {
@@ -100,3 +102,5 @@ TEST_CASE("kernels: the program for CUDA and its side of the kernel have the bit
         CHECK(contents(out / "sphere.half_b.f32.csv") == contents(out / "cuda.sphere.f32.csv"));
     }
 }
+
+}  // namespace test_kernels

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_libraries {
+
 using namespace lostbits::test;
 
 TEST_CASE("libraries: every claim about one that was built holds, and others are skipped by name", "[doors]") {
@@ -42,3 +44,5 @@ TEST_CASE("libraries: a claim about a form that is not there is no error in its 
     CHECK(run("check --profile libraries " + theirs, folder.path()).code == 0);
     CHECK(run("check " + theirs, folder.path()).code == 4);
 }
+
+}  // namespace test_libraries

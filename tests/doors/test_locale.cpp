@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_locale {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -122,3 +124,5 @@ TEST_CASE("a library that is run in a process of its own may take its locale, to
     CHECK(contents(folder.path() / "C" / name).size() > 10'000);
     CHECK(contents(folder.path() / "C" / name) == contents(folder.path() / "de_DE.UTF-8" / name));
 }
+
+}  // namespace test_locale

@@ -14,6 +14,8 @@
 #include "cli/program.hpp"
 #include "cli/started.hpp"
 
+namespace test_manners {
+
 using namespace lostbits::test;
 namespace fs = std::filesystem;
 
@@ -208,3 +210,5 @@ TEST_CASE("manners: one who waits for answers and cannot be told is an error of 
     // Who has closed both ends has ended, and asks for nothing.
     CHECK(run("plugin serve " + library + " </dev/null >/dev/full", folder.path()).code == 0);
 }
+
+}  // namespace test_manners

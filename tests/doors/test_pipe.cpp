@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_pipe {
+
 using namespace lostbits::test;
 
 namespace {
@@ -78,3 +80,5 @@ TEST_CASE("pipe: plugin serve refuses what is no request", "[doors]") {
     CHECK(o.code == 2);
     CHECK(has(o.err, "no request of lostbits-pipe/1"));
 }
+
+}  // namespace test_pipe

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_plugin {
+
 using namespace lostbits::test;
 
 namespace {
@@ -297,3 +299,5 @@ TEST_CASE("plugin check: says which promise is broken and what to write", "[door
     CHECK(has(finding("odd.both_ways"), "say LB_LINE"));
     CHECK(has(odd.err, "odd.crash"));
 }
+
+}  // namespace test_plugin

@@ -10,6 +10,8 @@
 #include "measure/contract/suspect.hpp"
 #include "scene/file/scene.hpp"
 
+namespace test_suspect {
+
 using namespace lostbits::test;
 using namespace lostbits;
 
@@ -122,3 +124,5 @@ TEST_CASE("suspicion: what asks for operations says which rows it leaves out", "
     CHECK(alone.code == 2);
     CHECK(has(alone.err, "docs/your-own-form.md"));
 }
+
+}  // namespace test_suspect

@@ -8,6 +8,8 @@
 #include "intersect/shader/forms.hpp"
 #include "intersect/shader/kernel.hpp"
 
+namespace test_batches {
+
 using namespace lostbits::intersect;
 using namespace lostbits::intersect::shader;
 using device::Buffer;
@@ -111,3 +113,5 @@ TEST_CASE("shader: doubles are refused or left out where the device has none", "
     CHECK(most_rays({.buffer_bytes = 4800, .groups = 1000}, 64) == 100);
     CHECK(most_rays({.buffer_bytes = 1, .groups = 1}, 32) == 1);
 }
+
+}  // namespace test_batches

@@ -8,6 +8,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_bits {
+
 using namespace lostbits::test;
 
 namespace {
@@ -205,3 +207,5 @@ TEST_CASE("shader bits: every file says which driver it was and how that rounds"
     CHECK(nlohmann::json::parse(contents(out / "datapackage.json"))["lostbits"]["forms"]["shader.sphere"] ==
           "sphere.glsl:5 on " + words);
 }
+
+}  // namespace test_bits

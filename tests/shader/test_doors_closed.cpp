@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_doors_closed {
+
 using namespace lostbits::test;
 
 namespace {
@@ -241,3 +243,5 @@ TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, dif
     CHECK(summary[0].at("agree_hit") == "1");
     CHECK(summary[0].at("agree_miss") == "1");
 }
+
+}  // namespace test_doors_closed

@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_drivers {
+
 using namespace lostbits::test;
 
 TEST_CASE("drivers: each tells how it rounds, the same when it is asked again", "[shader-device]") {
@@ -45,3 +47,5 @@ TEST_CASE("drivers: list devices is one line each", "[shader-device]") {
     CHECK(has(o.out, "vulkan"));
     CHECK(has(o.out, "arithmetic"));
 }
+
+}  // namespace test_drivers

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "cli/program.hpp"
 
+namespace test_hlsl {
+
 using namespace lostbits::test;
 
 namespace {
@@ -87,3 +89,5 @@ TEST_CASE("hlsl: what does not run is told with the user's line, or in a sentenc
         CHECK(folder.files() == std::vector<std::string>{"mine.hlsl"});
     }
 }
+
+}  // namespace test_hlsl

@@ -6,6 +6,8 @@
 #include "intersect/shader/compiler_log.hpp"
 #include "intersect/shader/kernel.hpp"
 
+namespace test_program_text {
+
 using namespace lostbits::intersect::shader;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("shader text: a field is marched through with the constants of the fil
     CHECK(has(program, "lb_t > 5.00000000000000000e+01)"));
     CHECK(has(program, "= map(lb_point);"));
 }
+
+}  // namespace test_program_text

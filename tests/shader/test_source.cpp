@@ -11,6 +11,8 @@
 #include "intersect/shader/source.hpp"
 #include "number/error.hpp"
 
+namespace test_source {
+
 using namespace lostbits;
 using namespace lostbits::intersect;
 using namespace lostbits::intersect::shader;
@@ -242,3 +244,5 @@ TEST_CASE("shader: a megabyte of anything is read at once", "[shader]") {
     CHECK(has(said, "and 76894 more"));
     CHECK(said.size() < 10'000);
 }
+
+}  // namespace test_source

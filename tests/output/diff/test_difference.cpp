@@ -15,6 +15,8 @@
 #include "output/file/number_text.hpp"
 #include "output/scratch.hpp"
 
+namespace test_difference {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::diff;
@@ -325,3 +327,5 @@ TEST_CASE("PNG pixels and other bytes", "[difference]") {
     CHECK(compare_bytes("abc", "ab").count == 1);
     CHECK(compare_bytes("", "a").count == 1);
 }
+
+}  // namespace test_difference

@@ -15,6 +15,8 @@
 #include "output/file/result_folder.hpp"
 #include "output/scratch.hpp"
 
+namespace test_atomic_file {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::file;
@@ -330,3 +332,5 @@ TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
                 return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;
             }) == 0);
 }
+
+}  // namespace test_atomic_file

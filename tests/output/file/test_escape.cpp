@@ -17,6 +17,8 @@
 #include "output/page/text.hpp"
 #include "output/scratch.hpp"
 
+namespace test_escape {
+
 using namespace lostbits;
 using namespace lostbits::output::file;
 using output::test::Scratch;
@@ -319,3 +321,5 @@ TEST_CASE("a shell reads back every word", "[escape]") {
     REQUIRE(std::system(command.c_str()) == 0);
     REQUIRE(read_file(folder / "out") == expected);
 }
+
+}  // namespace test_escape

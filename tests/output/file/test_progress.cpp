@@ -11,6 +11,8 @@
 #include "output/file/estimate.hpp"
 #include "output/file/progress.hpp"
 
+namespace test_progress {
+
 using namespace lostbits::output;
 using namespace lostbits::output::file;
 
@@ -123,3 +125,5 @@ TEST_CASE("a short run hears no estimate, nor does a quiet one") {
     CHECK(std::count(once.begin(), once.end(), '\n') == 1);
     CHECK(of_a_long_one(true).empty());
 }
+
+}  // namespace test_progress

@@ -9,6 +9,8 @@
 #include "output/file/read_csv.hpp"
 #include "output/scratch.hpp"
 
+namespace test_read_csv {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::file;
@@ -125,3 +127,5 @@ TEST_CASE("a cell's value is exact and does not depend on how it is written", "[
         CHECK(read_cell(text).kind == output::file::CellValue::Kind::text);
     }
 }
+
+}  // namespace test_read_csv

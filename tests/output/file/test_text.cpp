@@ -12,6 +12,8 @@
 #include "output/file/number_text.hpp"
 #include "output/scratch.hpp"
 
+namespace test_text {
+
 using namespace lostbits::output;
 using namespace lostbits::output::file;
 using namespace lostbits::output::test;
@@ -169,3 +171,5 @@ TEST_CASE("a data package describes its columns", "[datapackage]") {
     CHECK(resource["schema"]["missingValues"] == nlohmann::json::array({""}));
     CHECK(text.find("\"profile\"") < text.find("\"resources\""));
 }
+
+}  // namespace test_text

@@ -9,6 +9,8 @@
 #include "output/map/needed_files.hpp"
 #include "output/picture/render_colour.hpp"
 
+namespace test_class_colours {
+
 using namespace lostbits::output;
 using namespace lostbits::output::test;
 using lostbits::measure::answer::Outcome;
@@ -80,3 +82,5 @@ TEST_CASE("an outcome has a colour and a name, the wrong solid too", "[colour]")
     CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
     for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());
 }
+
+}  // namespace test_class_colours

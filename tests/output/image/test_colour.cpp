@@ -10,6 +10,8 @@
 #include "output/map/needed_files.hpp"
 #include "output/scratch.hpp"
 
+namespace test_colour {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::map;
@@ -200,3 +202,5 @@ TEST_CASE("linear light goes there and back", "[colour]") {
     }
     CHECK(lostbits::output::image::srgb_byte(0x8000) == 188);
 }
+
+}  // namespace test_colour

@@ -11,6 +11,8 @@
 #include "output/image/exr_book.hpp"
 #include "output/scratch.hpp"
 
+namespace test_exr_book {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::image;
@@ -208,3 +210,5 @@ TEST_CASE("other programs read every part of a book", "[exr]") {
     CHECK(info.find("half") == std::string::npos);
     CHECK(info.find("DateTime") == std::string::npos);
 }
+
+}  // namespace test_exr_book

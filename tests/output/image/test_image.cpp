@@ -12,6 +12,8 @@
 #include "output/image/image.hpp"
 #include "output/scratch.hpp"
 
+namespace test_image {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::image;
@@ -269,3 +271,5 @@ TEST_CASE("a missing module says what to do", "[image]") {
     CHECK(std::system(("LOSTBITS_IMAGE_MODULE=/nonexistent/lostbits_image.so '" + program + tail).c_str()) == 0);
     CHECK(std::system(("LOSTBITS_IMAGE_MODULE=/dev/null '" + program + tail).c_str()) != 0);
 }
+
+}  // namespace test_image

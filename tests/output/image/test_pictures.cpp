@@ -7,6 +7,8 @@
 #include "output/image/heatmap.hpp"
 #include "output/scratch.hpp"
 
+namespace test_pictures {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::test;
@@ -317,3 +319,5 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
                                   .legend = {}}),
                     std::logic_error);
 }
+
+}  // namespace test_pictures

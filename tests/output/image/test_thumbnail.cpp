@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "output/image/contact_sheet.hpp"
 
+namespace test_thumbnail {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 
@@ -97,3 +99,5 @@ TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     CHECK_THROWS_AS(t.add_rows(-1, std::vector<lostbits::output::image::Rgb8>(10)), std::logic_error);
     CHECK_THROWS_AS(t.pixels(), std::logic_error);
 }
+
+}  // namespace test_thumbnail

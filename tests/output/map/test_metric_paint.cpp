@@ -9,6 +9,8 @@
 #include "output/map/sheet_words.hpp"
 #include "output/scratch.hpp"
 
+namespace test_metric_paint {
+
 using namespace lostbits::output;
 using namespace lostbits::output::map;
 using namespace lostbits::output::test;
@@ -172,3 +174,5 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     CHECK(legend.back().colour == image::outcome_colours[0]);
     CHECK(paint.colour(Outcome::wrong_object, 0) == image::outcome_colours[6]);
 }
+
+}  // namespace test_metric_paint

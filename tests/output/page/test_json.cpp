@@ -8,6 +8,8 @@
 #include "output/file/number_text.hpp"
 #include "output/page/json.hpp"
 
+namespace test_json {
+
 using namespace lostbits::output;
 using namespace lostbits::output::page;
 
@@ -39,3 +41,5 @@ TEST_CASE("JSON of the page may stand inside a script element, and keeps the ord
     CHECK(Json::parse(text) == json);
     CHECK(page::text_of(Json("\xff")) == "\"\xEF\xBF\xBD\"");
 }
+
+}  // namespace test_json

@@ -5,6 +5,8 @@
 #include "output/image/pixels.hpp"
 #include "output/scratch.hpp"
 
+namespace test_matrix_plot {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::plot;
@@ -119,3 +121,5 @@ TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
     CHECK_THROWS_AS(lostbits::output::plot::write_matrix_plot(backend(), folder / "m.png/below.png", coloured()),
                     lostbits::EnvironmentError);
 }
+
+}  // namespace test_matrix_plot

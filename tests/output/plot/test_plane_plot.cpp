@@ -6,6 +6,8 @@
 #include "output/plot/plane_plot.hpp"
 #include "output/scratch.hpp"
 
+namespace test_plane_plot {
+
 using namespace lostbits::output;
 using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
@@ -134,3 +136,5 @@ TEST_CASE("planes of odd shapes, and those that are refused", "[plane_plot]") {
     spec.cells[0] = {1.0};
     CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
 }
+
+}  // namespace test_plane_plot

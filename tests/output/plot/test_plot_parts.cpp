@@ -8,6 +8,8 @@
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
 
+namespace test_plot_parts {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::plot;
@@ -119,3 +121,5 @@ TEST_CASE("coverage is exact on the grid, blended in linear light and not double
     CHECK(filled.row(3)[0] == Rgb8{255, 255, 255});
     CHECK(filled.row(3)[3] == Rgb8{255, 255, 255});
 }
+
+}  // namespace test_plot_parts

@@ -10,6 +10,8 @@
 #include "output/plot/plot_frame.hpp"
 #include "output/scratch.hpp"
 
+namespace test_plots {
+
 using namespace lostbits::output;
 using namespace lostbits::output::plot;
 using namespace lostbits::output::test;
@@ -344,3 +346,5 @@ TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
     CHECK_THROWS_AS(plotted(folder, spec_of({{"uneven", {1, 2}, {1}, {}, {}}})), std::invalid_argument);
     CHECK_THROWS_AS(plotted(folder, spec_of({{"half a band", {1}, {1}, {1}, {}}})), std::invalid_argument);
 }
+
+}  // namespace test_plots

@@ -9,6 +9,8 @@
 #include "output/plot/label_placement.hpp"
 #include "output/scratch.hpp"
 
+namespace test_scatter_plot {
+
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::plot;
@@ -138,3 +140,5 @@ TEST_CASE("what has no value is left out and counted", "[scatter_plot]") {
     spec.front.clear();
     CHECK(plotted(folder, spec).width == with.width);
 }
+
+}  // namespace test_scatter_plot

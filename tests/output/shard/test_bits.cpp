@@ -13,6 +13,8 @@
 #include "catch.hpp"
 #include "output/shard/fields.hpp"
 
+namespace test_bits {
+
 using namespace lostbits;
 using output::shard::BitReader;
 using output::shard::bits_of;
@@ -63,3 +65,5 @@ TEST_CASE("shard: a bool is yes or no", "[output]") {
     CHECK_THROWS_AS(read<bool>("\2"), std::out_of_range);
     CHECK_THROWS_AS(read<std::optional<double>>(std::string("\xff", 1) + std::string(8, '\0')), std::out_of_range);
 }
+
+}  // namespace test_bits

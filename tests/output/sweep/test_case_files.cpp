@@ -11,6 +11,8 @@
 #include "output/scratch.hpp"
 #include "output/sweep/worst_files.hpp"
 
+namespace test_case_files {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::file;
@@ -216,3 +218,5 @@ radius = [0.5, 2]
     CHECK(hard.rays(1, binary32).at(0).rays[0].origin == Vec<double>(1, 2, 3));
     CHECK(folder.entries() == 3);
 }
+
+}  // namespace test_case_files

@@ -9,6 +9,8 @@
 #include "measure/rows.hpp"
 #include "output/scratch.hpp"
 
+namespace test_exhaustive_plots {
+
 using namespace lostbits;
 using namespace lostbits::output::sweep;
 using lostbits::output::plot::AxisSpec;
@@ -108,3 +110,5 @@ TEST_CASE("a sweep within a binade has no pictures, and leaves none of an earlie
     write_exhaustive_plots(folder.path(), narrow.request, narrow.state);
     CHECK(std::filesystem::is_empty(folder.path()));
 }
+
+}  // namespace test_exhaustive_plots

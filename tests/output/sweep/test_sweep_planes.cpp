@@ -15,6 +15,8 @@
 #include "output/scratch.hpp"
 #include "output/sweep/sweep_files.hpp"
 
+namespace test_sweep_planes {
+
 using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::file;
@@ -171,3 +173,5 @@ TEST_CASE(
         if (r == 0) CHECK(plain_cells > 0);
     }
 }
+
+}  // namespace test_sweep_planes

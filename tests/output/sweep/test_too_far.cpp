@@ -4,6 +4,8 @@
 #include "measure/rows.hpp"
 #include "output/sweep/too_far.hpp"
 
+namespace test_too_far {
+
 using namespace lostbits;
 
 namespace {
@@ -57,3 +59,5 @@ TEST_CASE("a quantile over too few agreed hits is a gap", "[too_far]") {
     CHECK(std::isnan(output::sweep::drawn_quantile(s, 0, 0.5)));
     CHECK(output::sweep::gap_means() == "no value where fewer than 10 % of the hits agree");
 }
+
+}  // namespace test_too_far

@@ -2,6 +2,8 @@
 #include "catch.hpp"
 #include "scene/dump/dump_writer.hpp"
 
+namespace test_bad_dump {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::dump;
@@ -103,3 +105,5 @@ TEST_CASE("a bad file of rays is refused with its place and a remedy") {
     }
     CHECK(fault_of("a.csv", head + good).empty());
 }
+
+}  // namespace test_bad_dump

@@ -11,6 +11,8 @@
 #include "scene/dump/dump_writer.hpp"
 #include "scene/dump/number_words.hpp"
 
+namespace test_dump {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::dump;
@@ -252,3 +254,5 @@ TEST_CASE("a file that was cut short anywhere, or spoilt, is read or refused") {
     CHECK(refused > 500);
     CHECK(read > 100);
 }
+
+}  // namespace test_dump

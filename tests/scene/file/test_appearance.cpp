@@ -6,6 +6,8 @@
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_appearance {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -161,3 +163,5 @@ TEST_CASE("what the pixel plane cannot be is said with its place") {
     CHECK(scene_error(replaced(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]"))
               .starts_with("scene.toml:13:1: camera.extent belongs to kind"));
 }
+
+}  // namespace test_appearance

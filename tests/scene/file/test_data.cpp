@@ -9,6 +9,8 @@
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_data {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -196,3 +198,5 @@ TEST_CASE("own inputs show in world-offset-own: binary32 moves the eye by more t
     CHECK(moved(binary64) < 1e-11);
     CHECK(moved(binary64) > 0);
 }
+
+}  // namespace test_data

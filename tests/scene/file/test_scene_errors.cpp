@@ -1,6 +1,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_scene_errors {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -171,3 +173,5 @@ TEST_CASE("a variant's mistakes are reported where the variant makes them") {
               .starts_with(
                   "scene.toml:18:9: unknown path \"variant[0].name\": the file has no \"variant\"; known here:"));
 }
+
+}  // namespace test_scene_errors

@@ -3,6 +3,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_scene_file {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -130,3 +132,5 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     CHECK(error_of([&] { find_scene("zzzzzz", data.path()); }).find("known here: \"far-2.5\", \"near\"") !=
           std::string::npos);
 }
+
+}  // namespace test_scene_file

@@ -6,6 +6,8 @@
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_sphereflake {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -103,3 +105,5 @@ TEST_CASE(
     CHECK(scene_error(replaced(text, "[march]\nhit_eps = 0.01", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]"))
               .find("[march] table") != std::string::npos);
 }
+
+}  // namespace test_sphereflake

@@ -6,6 +6,8 @@
 #include "scene/rays/box_family.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_box_family {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -126,3 +128,5 @@ TEST_CASE("thin boxes are thin, scaled ones scaled, and the same seed gives the 
     CHECK(once.back().rays.dx == again.back().rays.dx);
     CHECK(once.back().rays.oz == again.back().rays.oz);
 }
+
+}  // namespace test_box_family

@@ -5,6 +5,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_camera {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -163,3 +165,5 @@ TEST_CASE("a shift moves the window in picture widths, right and up, and turns n
     CHECK(after.origin.z == before.origin.z);
     CHECK(equal(after.direction, 0, 0, -1));
 }
+
+}  // namespace test_camera

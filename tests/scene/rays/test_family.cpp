@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_family {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -190,3 +192,5 @@ TEST_CASE("what a family cannot be is refused where it is written") {
     CHECK(family_error("directions = \"tilt\"").starts_with("f.toml:1:14: directions is \"tilt\""));
     CHECK(family_error("awy = true").find("did you mean \"away\"") != std::string::npos);
 }
+
+}  // namespace test_family

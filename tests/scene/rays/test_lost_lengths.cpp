@@ -3,6 +3,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_lost_lengths {
+
 using namespace lostbits;
 using namespace lostbits::scene::test;
 using scene::rays::LostLengths;
@@ -69,3 +71,5 @@ TEST_CASE("the lengths of a scene: its solids, its eye, in the words of --set") 
     CHECK(of(replaced(own, "radius = 1e-9", "radius = \"1e-400\""), "f64") ==
           Lines{"radius less than 5e-324 rounds to 0 (sphere[0])"});
 }
+
+}  // namespace test_lost_lengths

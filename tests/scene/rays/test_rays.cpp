@@ -7,6 +7,8 @@
 #include "scene/scene_text.hpp"
 #include "scene/toml/round.hpp"
 
+namespace test_rays {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -144,3 +146,5 @@ TEST_CASE("an input sphere follows the scene's inputs and the format") {
     CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
 }
+
+}  // namespace test_rays

@@ -7,6 +7,8 @@
 #include "scene/rays/box_family.hpp"
 #include "scene/rays/family.hpp"
 
+namespace test_same_rays {
+
 using namespace lostbits::scene::rays;
 
 namespace {
@@ -63,3 +65,5 @@ TEST_CASE("a seed gives the same rays by every compiler") {
     CHECK(digest(BoxFamily::Aim::corner, 0.0625) == 0xf1c08fb575fcdc76);
     CHECK(digest(BoxFamily::Aim::inside, 0) == 0x828575d44380dfaa);
 }
+
+}  // namespace test_same_rays

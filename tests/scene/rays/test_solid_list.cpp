@@ -5,6 +5,8 @@
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_solid_list {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::rays;
@@ -73,3 +75,5 @@ TEST_CASE("the copies of a list share the flake, and its columns are read where 
     CHECK(room[0].empty());
     CHECK(list.flake()->stored<double>() == nullptr);
 }
+
+}  // namespace test_solid_list

@@ -10,6 +10,8 @@
 #include "scene/scene_text.hpp"
 #include "scene/sweep/search_file.hpp"
 
+namespace test_case_file {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -261,3 +263,5 @@ TEST_CASE("the tables of a sweep tell its kind") {
               scene::sweep::SweepKind::search);
     }
 }
+
+}  // namespace test_case_file

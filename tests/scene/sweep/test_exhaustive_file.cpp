@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_exhaustive_file {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::sweep;
@@ -141,3 +143,5 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(
         has(error("ray.origin.z", "box.lo.x", good_box), "s.toml:10:6: axis.to leaves a box whose hi is below its lo"));
 }
+
+}  // namespace test_exhaustive_file

@@ -7,6 +7,8 @@
 
 #include "catch.hpp"
 
+namespace test_float_order {
+
 using namespace lostbits::scene::sweep;
 
 TEST_CASE("a place is that of one bit pattern, and places rise with values") {
@@ -66,3 +68,5 @@ TEST_CASE("a range counts its floats in either direction") {
     CHECK(down.steps_to(up.first) == down.size() - 1);
     CHECK(FloatRange{0, 0xffffffffU}.size() == std::uint64_t{1} << 32);
 }
+
+}  // namespace test_float_order

@@ -4,6 +4,8 @@
 #include "scene/scene_text.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
+namespace test_search_file {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -213,3 +215,5 @@ TEST_CASE("a sweep drawn again has other rays at the same places, one over a sce
     CHECK_FALSE(scene.is_drawn());
     CHECK(same(scene.rays({3}).front(), scene.drawn_again(1).rays({3}).front()));
 }
+
+}  // namespace test_search_file

@@ -6,6 +6,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_sweep_file {
+
 using namespace lostbits;
 using namespace lostbits::scene::sweep;
 using namespace lostbits::scene::test;
@@ -50,3 +52,5 @@ TEST_CASE("half way between two floats, in floats, lies between them until nothi
     }
     CHECK(axis.middle(0x1p-3, 0x1p5) == 2);
 }
+
+}  // namespace test_sweep_file

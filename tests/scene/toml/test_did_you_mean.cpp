@@ -2,6 +2,8 @@
 
 #include "catch.hpp"
 
+namespace test_did_you_mean {
+
 using namespace lostbits::scene;
 using namespace lostbits::scene::toml;
 
@@ -43,3 +45,5 @@ TEST_CASE("an error ends in what to try") {
                                         "a7", "a8", "a9", "b0", "b1", "b2", "b3"};
     CHECK(did_you_mean("zzzzz", many).ends_with(R"("b1" and 2 more)"));
 }
+
+}  // namespace test_did_you_mean

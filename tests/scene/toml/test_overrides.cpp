@@ -2,6 +2,8 @@
 #include "scene/scene_text.hpp"
 #include "scene/toml/toml_reader.hpp"
 
+namespace test_overrides {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -144,3 +146,5 @@ TEST_CASE("a variant's overrides apply in the order of writing") {
         "[[variant]]\nname = \"v\"\nset = { \"sphere[0].centre\" = [1, 1, 1], \"sphere[0].centre[0]\" = 9 }\n";
     CHECK(loaded(narrow_last).spheres[0].centre.x == 9);
 }
+
+}  // namespace test_overrides

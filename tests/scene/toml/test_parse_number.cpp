@@ -9,6 +9,8 @@
 #include "scene/scene_text.hpp"
 #include "scene/toml/round.hpp"
 
+namespace test_parse_number {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -134,3 +136,5 @@ TEST_CASE("the exact text of a number reads back as the number") {
         {"-0.0", "-0x0p+0"},      {"0x1.fffffep127", "0x1.fffffep+127"}};
     for (const auto& [text, exact] : texts) CHECK(scene::toml::exact_text(real(text)) == exact);
 }
+
+}  // namespace test_parse_number

@@ -7,6 +7,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_quantity {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -204,3 +206,5 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which is allowed in rays only");
     CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
 }
+
+}  // namespace test_quantity

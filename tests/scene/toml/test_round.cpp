@@ -9,6 +9,8 @@
 #include "number/rounded.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_round {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -102,3 +104,5 @@ TEST_CASE("rounding a double agrees with the rounding of Rounded") {
         }
     }
 }
+
+}  // namespace test_round

@@ -3,6 +3,8 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_toml_reader {
+
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
@@ -219,3 +221,5 @@ TEST_CASE("a name that is not one of the choices is an error with did-you-mean")
     CHECK(Text("f = \"fig\"").error([](scene::toml::TableReader& t) { t.optional_one_of<Fruit>("f", fruit); }) ==
           "t.toml:1:5: f is \"fig\", which is not known; known here: \"apple\", \"pear\"");
 }
+
+}  // namespace test_toml_reader
