@@ -100,7 +100,7 @@ TEST_CASE("more shards than blocks of floats: some have nothing to do") {
 TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits needed") {
     const Scratch scratch;
     // Bands of 512 lines: four of them, the last one short.
-    const std::string size = " --size 64x1800";
+    const std::string size = " --size 16x1800";
     check_shards("map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64" + size, {1, 2, 3, 7});
     check_shards(
         "map near-benign -i sphere.schoolbook -f f32 --pixels csv --exr --envelope --metric lost_bits,culprit "

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/bits/log2.hpp"
 #include "number/random.hpp"
 
@@ -47,7 +48,7 @@ TEST_CASE("log2 is within 1.4 ulp of the truth", "[measure][bits]") {
         if (error >= 1.4) FAIL(std::hexfloat << x << ": off by " << std::defaultfloat << error << " ulp");
     };
     Random random(20260801);
-    for (int i = 0; i < 400'000; ++i) {
+    for (int i = 0; i < test::draws(400'000); ++i) {
         look(std::ldexp(1 + random.unit(), static_cast<int>(random.between(-1022, 1022))));
         look(1 + random.unit());                                                              // one binade above 1
         look(1 - random.unit() / 2);                                                          // and one below

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/stages/stage_rays.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/ray_families.hpp"
@@ -116,7 +117,7 @@ Counts run_family(const Family& family, const Run& run, std::size_t rays, std::s
 /// How many rays each stage is tried on: LOSTBITS_RAYS_PER_STAGE, which takes ten million some minutes.
 std::size_t rays_per_stage() {
     const char* const asked = std::getenv("LOSTBITS_RAYS_PER_STAGE");
-    return asked ? std::strtoull(asked, nullptr, 10) : 150'000;
+    return asked ? std::strtoull(asked, nullptr, 10) : test::draws<std::size_t>(150'000);
 }
 
 /// A stage over all families; `least` of the rays of the family "random" must be settled.

@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/box/box_exact.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/enclose_box.hpp"
@@ -154,7 +155,7 @@ void check(const BoxFamily& family, const FloatFormat& storage, std::uint64_t se
     const std::clock_t start = std::clock();
     std::string report;
     int failures = 0;
-    for (int i = 0; i < family.rays; ++i) {
+    for (int i = 0; i < test::draws(family.rays); ++i) {
         const BoxSample s = family.make(rng, storage);
         const Question q(s);
         std::string what = keeps(family.promise, q) ? "" : "the generator missed its aim";
