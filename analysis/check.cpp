@@ -266,6 +266,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty() && !divided.division.is_shard())
         folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
+    if (folder) probe(std::filesystem::path(o.report) / "README.md");
     const auto measured = divided.division.result_of("check", [&] {
         const auto units = divided.division.share().of_units(claims.size());
         const std::vector<Claim> own(claims.begin() + static_cast<std::ptrdiff_t>(units.first),

@@ -144,6 +144,16 @@ TEST_CASE("--force leaves what is somebody's own, links and what they lead to am
     refused_for("datapackage.json", "is not in the manifest.json of its folder");
 }
 
+TEST_CASE("a report does not take the place of somebody's README or page") {
+    const Inputs inputs;
+    std::ofstream(inputs / "README.md") << "precious";
+    std::ofstream(inputs / "index.html") << "precious";
+    inputs.refused("check claims.toml --report .", "README.md: is not in the manifest.json of its folder");
+    inputs.refused("report mine.toml -i sphere.press -f f32 --no-claims -o .",
+                   "index.html: is not in the manifest.json");
+    CHECK(contents(inputs / "README.md") + contents(inputs / "index.html") == "preciousprecious");
+}
+
 TEST_CASE("a missing TMPDIR is named") {
     const Inputs inputs;
     for (const char* words :

@@ -196,8 +196,7 @@ void ResultFolder::refuse_strange(const std::string& name) {
         name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
     const auto lists = [&name](const Made& made) { return made.files.contains(name); };
     const std::lock_guard lock(mutex_);
-    const bool own =
-        rules_.shared || earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
+    const bool own = earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
     if (own && !elsewhere && !fs::is_symlink(status)) return;
     throw InputError(fmt::format(
         "{}: {}, and a result of this run would take its place; move it away, or choose another -o", path.string(),
