@@ -13,9 +13,9 @@ namespace {
 
 /// A format small enough to list, with its exact arithmetic in integers: values in units of the smallest subnormal,
 /// 2^-shift. Twice the midpoints of neighbours are integers too.
-class Tiny {
+class TinyFractions {
 public:
-    explicit Tiny(const FloatFormat& f) : shift_(f.precision - 1 - f.emin) {
+    explicit TinyFractions(const FloatFormat& f) : shift_(f.precision - 1 - f.emin) {
         const long hidden = 1L << (f.precision - 1);
         for (long k = 0; k < hidden; ++k) numbers_.push_back(k);
         for (int e = f.emin; e <= f.emax; ++e)
@@ -108,7 +108,7 @@ std::string describe(Op op, double a, double b, double c, const FloatFormat& f) 
 TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][rounded]") {
     for (const FloatFormat& f :
          {FloatFormat{2, -3, 3}, FloatFormat{3, -4, 4}, FloatFormat{4, -2, 5}, FloatFormat{5, -5, 5}}) {
-        const Tiny tiny(f);
+        const TinyFractions tiny(f);
         const std::vector<double> all = tiny.operands();
         long wrong = 0, seen = 0;
         for (const Op op : {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root})
@@ -128,7 +128,7 @@ TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][
 
 TEST_CASE("every fused product and sum of a tiny format", "[number][rounded]") {
     const FloatFormat f{3, -2, 2};
-    const Tiny tiny(f);
+    const TinyFractions tiny(f);
     const std::vector<double> all = tiny.operands();
     long wrong = 0;
     for (const double a : all)
@@ -144,7 +144,7 @@ TEST_CASE("every fused product and sum of a tiny format", "[number][rounded]") {
 
 TEST_CASE("a fixed tiny format is the same arithmetic", "[number][rounded]") {
     using T = Rounded<3, -4, 4>;
-    const Tiny tiny(T::format());
+    const TinyFractions tiny(T::format());
     long wrong = 0;
     for (const double a : tiny.operands())
         for (const double b : tiny.operands())
