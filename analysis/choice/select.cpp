@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <fnmatch.h>
+#include <tbb/global_control.h>
+#include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,6 +12,7 @@
 #include <set>
 #include <thread>
 
+#include "intersect/process/floating_point.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
@@ -292,6 +295,24 @@ std::string name_of_sweep(const std::filesystem::path& path, const std::filesyst
     const bool in_data = !inside.empty() && *inside.begin() != "..";
     return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
 }
+
+/// A thread of the pool computes as the one that started it, which may have been anybody's, unless told otherwise.
+struct ThreadLimit::Control : tbb::task_scheduler_observer {
+    explicit Control(std::size_t threads) : limit(tbb::global_control::max_allowed_parallelism, threads) {
+        observe(true);
+    }
+    ~Control() override { observe(false); }
+    void on_scheduler_entry(bool) override { intersect::process::FloatingPoint::standard().set(); }
+    tbb::global_control limit;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+    const auto count = static_cast<std::size_t>(
+        threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+    control_.reset(new Control(count));
+}
+
+ThreadLimit::~ThreadLimit() = default;
 
 std::pair<int, int> parse_size(const std::string& text) {
     int size[2] = {0, 0};

@@ -164,6 +164,8 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
         }();
         static_cast<void>(scratch.write("s/unfinished.state", "lostbits-unfinished/1\nversion " + version + "\nsweep " +
                                                                   hash + "\nforms " + forms + "\n" + rest));
+        static_cast<void>(scratch.write("s/manifest.json", R"({"schema": "lostbits-manifest/1", "program": "lostbits",
+            "command": "lostbits sweep s.toml", "files": ["unfinished.state"]})"));
     };
     std::string version = run("--version").out;
     version = version.substr(version.rfind(' ') + 1);
