@@ -273,7 +273,7 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace lostbits;
-    // A library that LD_PRELOAD names was here before.
+    // A library that LD_PRELOAD names was here before. Threads compute as the one that starts them.
     intersect::process::FloatingPoint::standard().set();
     analysis::shell::open_standard_streams();
     analysis::shell::install_signal_handlers();

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 #include <tbb/global_control.h>
-#include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 #include <charconv>
@@ -12,7 +11,6 @@
 #include <set>
 #include <thread>
 
-#include "intersect/process/floating_point.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
@@ -296,20 +294,14 @@ std::string name_of_sweep(const std::filesystem::path& path, const std::filesyst
     return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
 }
 
-/// A thread of the pool computes as the one that started it, which may have been anybody's, unless told otherwise.
-struct ThreadLimit::Control : tbb::task_scheduler_observer {
-    explicit Control(std::size_t threads) : limit(tbb::global_control::max_allowed_parallelism, threads) {
-        observe(true);
-    }
-    ~Control() override { observe(false); }
-    void on_scheduler_entry(bool) override { intersect::process::FloatingPoint::standard().set(); }
+struct ThreadLimit::Control {
     tbb::global_control limit;
 };
 
 ThreadLimit::ThreadLimit(int threads) {
     const auto count = static_cast<std::size_t>(
         threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
-    control_.reset(new Control(count));
+    control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
 }
 
 ThreadLimit::~ThreadLimit() = default;

@@ -154,6 +154,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     CHECK(has(other_kind.err, "--resume: sphere-distance is not a sweep over every float"));
     // A state as a stopped run writes it: of nothing tried yet.
     const auto write = [&](const std::string& version, const std::string& forms, const std::string& rest) {
+        std::filesystem::remove_all(scratch.path() / "s");
         std::filesystem::create_directories(scratch.path() / "s");
         const auto hash = [&] {
             std::uint64_t h = 0xcbf29ce484222325U;

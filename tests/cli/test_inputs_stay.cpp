@@ -110,7 +110,7 @@ TEST_CASE("a folder of results that holds an input stays as it is") {
     CHECK(contents(place / table.filename()) == rows);
 }
 
-TEST_CASE("--force leaves what is somebody's own, links and what they lead to among it") {
+TEST_CASE("what is somebody's own stays under --force, links and what they lead to among it") {
     const Inputs inputs;
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out --force";
     const fs::path folder = inputs / "out/mine";

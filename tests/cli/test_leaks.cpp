@@ -37,12 +37,15 @@ TEST_CASE("no command loses memory but where the list says why") {
         const auto r = run(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
         INFO(words << "\n" << r.err);
         CHECK(r.code == 0);
+        CHECK_FALSE(
+            has(r.err, "detected memory leaks"));  // with a library a process that looks is not the one that ends
     }
     // It looks, and the list is what keeps it quiet.
     const std::string lost = watched("/dev/null") + " '" + LOSTBITS_LEAKING + "' 2>/dev/null";
     CHECK(WEXITSTATUS(std::system(lost.c_str())) == leaks);
-    CHECK(run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(), watched("/dev/null"))
-              .code == leaks);
+    CHECK(has(
+        run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(), watched("/dev/null")).err,
+        "detected memory leaks"));
 }
 
 }  // namespace test_leaks

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <locale>
 #include <map>
 #include <memory>
@@ -24,7 +25,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Read by signal handlers and by the thread that watches; kept for good.
-std::atomic<const GuardTerms*> terms_now{new GuardTerms};
+const GuardTerms usual_terms;
+std::atomic<const GuardTerms*> terms_now{&usual_terms};
 const GuardTerms& terms() { return *terms_now.load(); }
 
 /// What the watching thread sees of a call. More calls at once than places go unwatched.
@@ -196,7 +198,8 @@ const char* foreign_code_here() noexcept { return inside.load(); }
 
 void guard_foreign_code(const GuardTerms& wanted) {
     static bool on = false;
-    terms_now = new GuardTerms(wanted);
+    static std::deque<GuardTerms> kept;
+    terms_now = &kept.emplace_back(wanted);
     if (on) return;
     on = true;
     process::keep_own_state();
