@@ -1,6 +1,7 @@
 // `signs` with a bound on what rounding did to each t; where that does not prove the decision, the planes are compared
 // without dividing, in wider arithmetic and then exactly: no wrong decision about the closed box. t is that of `signs`,
-// which three roundings leave at least 21 correct bits of 24 (50 of 53).
+// which three roundings leave at least 21 correct bits of 24 (50 of 53); where something overflows on the way to it, it
+// is found in wider numbers.
 #pragma once
 
 #include "intersect/box/filtered_steps.hpp"
@@ -25,14 +26,18 @@ struct FilteredSlabs {
     template <Number T, BoxOf<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;
-        clip_by_signs(ray, box, tmin, tmax);
         if constexpr (stands_for_exact<T>) {
+            clip_by_signs(ray, box, tmin, tmax);
             return entered<T>(tmin <= tmax, {tmin, tmax});
         } else {
-            const filtered::SlabDecision<T> cheap = filtered::by_bound<T>(tmin, tmax);
+            T way(0);
+            clip_by_signs(ray, box, tmin, tmax, [&](int axis, const T& inv, const T& dmax) {
+                way = max(dmax * abs(ray.direction[axis]), way);
+                way = named("way", max(inv * ray.direction[axis], way));
+            });
+            const filtered::Decided<T> cheap = filtered::by_bound<T>(tmin, tmax, way);
             if (!any_of(!cheap.proved)) return entered<T>(cheap.hit, {tmin, tmax});
-            return entered<T>(filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), limit, cheap, watch),
-                              {tmin, tmax});
+            return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, cheap, watch);
         }
     }
 };

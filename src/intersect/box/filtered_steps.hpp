@@ -1,8 +1,11 @@
 // The steps of `box.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
+#include <cmath>
+
 #include "intersect/box/slab.hpp"
 #include "intersect/way.hpp"
+#include "number/wide/dyadic.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 
@@ -20,19 +23,36 @@ struct SlabDecision {
     }
 };
 
-/// By tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three roundings,
-/// 3.1u of itself, with the sign of the exact one. So tmin (1 + 3.1u) ≤ tmax (1 − 3.1u) proves a hit and
-/// tmin (1 − 3.1u) > tmax (1 + 3.1u) a miss, which 8u on one side cover with the rounding of the test; tmin ≤ 0 ≤ tmax
-/// is a hit and tmax < 0 a miss by signs alone. A slab that the ray is parallel to and outside of has tmin = ∞, inside
-/// of −∞ and ∞; in one of its planes 0·∞, which leaves tmin and tmax as they were.
-///
-/// No step may over- or underflow: of float that is sure while no plane is closer to the origin than 2^-60 or farther
-/// than 2^60, unless it contains it, and each |d| is 0 or within 2^±60.
+/// The first step's decision, and whether its tmin and tmax are good.
 template <Number T>
-SlabDecision<T> by_bound(const T& tmin, const T& tmax) {
-    const T slack = T(8) * unit_roundoff<T>();
-    const mask_t<T> hit = tmin <= tmax * (T(1) - slack) || (tmin <= T(0) && tmax >= T(0));
-    return {hit || tmin > tmax * (T(1) + slack), hit};
+struct Decided : SlabDecision<T> {
+    mask_t<T> in_range;
+};
+
+/// By tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three roundings. With
+/// L the least normal number and M = 1/L:
+///
+///     plane − o     no sum underflows
+///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal from |d| > M on, no less than M^-1/4 and
+///                   off by at most 4u of itself: 6.1u of t altogether
+///     the product   uL more where it underflows, which is u of all that is ≥ L, and keeps a sign or gives ±0
+///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
+///                   sign, and so the ray is missed; dmin = −∞ has it, too, and is not looked at. +∞ shows in `way`,
+///                   the largest dmax |d| and (1/d) d: plane − o and 1 to 7u where nothing overflows, ∞ where a sum or
+///                   the product or 1/d did (0·∞ too, by the latter), NaN, which max leaves out, of a slab with d = 0
+///
+/// So where way ≤ M, for tmax ≥ L tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and, where tmin ≥ L,
+/// tmin (1 − 6.1u) − uL > tmax (1 + 6.1u) + uL a miss, which 16u on one side cover with the rounding of the test;
+/// tmax < 0 is a miss by its sign. A slab that the ray is parallel to and outside of has tmin = ∞, inside of −∞ and ∞;
+/// in one of its planes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false: a direction of zeros is left.)
+/// And tmin and tmax are right to 6.1u of themselves, or to the distance of subnormal numbers.
+template <Number T>
+Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
+    const T slack = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
+    const mask_t<T> in_range = way <= T(1) / least;
+    const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) && tmax >= least;
+    const mask_t<T> missed = in_range && (tmin > max(tmax * (T(1) + slack), least) || tmax < T(0));
+    return {{hit || missed, hit}, in_range};
 }
 
 /// A box's planes in the order in which the line meets them, and whether the line runs down the axis.
@@ -47,11 +67,48 @@ OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
     return {{of(0), of(1), of(2)}};
 }
 
-/// `limit` where it is a number that products can be made of; no t of a box is beyond 2^500, nor is any of floats.
+/// What the first step found, and the ray's end.
+template <Number T>
+struct Found {
+    Segment<T> segment;
+    T limit;
+};
+
+/// Whether the ray's end lies beyond every t that floats or numbers in the range of `fits` can have, 2^952.
 template <Number W>
-W as_factor(const W& limit) {
-    const W largest = W(1) / number::wide::power_of_two<W>(-500);
-    return min(limit, largest);
+mask_t<W> is_endless(const W& limit) {
+    return limit >= W(1) / number::wide::power_of_two<W>(-960);
+}
+
+/// x, or what is as far as infinity where products are made of it: beyond all that `fits`.
+template <Number W>
+W without_infinity(const W& x) {
+    const W most = W(1) / number::wide::power_of_two<W>(-510);
+    return max(-most, min(most, x));
+}
+
+/// Whether every number is 0 or within 2^-450 and 2^500, so that the products of two, and those of their last places,
+/// are doubles. Of floats all are.
+template <Number T>
+mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    mask_t<T> all = T(0) <= T(0);
+    if constexpr (number::wide::has_whole_range<T>) {
+        using B = number::wide::OneWord<T>;
+        const B least = number::wide::power_of_two<B>(-450), most = B(1) / number::wide::power_of_two<B>(-500);
+        const auto add = [&](const T& x) {
+            const B size = abs(number::wide::taken_to<B>(x));
+            all = all && size <= most && (size >= least || size <= B(0));
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            add(ray.origin[axis]);
+            add(ray.direction[axis]);
+            add(slabs.of[static_cast<std::size_t>(axis)].bmin);
+            add(slabs.of[static_cast<std::size_t>(axis)].bmax);
+        }
+        const mask_t<B> endless = is_endless(number::wide::taken_to<B>(limit));
+        add(select(endless, T(0), limit));
+    }
+    return all;
 }
 
 /// n_i/m_i ≤ f_j/m_j for each pair of axes, as n_i m_j ≤ f_j m_i, where n and f are the ways to the first and the
@@ -77,15 +134,17 @@ template <class W, Number T>
 static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
     const auto wide = [](const T& x) { return taken_to<W>(x); };
+    const auto plane = [](const T& x) { return without_infinity(taken_to<W>(x)); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
     for (int axis = 0; axis < 3; ++axis) {
         const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
         const W sign = copysign(W(1), d);
         m[static_cast<std::size_t>(axis)] = abs(d);
-        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
-        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
+        n[static_cast<std::size_t>(axis)] = sign * (plane(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
+        f[static_cast<std::size_t>(axis)] = sign * (plane(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
     }
-    const W v = unit_roundoff<W>(), end = as_factor(wide(limit));
+    const W v = unit_roundoff<W>(), end = wide(limit);
+    const mask_t<W> endless = is_endless(end);
     // Least over all: positive where every comparison holds for certain, negative where one fails for certain.
     const auto room = [&](const W& less, const W& more) {
         const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
@@ -96,7 +155,8 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     for (int i = 0; i < 3; ++i) {
         const auto at = static_cast<std::size_t>(i);
         least = min(least, exactly(f[at]));
-        least = min(least, room(n[at], end * m[at]));
+        // Of a ray without an end, m > 0 is all that it asks.
+        least = min(least, room(select(endless && m[at] > W(0), W(0), n[at]), select(endless, W(0), end) * m[at]));
     }
     least = every_pair<W>(
         [&](int i, int j) {
@@ -108,7 +168,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     return {told > T(0) || told < T(0), told >= T(0)};
 }
 
-/// Exactly, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
+/// Exactly where the numbers fit, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
 template <Number T>
 [[gnu::noinline]] static SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using B = number::wide::OneWord<T>;
@@ -120,20 +180,22 @@ template <Number T>
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::size_t>(axis);
         const B d = word(ray.direction[axis]), o = word(ray.origin[axis]), sign = copysign(B(1), d);
-        const TwoWords<B> first = sum_of<B>(word(slabs.of[at].bmin), -o),
-                          second = sum_of<B>(word(slabs.of[at].bmax), -o);
+        const TwoWords<B> first = sum_of<B>(without_infinity(word(slabs.of[at].bmin)), -o),
+                          second = sum_of<B>(without_infinity(word(slabs.of[at].bmax)), -o);
         m[at] = abs(d);
         n[at] = {sign * first.hi, sign * first.lo};
         f[at] = {sign * second.hi, sign * second.lo};
     }
-    const B end = as_factor(word(limit));
+    const B end = word(limit);
+    const mask_t<B> endless = is_endless(end);
     const auto yes = [](const B& x) { return select(x >= B(0), B(1), B(-1)); };
     B all = yes(end);
     for (std::size_t i = 0; i < 3; ++i) {
         all = min(all, yes(f[i].hi));
         ExactSum<B, 4> before_end;
-        before_end.add_product(end, m[i]);
-        before_end.add(-n[i]);
+        const mask_t<B> any_way = endless && m[i] > B(0);
+        before_end.add_product(select(endless, B(0), end), m[i]);
+        before_end.add(select(any_way, none, -n[i]));
         all = min(all, yes(before_end.value()));
     }
     all = every_pair<B>(
@@ -147,41 +209,106 @@ template <Number T>
             return yes(apart.value());
         },
         [](const B& a, const B& b) { return min(a, b); }, all);
-    return {T(0) <= T(0), number::wide::taken_back<T>(all) > T(0)};
+    return {fits(ray, slabs, limit), number::wide::taken_back<T>(all) > T(0)};
+}
+
+/// tmin and tmax in W, where neither over- nor underflows: good to u when they are brought back.
+template <class W, Number T>
+static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    using number::wide::taken_back, number::wide::taken_to;
+    W tmin(0), tmax = taken_to<W>(limit);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
+        const W d = taken_to<W>(ray.direction[axis]), o = taken_to<W>(ray.origin[axis]);
+        const mask_t<W> runs = abs(d) > W(0);
+        tmin = select(runs, max((taken_to<W>(planes.bmin) - o) / d, tmin), tmin);
+        tmax = select(runs, min((taken_to<W>(planes.bmax) - o) / d, tmax), tmax);
+    }
+    return {taken_back<T>(tmin), taken_back<T>(tmax)};
+}
+
+/// The decision and t of doubles of any size. `in` are origin, direction, first and second planes, and the end; `out`
+/// becomes 1 or −1 for a hit or a miss, tmin and tmax.
+template <class For>
+[[gnu::noinline]] static void in_whole_range(const std::array<double, 13>& in, std::array<double, 3>& out) {
+    using D = number::wide::Dyadic<For>;
+    D n[3], f[3], m[3];
+    const double end = in[12];
+    bool hit = end >= 0;
+    out = {-1, 0, end};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const D o(in[i]);
+        const bool back = std::signbit(in[3 + i]);
+        n[i] = back ? o - D(in[6 + i]) : D(in[6 + i]) - o;
+        f[i] = back ? o - D(in[9 + i]) : D(in[9 + i]) - o;
+        m[i] = D(std::fabs(in[3 + i]));
+        const bool endless = std::isinf(end) && m[i].sign() > 0;
+        hit = hit && f[i].sign() >= 0 && (endless || (D(std::isinf(end) ? 0 : end) * m[i] - n[i]).sign() >= 0);
+        if (m[i].sign() == 0) continue;
+        out[1] = std::fmax(out[1], (n[i].scaled() / m[i].scaled()).value());
+        out[2] = std::fmin(out[2], (f[i].scaled() / m[i].scaled()).value());
+    }
+    if (every_pair<bool>([&](std::size_t i, std::size_t j) { return (f[j] * m[i] - n[i] * m[j]).sign() >= 0; },
+                         [](bool a, bool b) { return a && b; }, hit))
+        out[0] = 1;
+}
+
+/// `known`, and where it proves nothing the decision and t in the whole range.
+template <Number T>
+Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
+                      const SlabDecision<T>& known) {
+    const Vec<T>&o = ray.origin, &d = ray.direction;
+    const auto& [x, y, z] = slabs.of;
+    const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
+                               y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
+    const std::array<T, 3> all = number::wide::asked_lanes<T, 13, 3>(
+        select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
+        in_whole_range<T>);
+    return entered<T>(all[0] > T(0), {all[1], all[2]});
 }
 
 /// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
 /// exactly; over numbers that tell of operations in double-double.
 template <Number T, class Watch>
-mask_t<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit, const SlabDecision<T>& cheap,
-                 Watch& watch) {
+Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, const Decided<T>& cheap, Watch& watch) {
     using B = number::wide::OneWord<T>;
     const Part<T> part("by planes");
     if constexpr (tells_of_operations<T>) {
         watch(Way::two_words);
-        return joined(cheap, widely<number::wide::TwoWords<B>, T>(ray, slabs, limit)).hit;
+        using W = number::wide::TwoWords<B>;
+        return entered<T>(joined(cheap, widely<W, T>(ray, slabs, found.limit)).hit, found.segment);
     } else {
         SlabDecision<T> known = cheap;
         if constexpr (number::wide::has_wider_word<T>) {
             watch(Way::wider);
-            known = joined(known, widely<B, T>(ray, slabs, limit));
-            if (!any_of(!known.proved)) return known.hit;
+            SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
+            wide.proved = wide.proved && fits(ray, slabs, found.limit);
+            known = joined(known, wide);
+            if (any_of(!cheap.in_range)) {
+                const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
+                found.segment = {select(cheap.in_range, found.segment.tmin, other.tmin),
+                                 select(cheap.in_range, found.segment.tmax, other.tmax)};
+            }
+            if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }
         watch(Way::exact);
-        return joined(known, exactly<T>(ray, slabs, limit)).hit;
+        known = joined(known, exactly<T>(ray, slabs, found.limit));
+        if constexpr (number::wide::has_whole_range<T>)
+            if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known);
+        return entered<T>(known.hit, found.segment);
     }
 }
 
 /// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
 template <Number T, class Watch>
-[[gnu::noinline]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap, Watch& watch) {
-    return beyond<T>(ray, slabs, limit, cheap, watch);
+[[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap, Watch& watch) {
+    return beyond<T>(ray, slabs, found, cheap, watch);
 }
 template <Number T, class Watch>
 requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] mask_t<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, T limit, SlabDecision<T> cheap,
-                                                    Watch& watch) {
-    return beyond<T>(ray, slabs, limit, cheap, watch);
+[[gnu::noinline, gnu::flatten]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap,
+                                                 Watch& watch) {
+    return beyond<T>(ray, slabs, found, cheap, watch);
 }
 
 }  // namespace filtered

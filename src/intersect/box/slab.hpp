@@ -56,8 +56,10 @@ Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
 /// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
 /// ray in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers
 /// and no Segment: GCC 12 writes a struct of packs to the stack in every round.)
-template <Number T, BoxOf<T> B>
-void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
+///
+/// `each(axis, inv, dmax)` sees them all.
+template <Number T, BoxOf<T> B, class Each>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Each& each) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
         const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
@@ -65,7 +67,12 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
         const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
         tmin = named("tmin", max(dmin, tmin));
         tmax = named("tmax", min(dmax, tmax));
+        each(axis, inv, dmax);
     }
+}
+template <Number T, BoxOf<T> B>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
+    clip_by_signs(ray, box, tmin, tmax, [](int, const T&, const T&) {});
 }
 
 /// Whether x is a number and not NaN: NaN fails both comparisons.

@@ -1,6 +1,9 @@
 // From a number to the wider ones: float, double, double-double.
 #pragma once
 
+#include <array>
+#include <limits>
+
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::number::wide {
@@ -33,6 +36,51 @@ template <class T, class W>
 T taken_back(const W& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::narrow(x);
     else return Wider<T>::narrow(x.hi);
+}
+
+/// The least normal number of T: below it a product is off by up to u times this, whatever its own size.
+template <class T>
+T least_normal() {
+    if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
+    else if constexpr (InRegisters<T> && has_wider_word<T>) return T(std::numeric_limits<float>::min());
+    else if constexpr (InRegisters<T>) return T(std::numeric_limits<double>::min());
+    else return next_up(T(0)) * (T(1) / (T(2) * unit_roundoff<T>()));
+}
+
+/// Whether numbers of T come as doubles whose products may over- or underflow: `asked_lanes` then answers. Products of
+/// four floats do neither in double.
+template <class T>
+inline constexpr bool has_whole_range =
+    !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
+
+/// `f(in, out)` for each lane in which `ask` > 0: `in` are the lane's numbers as doubles, and what it leaves in `out`,
+/// which holds those of `out` before, is that lane of the result.
+template <class T, std::size_t ins, std::size_t outs, class F>
+std::array<T, outs> asked_lanes(const T& ask, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
+    if constexpr (InRegisters<T>) {
+        double asked[T::lanes], from[ins][T::lanes], to[outs][T::lanes];
+        ask.store(asked);
+        for (std::size_t k = 0; k < ins; ++k) in[k].store(from[k]);
+        for (std::size_t k = 0; k < outs; ++k) out[k].store(to[k]);
+        for (std::size_t lane = 0; lane < T::lanes; ++lane) {
+            if (!(asked[lane] > 0)) continue;
+            std::array<double, ins> numbers;
+            std::array<double, outs> found;
+            for (std::size_t k = 0; k < ins; ++k) numbers[k] = from[k][lane];
+            for (std::size_t k = 0; k < outs; ++k) found[k] = to[k][lane];
+            f(numbers, found);
+            for (std::size_t k = 0; k < outs; ++k) to[k][lane] = found[k];
+        }
+        for (std::size_t k = 0; k < outs; ++k) out[k] = T::load(to[k]);
+    } else if (ask > T(0)) {
+        std::array<double, ins> numbers;
+        std::array<double, outs> found;
+        for (std::size_t k = 0; k < ins; ++k) numbers[k] = taken_to<double>(in[k]);
+        for (std::size_t k = 0; k < outs; ++k) found[k] = taken_to<double>(out[k]);
+        f(numbers, found);
+        for (std::size_t k = 0; k < outs; ++k) out[k] = taken_back<T>(found[k]);
+    }
+    return out;
 }
 
 }  // namespace lostbits::number::wide

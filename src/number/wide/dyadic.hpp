@@ -1,0 +1,148 @@
+// Sums and products of doubles of any size, exactly: what decides where words would over- or underflow. Scalar and
+// slow, some ten microseconds a ray at worst. `For` is the number of the formula that asks: over packs it keeps the
+// code of one instruction set apart from another's (number/pack.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace lostbits::number::wide {
+
+/// m·2^e with a double's m and any e, good to a double's last places.
+template <class For>
+struct Scaled {
+    double m = 0;
+    int e = 0;
+
+    Scaled() = default;
+    explicit Scaled(double x, int exponent = 0) {
+        m = std::frexp(x, &e);
+        e += exponent;
+    }
+    /// Rounded once more where it is subnormal.
+    [[nodiscard]] double value() const { return std::ldexp(m, e); }
+    friend Scaled operator+(const Scaled& a, const Scaled& b) {
+        if (a.m == 0 || b.m == 0) return a.m == 0 ? b : a;
+        const int top = std::max(a.e, b.e);
+        return Scaled(std::ldexp(a.m, a.e - top) + std::ldexp(b.m, b.e - top), top);
+    }
+    friend Scaled operator/(const Scaled& a, const Scaled& b) { return Scaled(a.m / b.m, a.e - b.e); }
+    friend Scaled abs(const Scaled& a) { return Scaled(std::fabs(a.m), a.e); }
+    friend Scaled sqrt(const Scaled& a) {
+        const int odd = a.e & 1;
+        return Scaled(std::sqrt(std::ldexp(a.m, odd)), (a.e - odd) / 2);
+    }
+};
+
+/// ±Σ limb[i]·2^(32(first + i)). A finite double lies between 2^-1074 and 2^1024, so a sum of products of four of them,
+/// or of four sums of two, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for what the
+/// alignment takes.
+template <class For>
+class Dyadic {
+public:
+    Dyadic() = default;
+    /// Infinity as the largest number, NaN as zero.
+    explicit Dyadic(double x) : negative_(std::signbit(x)) {
+        if (!(std::fabs(x) > 0)) return;
+        x = std::min(std::fabs(x), std::numeric_limits<double>::max());
+        int exponent = 0;
+        const auto whole = static_cast<std::uint64_t>(std::ldexp(std::frexp(x, &exponent), 53));
+        exponent -= 53;
+        first_ = exponent >= 0 ? exponent / 32 : -((31 - exponent) / 32);
+        const int shift = exponent - 32 * first_;
+        const std::uint64_t low = (whole & 0xffffffffU) << shift, high = ((whole >> 32) << shift) + (low >> 32);
+        limbs_[0] = static_cast<std::uint32_t>(low);
+        limbs_[1] = static_cast<std::uint32_t>(high);
+        limbs_[2] = static_cast<std::uint32_t>(high >> 32);
+        size_ = 3;
+        trim();
+    }
+
+    [[nodiscard]] int sign() const { return size_ == 0 ? 0 : negative_ ? -1 : 1; }
+    /// From its three highest limbs: good to a double's last place.
+    [[nodiscard]] Scaled<For> scaled() const {
+        double top = 0;
+        const int from = std::max(size_ - 3, 0);
+        for (int i = size_; i-- > from;) top = top * 0x1p32 + limbs_[i];
+        return Scaled<For>(negative_ ? -top : top, 32 * (first_ + from));
+    }
+
+    friend Dyadic operator-(Dyadic a) {
+        a.negative_ = !a.negative_;
+        return a;
+    }
+    friend Dyadic operator+(const Dyadic& a, const Dyadic& b) {
+        if (a.size_ == 0 || b.size_ == 0) return a.size_ == 0 ? b : a;
+        if (a.negative_ == b.negative_) return combined(a, b, 1);
+        const int order = compare_sizes(a, b);
+        return order == 0 ? Dyadic() : order > 0 ? combined(a, b, -1) : combined(b, a, -1);
+    }
+    friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + -b; }
+    friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
+        Dyadic r;
+        if (a.size_ == 0 || b.size_ == 0) return r;
+        r.negative_ = a.negative_ != b.negative_;
+        r.first_ = a.first_ + b.first_;
+        r.size_ = a.size_ + b.size_;
+        for (int i = 0; i < r.size_; ++i) r.limbs_[i] = 0;
+        for (int i = 0; i < a.size_; ++i) {
+            std::uint64_t carry = 0;
+            for (int j = 0; j < b.size_; ++j) {
+                std::uint32_t& at = r.limbs_[i + j];
+                carry += std::uint64_t{a.limbs_[i]} * b.limbs_[j] + at;
+                at = static_cast<std::uint32_t>(carry);
+                carry >>= 32;
+            }
+            r.limbs_[i + b.size_] = static_cast<std::uint32_t>(carry);
+        }
+        r.trim();
+        return r;
+    }
+
+private:
+    static constexpr int most_limbs = 272;
+
+    [[nodiscard]] int end() const { return first_ + size_; }
+    /// The limb at 2^(32 place).
+    [[nodiscard]] std::uint32_t at(int place) const {
+        return place < first_ || place >= end() ? 0 : limbs_[place - first_];
+    }
+    static int compare_sizes(const Dyadic& a, const Dyadic& b) {
+        for (int place = std::max(a.end(), b.end()); place-- > std::min(a.first_, b.first_);)
+            if (a.at(place) != b.at(place)) return a.at(place) > b.at(place) ? 1 : -1;
+        return 0;
+    }
+    /// |a| ± |b| with the sign of a; |a| > |b| where it is a difference.
+    static Dyadic combined(const Dyadic& a, const Dyadic& b, int sign) {
+        Dyadic r;
+        r.negative_ = a.negative_;
+        r.first_ = std::min(a.first_, b.first_);
+        r.size_ = std::max(a.end(), b.end()) + 1 - r.first_;
+        std::int64_t carry = 0;
+        for (int i = 0; i < r.size_; ++i) {
+            carry += std::int64_t{a.at(r.first_ + i)} + sign * std::int64_t{b.at(r.first_ + i)};
+            r.limbs_[i] = static_cast<std::uint32_t>(carry & 0xffffffff);
+            carry >>= 32;
+        }
+        r.trim();
+        return r;
+    }
+    /// No zero at either end, so that products stay short.
+    void trim() {
+        while (size_ > 0 && limbs_[size_ - 1] == 0) --size_;
+        int zeros = 0;
+        while (zeros < size_ && limbs_[zeros] == 0) ++zeros;
+        if (zeros == 0) return;
+        for (int i = zeros; i < size_; ++i) limbs_[i - zeros] = limbs_[i];
+        first_ += zeros;
+        size_ -= zeros;
+    }
+
+    std::uint32_t limbs_[most_limbs];
+    int first_ = 0, size_ = 0;
+    bool negative_ = false;
+};
+
+}  // namespace lostbits::number::wide
