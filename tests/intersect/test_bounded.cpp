@@ -18,6 +18,7 @@ namespace lostbits::test {
 namespace {
 
 using intersect::BoundedAnswer;
+using intersect::Way;
 using intersect::table::Intersector;
 
 struct Tally {
@@ -41,7 +42,7 @@ bool is_farther(double t, double error, const Interval& from) {
 }
 
 template <class S>
-void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
+void check_ray(const Intersector& form, const HostileRay& x, Tally& tally, bool any_scale) {
     const Format format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
     const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL);
     ++tally.asked;
@@ -58,8 +59,9 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     else form.native64(rays, intersect::Target<S>(solid), hits);
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
     // Exact sums say nothing of single operations, and the forms that end in them end before, over `Bounded`.
-    const bool ends_otherwise =
-        form.way && form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) == intersect::Way::exact;
+    // And where numbers of the format over- or underflow, those forms find t again in wider arithmetic.
+    const auto way = form.way ? form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) : Way::own;
+    const bool ends_otherwise = way == Way::exact || (any_scale && way != Way::own);
     tally.other_bits += !ends_otherwise && (own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan));
 
     const Hit<Interval> exact = without_rounding(form, x);
@@ -108,7 +110,7 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
             if (any_scale) x = at_any_scale<S>(x, scales);
             if (form.info->direction == intersect::Direction::unit)
                 x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);
-            check_ray<S>(form, x, tally);
+            check_ray<S>(form, x, tally, any_scale);
         }
     });
 }

@@ -1,11 +1,9 @@
 // The steps of `box.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
-#include <cmath>
-
 #include "intersect/box/slab.hpp"
 #include "intersect/way.hpp"
-#include "number/wide/dyadic.hpp"
+#include "number/wide/dyadic_slabs.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 
@@ -48,8 +46,14 @@ struct Decided : SlabDecision<T> {
 /// And tmin and tmax are right to 6.1u of themselves, or to the distance of subnormal numbers.
 template <Number T>
 Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
-    const T slack = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
-    const mask_t<T> in_range = way <= T(1) / least;
+    const T slack = T(16) * unit_roundoff<T>();
+    // Numbers that tell of operations end in double-double, in range or not.
+    T least(0);
+    mask_t<T> in_range = T(0) <= T(0);
+    if constexpr (!tells_of_operations<T>) {
+        least = number::wide::least_normal<T>();
+        in_range = way <= T(1) / least;
+    }
     const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) && tmax >= least;
     const mask_t<T> missed = in_range && (tmin > max(tmax * (T(1) + slack), least) || tmax < T(0));
     return {{hit || missed, hit}, in_range};
@@ -227,32 +231,6 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     return {taken_back<T>(tmin), taken_back<T>(tmax)};
 }
 
-/// The decision and t of doubles of any size. `in` are origin, direction, first and second planes, and the end; `out`
-/// becomes 1 or −1 for a hit or a miss, tmin and tmax.
-template <class For>
-[[gnu::noinline]] static void in_whole_range(const std::array<double, 13>& in, std::array<double, 3>& out) {
-    using D = number::wide::Dyadic<For>;
-    D n[3], f[3], m[3];
-    const double end = in[12];
-    bool hit = end >= 0;
-    out = {-1, 0, end};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const D o(in[i]);
-        const bool back = std::signbit(in[3 + i]);
-        n[i] = back ? o - D(in[6 + i]) : D(in[6 + i]) - o;
-        f[i] = back ? o - D(in[9 + i]) : D(in[9 + i]) - o;
-        m[i] = D(std::fabs(in[3 + i]));
-        const bool endless = std::isinf(end) && m[i].sign() > 0;
-        hit = hit && f[i].sign() >= 0 && (endless || (D(std::isinf(end) ? 0 : end) * m[i] - n[i]).sign() >= 0);
-        if (m[i].sign() == 0) continue;
-        out[1] = std::fmax(out[1], (n[i].scaled() / m[i].scaled()).value());
-        out[2] = std::fmin(out[2], (f[i].scaled() / m[i].scaled()).value());
-    }
-    if (every_pair<bool>([&](std::size_t i, std::size_t j) { return (f[j] * m[i] - n[i] * m[j]).sign() >= 0; },
-                         [](bool a, bool b) { return a && b; }, hit))
-        out[0] = 1;
-}
-
 /// `known`, and where it proves nothing the decision and t in the whole range.
 template <Number T>
 Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
@@ -263,7 +241,7 @@ Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Fou
                                y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
     const std::array<T, 3> all = number::wide::asked_lanes<T, 13, 3>(
         select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
-        in_whole_range<T>);
+        number::wide::meet_slabs<T>);
     return entered<T>(all[0] > T(0), {all[1], all[2]});
 }
 

@@ -1,0 +1,37 @@
+// A ray against three slabs in sums of any size: the last step of `box.filtered`.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "number/wide/dyadic.hpp"
+
+namespace lostbits::number::wide {
+
+/// The decision and t of doubles of any size. `in` are origin, direction, first and second planes, and the end; `out`
+/// becomes 1 or −1 for a hit or a miss, tmin and tmax.
+template <class For>
+[[gnu::noinline]] static void meet_slabs(const std::array<double, 13>& in, std::array<double, 3>& out) {
+    using D = Dyadic<For>;
+    D n[3], f[3], m[3];
+    const double end = in[12];
+    bool hit = end >= 0;
+    out = {-1, 0, end};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const D o(in[i]);
+        const bool back = std::signbit(in[3 + i]);
+        n[i] = back ? o - D(in[6 + i]) : D(in[6 + i]) - o;
+        f[i] = back ? o - D(in[9 + i]) : D(in[9 + i]) - o;
+        m[i] = D(std::fabs(in[3 + i]));
+        const bool endless = std::isinf(end) && m[i].sign() > 0;
+        hit = hit && f[i].sign() >= 0 && (endless || (D(std::isinf(end) ? 0 : end) * m[i] - n[i]).sign() >= 0);
+        if (m[i].sign() == 0) continue;
+        out[1] = std::fmax(out[1], (n[i].scaled() / m[i].scaled()).value());
+        out[2] = std::fmin(out[2], (f[i].scaled() / m[i].scaled()).value());
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) hit = hit && (i == j || (f[j] * m[i] - n[i] * m[j]).sign() >= 0);
+    if (hit) out[0] = 1;
+}
+
+}  // namespace lostbits::number::wide
