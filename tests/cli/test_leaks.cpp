@@ -25,7 +25,7 @@ TEST_CASE("no command loses memory but where the list says why") {
     static_cast<void>(scratch.write("mine.toml", good_scene));
     static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n"));
     const std::string library = std::string(" --plugin ") + LOSTBITS_LIBRARIES + "/schoolbook.so";
-    for (const std::string words :
+    for (const std::string& words :
          {std::string("list forms"), std::string("map mine.toml -i sphere.press -f f32 --pixels csv --exr -o map"),
           std::string("explain near-benign --pixel 16,12 -i sphere.schoolbook -f f32"),
           std::string("sweep sphere-tilt -i sphere.press -f f32 --seeds 0 --steps 5 -o sweep"),

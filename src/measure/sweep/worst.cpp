@@ -140,8 +140,8 @@ private:
     /// In [1, 2): any, or a few last places from a power of two.
     double significand() {
         const double m = 1 + random_.unit(),
-                     few = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.shape.precision - 1));
-        const double drawn[] = {m, 1 + few, 2 - few};
+                     sparse = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.shape.precision - 1));
+        const double drawn[] = {m, 1 + sparse, 2 - sparse};
         return drawn[random_.below(3)];
     }
     double free_number() {
