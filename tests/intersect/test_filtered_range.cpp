@@ -285,12 +285,17 @@ TEMPLATE_TEST_CASE("filtered boxes decide right and keep their bits over all exp
     check_range<TestType>(Shape::box, 200 * 4096, 11);
 }
 
+TEMPLATE_TEST_CASE("filtered spheres decide right and keep their bits over all exponents",
+                   "[intersect][filtered][range]", float, double) {
+    check_range<TestType>(Shape::sphere, 200 * 4096, 17);
+}
+
 TEST_CASE("the promise over all exponents and as many rays as asked for", "[.][long-range]") {
     const char* const asked = std::getenv("LOSTBITS_RAYS");
     const char* const seed_asked = std::getenv("LOSTBITS_SEED");
     const std::uint64_t rays = asked ? std::strtoull(asked, nullptr, 10) : 10000000;
     const std::uint64_t seed = seed_asked ? std::strtoull(seed_asked, nullptr, 10) : 13;
-    for (const Shape shape : {Shape::box}) {
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
         check_range<float>(shape, rays, seed);
         check_range<double>(shape, rays, seed);
     }

@@ -3,6 +3,7 @@
 
 #include "intersect/sphere/roots.hpp"
 #include "intersect/way.hpp"
+#include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 
@@ -44,7 +45,11 @@ struct Settled {
 ///     |δt| ≤ 11.2u s + 3.6u root + E/(a·1.866·root) + u t,
 /// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), t being s − root.
 ///
-/// No step may over- or underflow: of float that is sure while a lies within 2^±100, and |f|, r and r·√a within 2^±50.
+/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f ≥ 4L/u, and f·f and
+/// 1/a both lie within 64L and 1/(64L), nothing overflows, |f||d| and F are at least 64L, and what is lost of f·d, s,
+/// f + s d and w is a 64th of their bounds; |l|², r² and e lose 5uL ≤ 1.25φ², which the 141φ² in E have to spare over
+/// the 134φ² that it needs. A hit asks Δ̂/a ≥ 64L besides, so that the root stays normal, and its test is strict: both
+/// of its sides may overflow.
 template <Number T>
 Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T u = unit_roundoff<T>(), r = sphere.radius;
@@ -54,7 +59,7 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T s = named("s", dot(f, ray.direction) * inv);
     const Vec<T> l = f - s * ray.direction;
     const T delta = named("delta", r2 - square(l));
-    const T root = named("root", sqrt(delta * inv));
+    const T ratio = delta * inv, root = named("root", sqrt(ratio));
 
     const T w = (T(21) / T(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + T(4) * u * r;
     const T e = w * (T(2) * r + T(32) * w);
@@ -62,8 +67,14 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T from = select(T(1024) * u <= T(1), T(2), T(1) / T(0));
     const mask_t<T> ahead = s > T(0);
     const mask_t<T> open = ahead && delta >= -e;
-    const mask_t<T> met = ahead && delta > T(4) * e && e * inv <= root * (T(36) * u * s - T(66) * u * root);
-    return {ff >= from * r2 && (!open || met), met, named("t", s - root)};
+    mask_t<T> met = ahead && delta > T(4) * e && e * inv < root * (T(36) * u * s - T(66) * u * root);
+    mask_t<T> holds = ff >= from * r2;
+    if constexpr (!tells_of_operations<T>) {  // which end in double-double, wherever they are
+        const T least = number::wide::least_normal<T>(), low = T(64) * least;
+        met = met && ratio >= low;
+        holds = holds && inv >= low && max(ff, inv) <= T(1) / low && ff >= T(4) / u * least;
+    }
+    return {holds && (!open || met), met, named("t", s - root)};
 }
 
 /// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
@@ -79,6 +90,12 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
 ///
 /// t: D's part is |√D̂ − √D|/q ≤ e/(√D̂ q), asked to be at most 16u; the rest is 6u of c, and the roundings of h, c, D,
 /// √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
+///
+/// Range, with L the least normal number of T: a product in T, and a number brought back to it, is off by up to uL
+/// more, which 64L in e cover; where |c| and a are at least 64L, q and, where D ≥ 0 outside, |h| are so, too, which
+/// leaves them normal. W has T's range where T has no wider word: there |c| and a are at least L/v, so that what
+/// products lose, 4uL each, is uv of A, of a and of √(Aa). Overflow: e < ∞ is what makes |c| < ∞, a < ∞ and
+/// h², ac ≤ A a < ∞/4, and |h| and q are asked. Comparisons with what overflowed on the way are false.
 template <class W, Number T>
 Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::taken_back, number::wide::taken_to;
@@ -89,21 +106,28 @@ Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
 
     const T a = named("a", taken_back<T>(aw)), h = named("h", taken_back<T>(hw)), c = named("c", taken_back<T>(cw));
     const T disc = named("D", taken_back<T>(dw));
-    const T u = unit_roundoff<T>(), v = taken_back<T>(unit_roundoff<W>());
+    const T u = unit_roundoff<T>();
     const T r2 = square(sphere.radius), all = (c + r2) + r2;
-    const T e = (T(24) * v) * (all * a);
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
     const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
-    const mask_t<T> sure = abs(c) >= all * (v / u) && T(32) * u <= T(1);
+    mask_t<T> sure = T(32) * u <= T(1);
+    T v = taken_back<T>(unit_roundoff<W>()), e = (T(24) * v) * (all * a);
+    if constexpr (!tells_of_operations<T>) {  // which end here, wherever they are
+        const T least = number::wide::least_normal<T>(), none = T(1) / T(0);
+        v = max(v, T(2) * u * least);
+        e = (T(6) * v) * (T(4) * all * a) + T(64) * least;
+        sure = sure && min(abs(c), a) >= (number::wide::has_wider_word<T> ? T(64) * least : least / v) && e < none &&
+               abs(h) < none && !(q >= none);
+    }
+    sure = sure && abs(c) >= all * (v / u);
     const mask_t<T> missed = outside && (behind || disc < -e);
     const mask_t<T> met = !missed && disc > e && e <= root * (q * (T(16) * u));
     return {sure && (met || missed), met, t};
 }
 
 /// h, c, a and a r² − |f × d|², which is D, good to 2^-52 of themselves, and zero only where they are: sums of the
-/// products that the words of f = o − c make. Exact while no product of four inputs leaves the range of B's residuals
-/// (`error_free_low`); products of floats in double never do.
+/// products that the words of f = o − c make. Exact while the numbers fit.
 template <Number B>
 struct ExactTerms {
     B h, c, a, disc;
@@ -170,8 +194,30 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
-/// Proved for every ray whose terms neither overflow nor underflow; the answer is brought back as t, −1 for a miss,
-/// because T may be narrower and its masks others.
+/// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
+/// doubles. Of floats they are.
+template <Number T>
+mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
+    mask_t<T> all = T(0) <= T(0);
+    if constexpr (number::wide::has_whole_range<T>) {
+        using B = number::wide::OneWord<T>;
+        const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
+        const auto add = [&](const T& x) {
+            const B size = abs(number::wide::taken_to<B>(x));
+            all = all && size <= most && (size >= least || size <= B(0));
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            add(ray.origin[axis]);
+            add(ray.direction[axis]);
+            add(sphere.centre[axis]);
+        }
+        add(sphere.radius);
+    }
+    return all;
+}
+
+/// Proved where the numbers fit; the answer is brought back as t, −1 for a miss, because T may be narrower and its
+/// masks others.
 template <Number T>
 [[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
     using B = number::wide::OneWord<T>;
@@ -181,7 +227,17 @@ template <Number T>
                            Sphere<B>{words(sphere.centre), word(sphere.radius)});
     const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
     const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
-    return {T(0) <= T(0), t >= T(0), t};
+    return {fits(ray, sphere), t >= T(0), t};
+}
+
+/// `known`, and where it proves nothing the decision and t in the whole range.
+template <Number T>
+Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& known) {
+    const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
+    const std::array<T, 2> all = number::wide::asked_lanes<T, 10, 2>(
+        select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
+        {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
+    return {T(0) <= T(0), all[0] > T(0), all[1]};
 }
 
 /// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
@@ -197,7 +253,10 @@ Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& 
     } else {
         if (!any_of(!wide.proved)) return wide;
         watch(Way::exact);
-        return joined(wide, exactly<T>(ray, sphere));
+        const Settled<T> known = joined(wide, exactly<T>(ray, sphere));
+        if constexpr (number::wide::has_whole_range<T>)
+            if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
+        return known;
     }
 }
 

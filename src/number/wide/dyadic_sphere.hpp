@@ -1,0 +1,33 @@
+// A ray against a sphere in sums of any size: the last step of `sphere.filtered`.
+#pragma once
+
+#include <array>
+
+#include "number/wide/dyadic.hpp"
+
+namespace lostbits::number::wide {
+
+/// The decision and t of doubles of any size, by h = f·d, c = f·f − r², a = d·d and D = h² − ac with f = o − c. `in`
+/// are origin, direction, centre and radius; `out` becomes 1 or −1 for a hit or a miss, and t.
+template <class For>
+[[gnu::noinline]] static void meet_sphere(const std::array<double, 10>& in, std::array<double, 2>& out) {
+    using D = Dyadic<For>;
+    const D r(in[9]);
+    D h, a, c = -(r * r);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const D f = D(in[i]) - D(in[6 + i]), d(in[3 + i]);
+        h = h + f * d;
+        a = a + d * d;
+        c = c + f * f;
+    }
+    out = {-1, 0};
+    if (c.sign() == 0) out[0] = 1;
+    if (c.sign() == 0 || a.sign() == 0 || (c.sign() > 0 && h.sign() >= 0)) return;
+    const D disc = h * h - a * c;
+    if (disc.sign() < 0) return;
+    out[0] = 1;
+    const Scaled<For> q = abs(h.scaled()) + sqrt(disc.scaled());
+    out[1] = (c.sign() < 0 && h.sign() <= 0 ? q / a.scaled() : abs(c.scaled()) / q).value();
+}
+
+}  // namespace lostbits::number::wide
