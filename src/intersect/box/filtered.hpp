@@ -31,14 +31,11 @@ struct FilteredSlabs {
             return entered<T>(tmin <= tmax, {tmin, tmax});
         } else {
             T way(0);
-            clip_by_signs(
-                ray, box, tmin, tmax,
-                [&]([[maybe_unused]] int axis, [[maybe_unused]] const T& inv, [[maybe_unused]] const T& dmax) {
-                    if constexpr (!tells_of_operations<T>) {  // which end in double-double, wherever they are
-                        way = max(dmax * abs(ray.direction[axis]), way);
-                        way = max(inv * ray.direction[axis], way);
-                    }
-                });
+            clip_by_signs(ray, box, tmin, tmax,
+                          [&]([[maybe_unused]] int axis, const T& /*inv*/, [[maybe_unused]] const T& dmax) {
+                              if constexpr (!tells_of_operations<T>)  // which end in double-double, wherever they are
+                                  way = axis == 0 ? dmax : way + dmax;
+                          });
             const filtered::Decided<T> cheap = filtered::by_bound<T>(tmin, tmax, way);
             if (!any_of(!cheap.proved)) return entered<T>(cheap.hit, {tmin, tmax});
             return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, cheap, watch);

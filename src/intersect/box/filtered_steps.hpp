@@ -35,15 +35,14 @@ struct Decided : SlabDecision<T> {
 ///                   off by at most 4u of itself: 6.1u of t altogether
 ///     the product   uL more where it underflows, which is u of all that is ≥ L, and keeps a sign or gives ±0
 ///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
-///                   sign, and so the ray is missed; dmin = −∞ has it, too, and is not looked at. +∞ shows in `way`,
-///                   the largest dmax |d| and (1/d) d: plane − o and 1 to 7u where nothing overflows, ∞ where a sum or
-///                   the product or 1/d did (0·∞ too, by the latter), NaN, which max leaves out, of a slab with d = 0
+///                   sign, and so the ray is missed; dmin = −∞ has it, too, and is not looked at. +∞, and NaN of 0·∞,
+///                   show in `way`, the sum of all dmax; or, where d = 0 brings them, in `longest_way`
 ///
-/// So where way ≤ M, for tmax ≥ L tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and, where tmin ≥ L,
-/// tmin (1 − 6.1u) − uL > tmax (1 + 6.1u) + uL a miss, which 16u on one side cover with the rounding of the test;
-/// tmax < 0 is a miss by its sign. A slab that the ray is parallel to and outside of has tmin = ∞, inside of −∞ and ∞;
-/// in one of its planes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false: a direction of zeros is left.)
-/// And tmin and tmax are right to 6.1u of themselves, or to the distance of subnormal numbers.
+/// So where way < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL >
+/// tmax (1 + 6.1u) + uL a miss; 16u and L on one side cover them with the roundings of the test, whatever the sign of
+/// tmax. A slab that the ray is parallel to and outside of has tmin = ∞, inside of −∞ and ∞; in one of its planes 0·∞,
+/// which leaves tmin and tmax as they were. (∞ < ∞ is false: a direction of zeros is left.) And tmin and tmax are right
+/// to 6.1u of themselves, or to the distance of subnormal numbers.
 template <Number T>
 Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
     const T slack = T(16) * unit_roundoff<T>();
@@ -52,10 +51,10 @@ Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
     mask_t<T> in_range = T(0) <= T(0);
     if constexpr (!tells_of_operations<T>) {
         least = number::wide::least_normal<T>();
-        in_range = way <= T(1) / least;
+        in_range = way < T(1) / T(0);
     }
-    const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) && tmax >= least;
-    const mask_t<T> missed = in_range && (tmin > max(tmax * (T(1) + slack), least) || tmax < T(0));
+    const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) - least;
+    const mask_t<T> missed = in_range && tmin > tmax * (T(1) + slack) + least;
     return {{hit || missed, hit}, in_range};
 }
 
@@ -78,10 +77,23 @@ struct Found {
     T limit;
 };
 
-/// Whether the ray's end lies beyond every t that floats or numbers in the range of `fits` can have, 2^952.
+/// The largest dmax |d| and (1/d) d: plane − o and 1 to 7u where nothing overflows, ∞ where a sum or the product or 1/d
+/// did (0·∞ too, by the latter), NaN, which max leaves out, of a slab with d = 0.
+template <Number T>
+T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
+    T way(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const T d = ray.direction[axis], inv = T(1) / d;
+        const T dmax = (slabs.of[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
+        way = max(inv * d, max(dmax * abs(d), way));
+    }
+    return way;
+}
+
+/// Beyond every t that floats or numbers in the range of `fits` can have.
 template <Number W>
-mask_t<W> is_endless(const W& limit) {
-    return limit >= W(1) / number::wide::power_of_two<W>(-960);
+W far_away() {
+    return W(1) / number::wide::power_of_two<W>(-960);
 }
 
 /// x, or what is as far as infinity where products are made of it: beyond all that `fits`.
@@ -109,7 +121,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             add(slabs.of[static_cast<std::size_t>(axis)].bmin);
             add(slabs.of[static_cast<std::size_t>(axis)].bmax);
         }
-        const mask_t<B> endless = is_endless(number::wide::taken_to<B>(limit));
+        const mask_t<B> endless = number::wide::taken_to<B>(limit) >= far_away<B>();
         add(select(endless, T(0), limit));
     }
     return all;
@@ -131,24 +143,23 @@ V every_pair(const Below& below, const Join& join, V all) {
 }
 
 /// In W, to nearest. v is its unit roundoff: n and f round once, the products once more, so n m and f g are right to
-/// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too.
+/// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too. Infinite planes
+/// leave NaN, which decides nothing.
 ///
 /// `static`: what is compiled for wide registers alone must not be what the linker gives to others.
 template <class W, Number T>
 static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::taken_back, number::wide::taken_to;
     const auto wide = [](const T& x) { return taken_to<W>(x); };
-    const auto plane = [](const T& x) { return without_infinity(taken_to<W>(x)); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
     for (int axis = 0; axis < 3; ++axis) {
         const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
         const W sign = copysign(W(1), d);
         m[static_cast<std::size_t>(axis)] = abs(d);
-        n[static_cast<std::size_t>(axis)] = sign * (plane(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
-        f[static_cast<std::size_t>(axis)] = sign * (plane(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
+        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
+        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
     }
-    const W v = unit_roundoff<W>(), end = wide(limit);
-    const mask_t<W> endless = is_endless(end);
+    const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
     // Least over all: positive where every comparison holds for certain, negative where one fails for certain.
     const auto room = [&](const W& less, const W& more) {
         const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
@@ -159,8 +170,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     for (int i = 0; i < 3; ++i) {
         const auto at = static_cast<std::size_t>(i);
         least = min(least, exactly(f[at]));
-        // Of a ray without an end, m > 0 is all that it asks.
-        least = min(least, room(select(endless && m[at] > W(0), W(0), n[at]), select(endless, W(0), end) * m[at]));
+        least = min(least, room(n[at], end * m[at]));
     }
     least = every_pair<W>(
         [&](int i, int j) {
@@ -191,7 +201,7 @@ template <Number T>
         f[at] = {sign * second.hi, sign * second.lo};
     }
     const B end = word(limit);
-    const mask_t<B> endless = is_endless(end);
+    const mask_t<B> endless = end >= far_away<B>();
     const auto yes = [](const B& x) { return select(x >= B(0), B(1), B(-1)); };
     B all = yes(end);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -256,16 +266,22 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
         using W = number::wide::TwoWords<B>;
         return entered<T>(joined(cheap, widely<W, T>(ray, slabs, found.limit)).hit, found.segment);
     } else {
-        SlabDecision<T> known = cheap;
+        Decided<T> first = cheap;
+        if (any_of(!cheap.in_range)) {
+            const Decided<T> again = by_bound<T>(found.segment.tmin, found.segment.tmax, longest_way(ray, slabs));
+            first = {joined(cheap, again), cheap.in_range || again.in_range};
+            if (!any_of(!first.proved)) return entered<T>(first.hit, found.segment);
+        }
+        SlabDecision<T> known = first;
         if constexpr (number::wide::has_wider_word<T>) {
             watch(Way::wider);
             SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
             wide.proved = wide.proved && fits(ray, slabs, found.limit);
             known = joined(known, wide);
-            if (any_of(!cheap.in_range)) {
+            if (any_of(!first.in_range)) {
                 const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
-                found.segment = {select(cheap.in_range, found.segment.tmin, other.tmin),
-                                 select(cheap.in_range, found.segment.tmax, other.tmax)};
+                found.segment = {select(first.in_range, found.segment.tmin, other.tmin),
+                                 select(first.in_range, found.segment.tmax, other.tmax)};
             }
             if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }

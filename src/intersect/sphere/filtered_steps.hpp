@@ -45,11 +45,11 @@ struct Settled {
 ///     |δt| ≤ 11.2u s + 3.6u root + E/(a·1.866·root) + u t,
 /// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), t being s − root.
 ///
-/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f ≥ 4L/u, and f·f and
-/// 1/a both lie within 64L and 1/(64L), nothing overflows, |f||d| and F are at least 64L, and what is lost of f·d, s,
-/// f + s d and w is a 64th of their bounds; |l|², r² and e lose 5uL ≤ 1.25φ², which the 141φ² in E have to spare over
-/// the 134φ² that it needs. A hit asks Δ̂/a ≥ 64L besides, so that the root stays normal, and its test is strict: both
-/// of its sides may overflow.
+/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a both lie
+/// within √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L: what is lost of f·d, s, f + s d
+/// and w is a 64th of their bounds; |l|², r² and e lose 5uL ≤ 1.25φ², which the 141φ² in E have to spare over the
+/// 134φ² that it needs; and where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict: both of its
+/// sides may overflow.
 template <Number T>
 Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T u = unit_roundoff<T>(), r = sphere.radius;
@@ -59,22 +59,23 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T s = named("s", dot(f, ray.direction) * inv);
     const Vec<T> l = f - s * ray.direction;
     const T delta = named("delta", r2 - square(l));
-    const T ratio = delta * inv, root = named("root", sqrt(ratio));
+    const T root = named("root", sqrt(delta * inv));
 
     const T w = (T(21) / T(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + T(4) * u * r;
     const T e = w * (T(2) * r + T(32) * w);
     // In coarser formats nothing is far enough away.
     const T from = select(T(1024) * u <= T(1), T(2), T(1) / T(0));
-    const mask_t<T> ahead = s > T(0);
-    const mask_t<T> open = ahead && delta >= -e;
-    mask_t<T> met = ahead && delta > T(4) * e && e * inv < root * (T(36) * u * s - T(66) * u * root);
-    mask_t<T> holds = ff >= from * r2;
-    if constexpr (!tells_of_operations<T>) {  // which end in double-double, wherever they are
-        const T least = number::wide::least_normal<T>(), low = T(64) * least;
-        met = met && ratio >= low;
-        holds = holds && inv >= low && max(ff, inv) <= T(1) / low && ff >= T(4) / u * least;
+    // Ahead: where s ≤ 0, the last side is none.
+    const mask_t<T> met = delta > T(4) * e && e * inv < root * (T(36) * u * s - T(66) * u * root);
+    const mask_t<T> missed = s <= T(0) || delta < -e;
+    if constexpr (tells_of_operations<T>) {  // which end in double-double, wherever they are
+        return {ff >= from * r2 && (met || missed), met, named("t", s - root)};
+    } else {
+        const T least = number::wide::root_of_least_normal<T>() / (T(23) * u);
+        const T most = T(1) / (T(64) * number::wide::least_normal<T>());
+        const mask_t<T> in_range = ff >= max(least, from * r2) && inv >= least && max(ff, inv) <= most;
+        return {in_range && (met || missed), met, named("t", s - root)};
     }
-    return {holds && (!open || met), met, named("t", s - root)};
 }
 
 /// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
@@ -117,8 +118,9 @@ Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
         const T least = number::wide::least_normal<T>(), none = T(1) / T(0);
         v = max(v, T(2) * u * least);
         e = (T(6) * v) * (T(4) * all * a) + T(64) * least;
-        sure = sure && min(abs(c), a) >= (number::wide::has_wider_word<T> ? T(64) * least : least / v) && e < none &&
-               abs(h) < none && !(q >= none);
+        T from = least / v;
+        if constexpr (number::wide::has_wider_word<T>) from = T(64) * least;
+        sure = sure && min(abs(c), a) >= from && e < none && abs(h) < none && !(q >= none);
     }
     sure = sure && abs(c) >= all * (v / u);
     const mask_t<T> missed = outside && (behind || disc < -e);

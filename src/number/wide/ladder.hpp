@@ -47,6 +47,14 @@ T least_normal() {
     else return next_up(T(0)) * (T(1) / (T(2) * unit_roundoff<T>()));
 }
 
+/// Its root, which is a power of two in float and double.
+template <class T>
+T root_of_least_normal() {
+    if constexpr (std::same_as<T, float> || (InRegisters<T> && has_wider_word<T>)) return T(0x1p-63F);
+    else if constexpr (std::same_as<T, double> || InRegisters<T>) return T(0x1p-511);
+    else return sqrt(least_normal<T>());
+}
+
 /// Whether numbers of T come as doubles whose products may over- or underflow: `asked_lanes` then answers. Products of
 /// four floats do neither in double.
 template <class T>
