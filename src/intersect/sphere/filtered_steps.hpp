@@ -197,16 +197,18 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 }
 
 /// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
-/// doubles. Of floats they are.
+/// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     mask_t<T> all = T(0) <= T(0);
     if constexpr (number::wide::has_whole_range<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
+        B none(0);
         const auto add = [&](const T& x) {
             const B size = abs(number::wide::taken_to<B>(x));
             all = all && size <= most && (size >= least || size <= B(0));
+            none = none + B(0) * size;
         };
         for (int axis = 0; axis < 3; ++axis) {
             add(ray.origin[axis]);
@@ -214,6 +216,7 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
             add(sphere.centre[axis]);
         }
         add(sphere.radius);
+        all = all || !(none <= B(0));
     }
     return all;
 }
