@@ -23,6 +23,36 @@ struct Settled {
     }
 };
 
+/// What `cheaply` computes.
+template <Number T>
+struct Cheap {
+    Vec<T> f;
+    T r, inv, s, delta, root;
+};
+
+/// Its bounds.
+template <Number T>
+Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
+    using number::wide::untold;
+    using P = decltype(untold(t));
+    const P u = unit_roundoff<P>(), none = P(1) / P(0), r = untold(of.r), s = untold(of.s), root = untold(of.root);
+    const P inv = untold(of.inv), delta = untold(of.delta);
+    const Vec<P> f = untold(of.f);
+    const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
+    const P e = w * (P(2) * r + P(32) * w);
+    // In coarser formats nothing is far enough away.
+    const P from = select(P(1024) * u <= P(1), P(2), none);
+    const P least = number::wide::root_of_least_normal<P>() / (P(23) * u);
+    const P most = P(1) / (P(64) * number::wide::least_normal<P>());
+    const mask_t<P> in_range = ff >= max(least, from * square(r)) && inv >= least && max(ff, inv) <= most;
+    // Ahead: where s ≤ 0, the last side is none.
+    const mask_t<P> met = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
+    const mask_t<P> missed = s <= P(0) || delta < -e;
+    const mask_t<T> proved = number::wide::taken_for_granted<T>(in_range && (met || missed));
+    if constexpr (tells_of_operations<T>) return {proved, of.delta > T(0) && of.s > T(0), t};
+    else return {proved, met, t};
+}
+
 /// From outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a); one division, one root.
 ///
 /// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
@@ -52,30 +82,40 @@ struct Settled {
 /// sides may overflow.
 template <Number T>
 Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
-    const T u = unit_roundoff<T>(), r = sphere.radius;
+    const T r2 = square(sphere.radius);
     const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation: both s and l are then without a minus
-    const T ff = square(f), r2 = square(r);
     const T inv = named("inv", T(1) / square(ray.direction));
     const T s = named("s", dot(f, ray.direction) * inv);
     const Vec<T> l = f - s * ray.direction;
     const T delta = named("delta", r2 - square(l));
     const T root = named("root", sqrt(delta * inv));
+    return proved_cheaply<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
+}
 
-    const T w = (T(21) / T(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + T(4) * u * r;
-    const T e = w * (T(2) * r + T(32) * w);
-    // In coarser formats nothing is far enough away.
-    const T from = select(T(1024) * u <= T(1), T(2), T(1) / T(0));
-    // Ahead: where s ≤ 0, the last side is none.
-    const mask_t<T> met = delta > T(4) * e && e * inv < root * (T(36) * u * s - T(66) * u * root);
-    const mask_t<T> missed = s <= T(0) || delta < -e;
-    if constexpr (tells_of_operations<T>) {  // which end in double-double, wherever they are
-        return {ff >= from * r2 && (met || missed), met, named("t", s - root)};
-    } else {
-        const T least = number::wide::root_of_least_normal<T>() / (T(23) * u);
-        const T most = T(1) / (T(64) * number::wide::least_normal<T>());
-        const mask_t<T> in_range = ff >= max(least, from * r2) && inv >= least && max(ff, inv) <= most;
-        return {in_range && (met || missed), met, named("t", s - root)};
-    }
+/// What `widely` computes.
+template <Number T>
+struct Wide {
+    T r, a, h, c, disc, root, q;
+};
+
+/// Its bounds. W: the wider number.
+template <class W, Number T>
+Settled<T> proved_widely(const Wide<T>& of, const T& t) {
+    using number::wide::untold;
+    using P = decltype(untold(t));
+    const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), none = P(1) / P(0);
+    const P a = untold(of.a), h = untold(of.h), c = untold(of.c), disc = untold(of.disc), q = untold(of.q);
+    const P r2 = square(untold(of.r)), all = (c + r2) + r2;
+    const P v = max(untold(number::wide::taken_back<T>(unit_roundoff<W>())), P(2) * u * least);
+    const P e = (P(6) * v) * (P(4) * all * a) + P(64) * least;
+    const P from = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
+    const mask_t<P> sure = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= from && e < none && abs(h) < none &&
+                           !(q >= none) && abs(c) >= all * (v / u);
+    const mask_t<P> missed = c > P(0) && (h > P(0) || disc < -e);
+    const mask_t<P> met = !missed && disc > e && e <= untold(of.root) * (q * (P(16) * u));
+    const mask_t<T> proved = number::wide::taken_for_granted<T>(sure && (met || missed));
+    if constexpr (tells_of_operations<T>) return {proved, !(of.c > T(0) && of.h > T(0)) && of.disc > T(0), t};
+    else return {proved, met, t};
 }
 
 /// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
@@ -107,25 +147,10 @@ Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
 
     const T a = named("a", taken_back<T>(aw)), h = named("h", taken_back<T>(hw)), c = named("c", taken_back<T>(cw));
     const T disc = named("D", taken_back<T>(dw));
-    const T u = unit_roundoff<T>();
-    const T r2 = square(sphere.radius), all = (c + r2) + r2;
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
     const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
-    mask_t<T> sure = T(32) * u <= T(1);
-    T v = taken_back<T>(unit_roundoff<W>()), e = (T(24) * v) * (all * a);
-    if constexpr (!tells_of_operations<T>) {  // which end here, wherever they are
-        const T least = number::wide::least_normal<T>(), none = T(1) / T(0);
-        v = max(v, T(2) * u * least);
-        e = (T(6) * v) * (T(4) * all * a) + T(64) * least;
-        T from = least / v;
-        if constexpr (number::wide::has_wider_word<T>) from = T(64) * least;
-        sure = sure && min(abs(c), a) >= from && e < none && abs(h) < none && !(q >= none);
-    }
-    sure = sure && abs(c) >= all * (v / u);
-    const mask_t<T> missed = outside && (behind || disc < -e);
-    const mask_t<T> met = !missed && disc > e && e <= root * (q * (T(16) * u));
-    return {sure && (met || missed), met, t};
+    return proved_widely<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
 }
 
 /// h, c, a and a r² − |f × d|², which is D, good to 2^-52 of themselves, and zero only where they are: sums of the
@@ -196,6 +221,19 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
+/// The end over numbers that tell of operations: `exactly`, with terms as good as double-double makes them.
+template <class W, Number T>
+Settled<T> in_words(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using number::wide::taken_back, number::wide::taken_to;
+    using B = number::wide::OneWord<T>;
+    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
+    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
+    const W a = square(d), r2 = square(taken_to<W>(sphere.radius));
+    const W disc = a * r2 - square(cross(f, d)), h = dot(f, d), c = square(f) - r2;
+    const Settled<B> found = of_terms<B>(h.hi, c.hi, a.hi, disc.hi);
+    return {found.proved, found.hit, taken_back<T>(found.t)};
+}
+
 /// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
 /// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
 template <Number T>
@@ -249,15 +287,16 @@ Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Sett
 /// double-double is the end, and its decision stands.
 template <Number T, class Watch>
 Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
-    using W = number::wide::TwoWords<number::wide::OneWord<T>>;
+    using B = number::wide::OneWord<T>;
+    using W = number::wide::TwoWords<B>;
     watch(Way::two_words);
     const Part<T> part("in two words");
     const Settled<T> wide = joined(soft, widely<W, T>(ray, sphere));
+    if (!any_of(!wide.proved)) return wide;
+    watch(Way::exact);
     if constexpr (tells_of_operations<T>) {
-        return wide;
+        return joined(wide, in_words<W, T>(ray, sphere));
     } else {
-        if (!any_of(!wide.proved)) return wide;
-        watch(Way::exact);
         const Settled<T> known = joined(wide, exactly<T>(ray, sphere));
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);

@@ -38,6 +38,24 @@ T taken_back(const W& x) {
     else return Wider<T>::narrow(x.hi);
 }
 
+/// x without what its number tells of operations: what a filter decides by is no part of the answer.
+template <class T>
+auto untold(const T& x) {
+    if constexpr (tells_of_operations<T>) return x.value();
+    else return x;
+}
+template <class T>
+auto untold(const Vec<T>& x) {
+    return Vec<decltype(untold(x.x))>(untold(x.x), untold(x.y), untold(x.z));
+}
+
+/// A decision about untold numbers as one of T: proved, and on a tape a constant.
+template <class T, class Mask>
+mask_t<T> taken_for_granted(const Mask& mask) {
+    if constexpr (tells_of_operations<T>) return T(mask ? 1 : 0) > T(0);
+    else return mask;
+}
+
 /// The least normal number of T: below it a product is off by up to u times this, whatever its own size.
 template <class T>
 T least_normal() {
@@ -60,6 +78,15 @@ T root_of_least_normal() {
 template <class T>
 inline constexpr bool has_whole_range =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
+
+/// Whether numbers of a wider word go below T's own. Some formats of fewer bits are as deep as double.
+template <class T>
+mask_t<T> goes_deeper() {
+    if constexpr (!has_wider_word<T>) return T(1) < T(0);
+    else if constexpr (std::same_as<OneWord<T>, double>)
+        return taken_to<double>(least_normal<T>()) > std::numeric_limits<double>::min();
+    else return T(0) < T(1);
+}
 
 /// `f(in, out)` for each lane in which `ask` > 0: `in` are the lane's numbers as doubles, and what it leaves in `out`,
 /// which holds those of `out` before, is that lane of the result.
