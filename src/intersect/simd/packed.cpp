@@ -12,50 +12,28 @@
 
 namespace lostbits::intersect::simd {
 
-using table::HitBatch;
-using table::RayBatch;
-
 namespace {
 
 constexpr std::size_t forms = form_count;
 
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-template <Isa isa>
-const std::array<RawRow, forms>& raw_rows() {
-    static const auto rows = [] {
-        std::array<RawRow, forms> filled{};
-        if constexpr (isa == Isa::w128) fill_packed_w128(filled.data());
-#if defined(LOSTBITS_PACKED_X86)
-        if constexpr (isa == Isa::w256) fill_packed_w256(filled.data());
-        if constexpr (isa == Isa::w512) fill_packed_w512(filled.data());
-#endif
-        return filled;
-    }();
-    return rows;
-}
+/// The rows of a width, which `fill` was compiled for: one that the machine has not is not filled.
+struct RowsOfWidth {
+    std::array<OwnPacksOfRow, forms> packs;
+    std::array<PackedRow, forms> rows;
 
-template <Isa isa, std::size_t form>
-void run32(const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    run_packed(raw_rows<isa>()[form].f32, bytes_of(isa) / sizeof(float), rays, target, hits);
-}
-
-template <Isa isa, std::size_t form>
-void run64(const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    run_packed(raw_rows<isa>()[form].f64, bytes_of(isa) / sizeof(double), rays, target, hits);
-}
-
-template <Isa isa>
-std::span<const PackedRow> rows_of() {
-    static const auto rows = []<std::size_t... form>(std::index_sequence<form...>) {
-        const auto scalar = table::catalogue();
-        const auto& raw = raw_rows<isa>();
-        return std::array<PackedRow, forms>{
-            PackedRow{scalar[form].info, run32<isa, form>, raw[form].f64 ? run64<isa, form> : nullptr}...};
+    RowsOfWidth(Isa isa, void (*fill)(RawRow*)) {
+        std::array<RawRow, forms> raw{};
+        fill(raw.data());
+        for (std::size_t i = 0; i < forms; ++i) {
+            packs[i] = {raw[i], bytes_of(isa)};
+            rows[i] = {table::catalogue()[i].info, packs[i].f32.bound(), packs[i].f64.bound()};
+        }
     }
-    (std::make_index_sequence<forms>{});
-    return rows;
-}
+    RowsOfWidth(const RowsOfWidth&) = delete;
+    RowsOfWidth& operator=(const RowsOfWidth&) = delete;
+};
 
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
@@ -123,34 +101,26 @@ Isa current_isa() { return chosen_isa(); }
 
 std::span<const PackedRow> packed_rows(Isa isa) {
     if (!runs(isa)) return {};
-    switch (isa) {
-        case Isa::scalar: return scalar_rows();
-        case Isa::w128: return rows_of<Isa::w128>();
-        case Isa::w256: return rows_of<Isa::w256>();
-        case Isa::w512: return rows_of<Isa::w512>();
+    if (isa == Isa::scalar) return scalar_rows();
+#if defined(LOSTBITS_PACKED_X86)
+    if (isa == Isa::w256) {
+        static RowsOfWidth w256(isa, fill_packed_w256);
+        return w256.rows;
     }
-    return {};
+    if (isa == Isa::w512) {
+        static RowsOfWidth w512(isa, fill_packed_w512);
+        return w512.rows;
+    }
+#endif
+    static RowsOfWidth w128(Isa::w128, fill_packed_w128);
+    return w128.rows;
 }
 
 namespace {
 
-/// A kernel over packs and how many numbers its registers hold: what a bound kernel needs of its own.
-template <class S>
-struct OwnPack {
-    RawKernel<S> kernel;
-    std::size_t lanes;
-};
-
-template <class S>
-void run_own(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
-    const auto& pack = *static_cast<const OwnPack<S>*>(own);
-    run_packed(pack.kernel, pack.lanes, rays, target, hits);
-}
-
 struct OwnWidths {
     const Info* info;
-    std::array<OwnPack<float>, 3> f32;
-    std::array<OwnPack<double>, 3> f64;
+    std::array<OwnPacksOfRow, 3> widths = {};
 };
 
 std::deque<OwnWidths>& own_packs() {
@@ -169,11 +139,11 @@ std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa)
     if (same != scalar.end()) return packed_rows(isa)[static_cast<std::size_t>(same - scalar.begin())];
     const auto own = std::ranges::find(own_packs(), form.info, &OwnWidths::info);
     if (own == own_packs().end() || isa == Isa::scalar) return std::nullopt;
-    const auto width = static_cast<std::size_t>(isa) - 1;
+    OwnPacksOfRow& packs = own->widths[static_cast<std::size_t>(isa) - 1];
     PackedRow row = native_kernels(form);
-    if (own->f32[width].kernel == nullptr) return std::nullopt;
-    row.f32 = {run_own<float>, &own->f32[width]};
-    if (own->f64[width].kernel != nullptr) row.f64 = {run_own<double>, &own->f64[width]};
+    if (!packs.f32.kernel) return std::nullopt;
+    row.f32 = packs.f32.bound();
+    if (packs.f64.kernel) row.f64 = packs.f64.bound();
     return row;
 }
 
@@ -191,12 +161,9 @@ bool is_packed(const table::Intersector& form, Isa isa) {
 
 void enroll_packs(const std::vector<OwnPacks>& rows) {
     for (const OwnPacks& row : rows) {
-        OwnWidths& kept = own_packs().emplace_back(OwnWidths{row.info, {}, {}});
-        for (std::size_t w = 0; w < row.widths.size(); ++w) {
-            const std::size_t bytes = bytes_of(static_cast<Isa>(w + 1));
-            kept.f32[w] = {row.widths[w].f32, bytes / sizeof(float)};
-            kept.f64[w] = {row.widths[w].f64, bytes / sizeof(double)};
-        }
+        OwnWidths& kept = own_packs().emplace_back(OwnWidths{row.info, {}});
+        for (std::size_t w = 0; w < row.widths.size(); ++w)
+            kept.widths[w] = {row.widths[w], bytes_of(static_cast<Isa>(w + 1))};
     }
 }
 

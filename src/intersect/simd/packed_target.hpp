@@ -108,4 +108,31 @@ void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>
     if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
 }
 
+/// A kernel of whole registers and how many numbers they hold: what a kernel of the table needs of its own.
+template <class F>
+struct OwnPack {
+    RawKernel<F> kernel = nullptr;
+    std::size_t lanes = 0;
+
+    /// Refers to this, which outlives it.
+    [[nodiscard]] table::Kernel<F> bound() {
+        if (!kernel) return nullptr;
+        return {[](void* own, const auto& rays, const auto& target, const auto& hits) {
+                    const auto& pack = *static_cast<const OwnPack*>(own);
+                    run_packed(pack.kernel, pack.lanes, rays, target, hits);
+                },
+                this};
+    }
+};
+
+/// A form over packs, in registers of so many bytes.
+struct OwnPacksOfRow {
+    OwnPack<float> f32;
+    OwnPack<double> f64;
+
+    OwnPacksOfRow() = default;
+    OwnPacksOfRow(const RawRow& raw, std::size_t bytes)
+        : f32{raw.f32, bytes / sizeof(float)}, f64{raw.f64, bytes / sizeof(double)} {}
+};
+
 }  // namespace lostbits::intersect::simd

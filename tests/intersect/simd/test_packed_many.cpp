@@ -163,10 +163,10 @@ TEST_CASE("the rows for many solids are the catalogue's, each with the kernels o
             const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere,
                        has64 = rows[i].native64 != nullptr;
             CHECK(many[i].info == rows[i].info);
-            CHECK((many[i].boxes32 != nullptr) == box);
-            CHECK((many[i].boxes64 != nullptr) == (box && has64));
-            CHECK((many[i].spheres32 != nullptr) == sphere);
-            CHECK((many[i].spheres64 != nullptr) == (sphere && has64));
+            CHECK(static_cast<bool>(many[i].boxes32) == box);
+            CHECK(static_cast<bool>(many[i].boxes64) == (box && has64));
+            CHECK(static_cast<bool>(many[i].spheres32) == sphere);
+            CHECK(static_cast<bool>(many[i].spheres64) == (sphere && has64));
         }
     }
 }
