@@ -182,9 +182,11 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     return {told > T(0) || told < T(0), told >= T(0)};
 }
 
-/// Exactly where the numbers fit, as signs of sums of words: 1 where every comparison holds, −1 where one fails.
+/// Exactly where the numbers fit (`fit`), as signs of sums of words: 1 where every comparison holds, −1 where one
+/// fails.
 template <Number T>
-[[gnu::noinline]] static SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+[[gnu::noinline]] static SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit,
+                                                 const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
@@ -223,7 +225,7 @@ template <Number T>
             return yes(apart.value());
         },
         [](const B& a, const B& b) { return min(a, b); }, all);
-    return {fits(ray, slabs, limit), number::wide::taken_back<T>(all) > T(0)};
+    return {fit, number::wide::taken_back<T>(all) > T(0)};
 }
 
 /// tmin and tmax in W, where neither over- nor underflows: good to u when they are brought back.
@@ -273,10 +275,11 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
             if (!any_of(!first.proved)) return entered<T>(first.hit, found.segment);
         }
         SlabDecision<T> known = first;
+        const mask_t<T> fit = fits(ray, slabs, found.limit);
         if constexpr (number::wide::has_wider_word<T>) {
             watch(Way::wider);
             SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
-            wide.proved = wide.proved && fits(ray, slabs, found.limit);
+            wide.proved = wide.proved && fit;
             known = joined(known, wide);
             if (any_of(!first.in_range)) {
                 const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
@@ -286,7 +289,7 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
             if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }
         watch(Way::exact);
-        known = joined(known, exactly<T>(ray, slabs, found.limit));
+        if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ray, slabs, found.limit, fit));
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known);
         return entered<T>(known.hit, found.segment);

@@ -185,7 +185,7 @@ struct ExactTerms {
             for (std::size_t x = 0; x < m.words().size(); ++x) {
                 const B& word = m.words()[x];
                 of_disc.add_product(-word, word);
-                for (std::size_t y = x + 1; y < m.words().size(); ++y) of_disc.add_product(word + word, -m.words()[y]);
+                for (const B& other : m.words().subspan(x + 1)) of_disc.add_product(word + word, -other);
             }
         }
         of_c.add(-r2);
@@ -259,10 +259,10 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     return all;
 }
 
-/// Proved where the numbers fit; the answer is brought back as t, −1 for a miss, because T may be narrower and its
-/// masks others.
+/// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss, because T may be narrower and
+/// its masks others.
 template <Number T>
-[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere) {
+[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
     const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
@@ -270,7 +270,7 @@ template <Number T>
                            Sphere<B>{words(sphere.centre), word(sphere.radius)});
     const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
     const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
-    return {fits(ray, sphere), t >= T(0), t};
+    return {fit, t >= T(0), t};
 }
 
 /// `known`, and where it proves nothing the decision and t in the whole range.
@@ -297,7 +297,8 @@ Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& 
     if constexpr (tells_of_operations<T>) {
         return joined(wide, in_words<W, T>(ray, sphere));
     } else {
-        const Settled<T> known = joined(wide, exactly<T>(ray, sphere));
+        const mask_t<T> fit = fits(ray, sphere);
+        const Settled<T> known = any_of(!wide.proved && fit) ? joined(wide, exactly<T>(ray, sphere, fit)) : wide;
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
         return known;

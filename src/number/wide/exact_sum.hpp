@@ -3,24 +3,28 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::number::wide {
 
-/// A sum of `size` words.
+/// A sum of at most `size` words.
 template <class P, std::size_t size>
 class ExactSum {
 public:
-    void add(const P& word) { words_[next_++] = word; }
+    /// One that is zero in every lane is left out: of floats, whose products are doubles, nine words in ten are.
+    void add(const P& word) {
+        if (any_of(!(abs(word) <= P(0)))) words_[used_++] = word;
+    }
     /// Exactly while the product does not underflow.
     void add(const TwoWords<P>& words) {
         add(words.hi);
         add(words.lo);
     }
     void add_product(const P& x, const P& y) { add(product_of(x, y)); }
-    [[nodiscard]] const std::array<P, size>& words() const { return words_; }
+    [[nodiscard]] std::span<const P> words() const { return {words_.data(), used_}; }
 
     /// The sum, good to 2^-59 of itself, zero where it is zero and nowhere else.
     ///
@@ -32,10 +36,11 @@ public:
     /// the least.
     P value() {
         constexpr int most_passes = 40;
-        P& last = words_.back();
+        if (used_ == 0) return P(0);
+        P& last = words_[used_ - 1];
         for (int pass = 0; pass < most_passes; ++pass) {
             P others(0);
-            for (std::size_t i = 1; i < size; ++i) {
+            for (std::size_t i = 1; i < used_; ++i) {
                 const TwoWords<P> s = sum_of(words_[i], words_[i - 1]);
                 words_[i] = s.hi;
                 words_[i - 1] = s.lo;
@@ -53,7 +58,7 @@ private:
     }
 
     std::array<P, size> words_ = zeros(std::make_index_sequence<size>());
-    std::size_t next_ = 0;
+    std::size_t used_ = 0;
 };
 
 }  // namespace lostbits::number::wide
