@@ -14,7 +14,7 @@ namespace lostbits::number::wide {
 template <class P, std::size_t size>
 class ExactSum {
 public:
-    /// One that is zero in every lane is left out: of floats, whose products are doubles, nine words in ten are.
+    /// One that is zero in every lane is left out: of floats, whose products are doubles, most are.
     void add(const P& word) {
         if (any_of(!(abs(word) <= P(0)))) words_[used_++] = word;
     }
