@@ -89,8 +89,8 @@ std::string evidence_text(const Claim& c, const ClaimResult& r) {
         case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
         case Evidence::exhaustive: return r.floats > 0 ? "" : "all that it speaks of was measured";
         case Evidence::search: return found ? "by the worst that a search found" : "of the worst that a search found";
-        // One ray is enough to refute it.
-        case Evidence::sample: return found ? "" : "of what was measured, a sample";
+        case Evidence::counterexample: return "by a counterexample";
+        case Evidence::sample: return "of what was measured, a sample";
         case Evidence::none: break;
     }
     return "";

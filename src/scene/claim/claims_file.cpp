@@ -29,6 +29,7 @@ using Evidence = Claim::Evidence;
 constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidence::proof},
                                                                {"exhaustive", Evidence::exhaustive},
                                                                {"search", Evidence::search},
+                                                               {"counterexample", Evidence::counterexample},
                                                                {"sample", Evidence::sample}};
 
 /// What the verdict rests on, and whether the claim has that.
@@ -39,6 +40,8 @@ void read_evidence(TableReader& table, Claim& claim) {
         table.fail_at("evidence", "is a proof: write its inequality, or where that stands, as lemma = \"...\"");
     if (claim.evidence != Evidence::proof && !claim.lemma.empty())
         table.fail_at("lemma", "goes with evidence = \"proof\", of which it is the inequality");
+    if (claim.evidence == Evidence::counterexample && claim.verdict == V::holds)
+        table.fail_at("evidence", "is a counterexample, which refutes a sentence: write verdict = \"refuted\"");
 }
 
 void read_timing(TableReader table, Claim& claim) {
@@ -256,6 +259,12 @@ std::string universal_word(const std::string& statement) {
         std::regex::icase);
     std::smatch found;
     return std::regex_search(statement, found, word) ? found[1].str() : "";
+}
+
+bool tells_of_a_sample(const std::string& text) {
+    static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",
+                                  std::regex::icase);
+    return std::regex_search(text, words);
 }
 
 std::vector<Claim> read_claims(const std::filesystem::path& path) {

@@ -21,9 +21,10 @@ struct Claim {
     enum class Profile { results, timing, libraries };
 
     /// What the verdict rests on. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence speaks
-    /// of was measured. `search`: an adversarial search for the worst case, or the worst that one found. `sample`: the
-    /// rays that were measured, and no others. A sentence with a word of all cases ("never", "at most") must say.
-    enum class Evidence { none, proof, exhaustive, search, sample };
+    /// of was measured. `search`: an adversarial search for the worst case, or the worst that one found.
+    /// `counterexample`: what was measured contradicts the sentence. `sample`: the rays that were measured, and no
+    /// others. A sentence with a word of all cases ("never", "at most") must say.
+    enum class Evidence { none, proof, exhaustive, search, counterexample, sample };
 
     /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
     struct Timing {
@@ -109,6 +110,9 @@ std::string_view name_of(Claim::Profile profile);
 std::string_view name_of(Claim::Evidence evidence);
 /// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.
 std::string universal_word(const std::string& statement);
+/// Whether a sentence says that it is about a sample: by that word, as "random", or by how many were tried ("none of
+/// 1024 rays", "of the 65,536 pixels").
+bool tells_of_a_sample(const std::string& text);
 
 /// All claims of a file. InputError with a position for anything that is not a claim; an id given twice is one.
 std::vector<Claim> read_claims(const std::filesystem::path& path);

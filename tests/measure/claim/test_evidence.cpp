@@ -3,6 +3,7 @@
 #include "measure/claim/claim.hpp"
 #include "number/error.hpp"
 #include "scene/claim/claims_file.hpp"
+#include "scene/scene_text.hpp"
 
 using namespace lostbits;
 using scene::claim::Claim;
@@ -28,6 +29,9 @@ TEST_CASE("every claim whose sentence speaks of all cases says what it rests on"
         if (!word.empty()) {
             ++universal;
             CHECK(claim.evidence != Claim::Evidence::none);
+            if (sample) CHECK(scene::claim::tells_of_a_sample(claim.statement + " " + claim.note));
+            // One case is enough to refute it.
+            if (sample) CHECK(claim.verdict == Claim::Verdict::holds);
         }
         // Of a promise of a bound, samples say nothing.
         if (word == "sound") CHECK_FALSE(sample);
@@ -47,6 +51,38 @@ TEST_CASE("words of all cases are found as words") {
     CHECK(scene::claim::universal_word("Two ulps are Always enough") == "Always");
     CHECK(scene::claim::universal_word("by at most 6u") == "at most");
     CHECK(scene::claim::universal_word("Neverland has an allowance and a knot").empty());
+}
+
+TEST_CASE("a counterexample refutes") {
+    const scene::test::Folder folder;
+    const auto claim = [&](const std::string& verdict) {
+        return folder.write("claims.toml", R"(schema = "lostbits-claims/1"
+[[claim]]
+id = "c"
+statement = "Two ulps are always enough"
+source = "-"
+evidence = "counterexample"
+verdict = ")" + verdict + R"("
+[claim.given]
+scene = "near-benign"
+form = "sphere.unified"
+format = "f32"
+[claim.expect]
+metric = "false_miss"
+in = [0, 0]
+)");
+    };
+    CHECK(scene::claim::read_claims(claim("refuted")).front().evidence == Claim::Evidence::counterexample);
+    CHECK_THROWS_AS(scene::claim::read_claims(claim("holds")), InputError);
+}
+
+TEST_CASE("a sample is one in words") {
+    using scene::claim::tells_of_a_sample;
+    CHECK(tells_of_a_sample("None of 1,024 rays is missed"));
+    CHECK(tells_of_a_sample("Of the 65536 pixels none is"));
+    CHECK(tells_of_a_sample("No random ray is lost"));
+    CHECK(tells_of_a_sample("A sample proves nothing"));
+    CHECK_FALSE(tells_of_a_sample("No ray is lost at 4096 radii, and none is randomly hit"));
 }
 
 TEST_CASE("a claim about a search measures the worst ray that it finds, and in how many evaluations") {
