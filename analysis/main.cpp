@@ -127,7 +127,7 @@ std::vector<std::string> words_of(const Common& common) {
 
 /// `joined`: shards of this command that are to be joined; null where it is to be done.
 Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
-    shell::Program program("lostbits", program_and_version, description, footer);
+    shell::CommandLine program("lostbits", program_and_version, description, footer);
     Common common;
     common.joined = std::move(joined);
     common.doors.ends_with = shell::tell_status;

@@ -26,7 +26,7 @@ std::string not_one_of(const std::string& option, const std::string& word, const
 }
 
 template <class T>
-Check in_range(T low, T high) {
+ValueRule in_range(T low, T high) {
     const auto text = [](T end) { return fmt::format("{:g}", static_cast<double>(end)); };
     const auto wrong = [=](const std::string& option, const std::string& word) {
         T value{};
@@ -53,7 +53,7 @@ CLI::Option* add_split(CLI::App& app, const std::string& names, std::vector<std:
 }
 
 /// One value where it stands, and held to the check.
-Option finished(CLI::Option* option, const Check& check) {
+Option finished(CLI::Option* option, const ValueRule& check) {
     if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
     const auto hold = [wrong = check.wrong, option](const std::string& word) {
         // Thrown, since the parser would put the option's name in front of it.
@@ -77,15 +77,15 @@ Misread::Kind kind_of(const CLI::ParseError& error) {
 
 }  // namespace
 
-Check one_of(const std::vector<std::string>& known) {
+ValueRule one_of(const std::vector<std::string>& known) {
     const auto wrong = [known](const std::string& option, const std::string& word) {
         return std::ranges::find(known, word) == known.end() ? not_one_of(option, word, known) : "";
     };
     return {wrong, fmt::format("{{{}}}", fmt::join(known, ","))};
 }
 
-Check whole_from(int low, int high) { return in_range(low, high); }
-Check number_from(double low, double high) { return in_range(low, high); }
+ValueRule whole_from(int low, int high) { return in_range(low, high); }
+ValueRule number_from(double low, double high) { return in_range(low, high); }
 
 std::vector<std::string> items_in(const std::string& word, const std::string& option) {
     std::vector<std::string> all;
@@ -140,22 +140,22 @@ void Option::replace(const std::string& word) const {
 }
 
 template <class T>
-Option Command::add(const std::string& names, T& into, const std::string& help, const Check& check) const {
+Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
     return finished(app_->add_option(names, into, help), check);
 }
-template Option Command::add(const std::string&, std::string&, const std::string&, const Check&) const;
-template Option Command::add(const std::string&, std::vector<std::string>&, const std::string&, const Check&) const;
-template Option Command::add(const std::string&, double&, const std::string&, const Check&) const;
-template Option Command::add(const std::string&, int&, const std::string&, const Check&) const;
-template Option Command::add(const std::string&, std::optional<int>&, const std::string&, const Check&) const;
-template Option Command::add(const std::string&, std::size_t&, const std::string&, const Check&) const;
+template Option Command::add(const std::string&, std::string&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::vector<std::string>&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, double&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, int&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::optional<int>&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::size_t&, const std::string&, const ValueRule&) const;
 
 Option Command::add(const std::string& names, bool& into, const std::string& help) const {
     return Option(app_->add_flag(names, into, help));
 }
 
 Option Command::add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
-                         const Check& check) const {
+                         const ValueRule& check) const {
     const auto items = [option = names.substr(0, names.find(','))](const std::string& word) {
         return items_in(word, option);
     };
@@ -236,8 +236,8 @@ std::vector<Command> Command::given() const {
     return all;
 }
 
-Program::Program(const std::string& name, const std::string& version, const std::string& help,
-                 const std::string& footer)
+CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help,
+                         const std::string& footer)
     : Command(nullptr, &run_), parser_(std::make_unique<CLI::App>(help, name)) {
     app_ = parser_.get();
     app_->fallthrough();
@@ -245,9 +245,9 @@ Program::Program(const std::string& name, const std::string& version, const std:
     app_->set_version_flag("--version", version);
 }
 
-Program::~Program() = default;
+CommandLine::~CommandLine() = default;
 
-bool Program::parse(const std::vector<std::string>& words) {
+bool CommandLine::parse(const std::vector<std::string>& words) {
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
     try {
@@ -261,6 +261,6 @@ bool Program::parse(const std::vector<std::string>& words) {
     }
 }
 
-std::vector<std::string> Program::leftover() const { return app_->remaining(true); }
+std::vector<std::string> CommandLine::leftover() const { return app_->remaining(true); }
 
 }  // namespace lostbits::analysis::shell

@@ -18,15 +18,15 @@ class Option;
 namespace lostbits::analysis::shell {
 
 /// What a value is held to.
-struct Check {
+struct ValueRule {
     /// What is wrong with a word of an option, in a sentence; empty where it fits.
     std::function<std::string(const std::string& option, const std::string& word)> wrong;
     std::string description;  ///< for the help: `{none,csv}`
 };
-Check one_of(const std::vector<std::string>& known);
+ValueRule one_of(const std::vector<std::string>& known);
 /// Both ends included; NaN is in no range.
-Check whole_from(int low, int high);
-Check number_from(double low, double high);
+ValueRule whole_from(int low, int high);
+ValueRule number_from(double low, double high);
 
 /// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
 std::vector<std::string> items_in(const std::string& word, const std::string& option);
@@ -67,12 +67,12 @@ public:
     /// T: std::string, its vector, double, int, std::optional<int>, std::size_t. An option takes one value where it
     /// stands, and of a vector it may be repeated; an argument takes all that follow.
     template <class T>
-    Option add(const std::string& names, T& into, const std::string& help, const Check& check = {}) const;
+    Option add(const std::string& names, T& into, const std::string& help, const ValueRule& check = {}) const;
     Option add(const std::string& names, bool& into, const std::string& help) const;  ///< takes no value
     /// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The
     /// check is of each.
     Option add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
-                    const Check& check = {}) const;
+                    const ValueRule& check = {}) const;
     /// `--set`: assignments, repeated or between commas.
     Option add_set(std::vector<std::string>& into, const std::string& help) const;
     /// An option whose value is one of these names, the first by default; `take` gets its place among them.
@@ -111,10 +111,11 @@ struct Misread : std::runtime_error {
     Kind kind;  ///< `said`: the text is a sentence of ours
 };
 
-class Program : public Command {
+class CommandLine : public Command {
 public:
-    Program(const std::string& name, const std::string& version, const std::string& help, const std::string& footer);
-    ~Program();
+    CommandLine(const std::string& name, const std::string& version, const std::string& help,
+                const std::string& footer);
+    ~CommandLine();
 
     /// Reads the words, the first of which is the program's own. False where they asked for help, which is printed
     /// then. Misread; what a check throws.

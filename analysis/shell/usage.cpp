@@ -27,7 +27,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
 }
 
 /// Words that nothing takes.
-std::string leftover(const Program& program, const std::string& fallback) {
+std::string leftover(const CommandLine& program, const std::string& fallback) {
     const Command command = program.given().back();
     const bool is_program = program.given().size() == 1;
     const std::vector<std::string> words = program.leftover();
@@ -49,7 +49,7 @@ std::string leftover(const Program& program, const std::string& fallback) {
 
 }  // namespace
 
-std::string what_is_wrong(const Program& program, const Misread& error) {
+std::string what_is_wrong(const CommandLine& program, const Misread& error) {
     const std::string text = output::file::terminal_line(error.what());
     // A slip in a name is why something else seems to be missing.
     if (error.kind == Misread::nothing_takes_it || (error.kind == Misread::missing && !program.leftover().empty()))
