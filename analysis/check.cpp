@@ -312,34 +312,32 @@ Exit run(const CheckOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_check(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("check", "Measure every claim again and compare with what it states");
+void add_check(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("check", "Measure every claim again and compare with what it states");
     const auto o = std::make_shared<CheckOptions>();
-    command->add_option("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
-    choice::add_list(*command, "--filter", o->filters, "Only claims whose id matches a glob");
-    command->add_option("--junit", o->junit, "Write JUnit XML");
-    command->add_option("--export-csv", o->csv, "Write CSV, one row per claim");
-    command->add_option("--export-json", o->json, "Write JSON, one object per claim");
-    command->add_option("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
-    command->add_option("--save", o->save, "Write what every claim measures into a file, for a later --against");
-    command->add_option("--against", o->against, "Show how what is measured moved since a --save: a table, and JUnit");
-    command->add_option("--moves", o->moves, "Of --against: write that table as Markdown too");
-    add_shard(*command, o->shard);
-    command->add_option("--annotations", o->annotations, "github: also print workflow annotations")
-        ->check(CLI::IsMember({"none", "github"}));
-    command
-        ->add_option(
-            "--profile", o->profile,
-            "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
-            "forms that come by --plugin and --pipe, skipped where theirs did not")
-        ->check(CLI::IsMember({"results", "timing", "libraries"}));
-    command
-        ->add_option("--seeds", o->seeds,
-                     "Measure each claim about random rays on this many further draws too, and show the spread")
-        ->check(CLI::Range(0, 1000));
-    command->add_flag("--strict", o->strict, "Claims of severity warn count as failures too");
-    command->add_flag("--measure", o->measure, "Print what each claim measures now, without judging");
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
+    command.add_list("--filter", o->filters, "Only claims whose id matches a glob");
+    command.add("--junit", o->junit, "Write JUnit XML");
+    command.add("--export-csv", o->csv, "Write CSV, one row per claim");
+    command.add("--export-json", o->json, "Write JSON, one object per claim");
+    command.add("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
+    command.add("--save", o->save, "Write what every claim measures into a file, for a later --against");
+    command.add("--against", o->against, "Show how what is measured moved since a --save: a table, and JUnit");
+    command.add("--moves", o->moves, "Of --against: write that table as Markdown too");
+    add_shard(command, o->shard);
+    command.add("--annotations", o->annotations, "github: also print workflow annotations",
+                shell::one_of({"none", "github"}));
+    command.add(
+        "--profile", o->profile,
+        "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
+        "forms that come by --plugin and --pipe, skipped where theirs did not",
+        shell::one_of({"results", "timing", "libraries"}));
+    command.add("--seeds", o->seeds,
+                "Measure each claim about random rays on this many further draws too, and show the spread",
+                shell::whole_from(0, 1000));
+    command.add("--strict", o->strict, "Claims of severity warn count as failures too");
+    command.add("--measure", o->measure, "Print what each claim measures now, without judging");
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

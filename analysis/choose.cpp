@@ -201,37 +201,34 @@ Exit run(const ChooseOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_choose(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
+void add_choose(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "choose",
         "The cheapest form and format that meets a wish on a scene or on rays of files, what it costs, and how far it "
         "holds");
     const auto o = std::make_shared<ChooseOptions>();
     command
-        ->add_option("SCENE", o->subjects,
-                     "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
-        ->required();
-    command->add_option("--bits", o->bits, "Correct bits of t that are wanted, at least")
-        ->required()
-        ->check(choice::number_from(0, 53));
-    command->add_option("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)")
-        ->check(choice::number_from(0, 1));
-    command->add_option("--at", o->at,
-                        "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    choice::add_list(
-        *command, "-f,--format", o->formats,
+        .add("SCENE", o->subjects,
+             "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
+        .required();
+    command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
+    command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
+                shell::number_from(0, 1));
+    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
+    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    command.add_list(
+        "-f,--format", o->formats,
         "f32, f64 (default: both); an emulated format beside them counts where the narrowest for a pixel is asked");
-    auto* const single = command->add_flag("--single", o->single, "One ray at a time is what is paid for");
-    command->add_flag("--bulk", o->bulk, "Registers full of rays are what is paid for, where a form has them (default)")
-        ->excludes(single);
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command->add_option("--variant", o->variant, "One variant of a scene that has several");
-    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
-    choice::add_ray_options(*command, *o, "--file-format");
-    command->add_flag("--quick", o->quick, "Shorter measurements of time, for a first look");
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    const auto single = command.add("--single", o->single, "One ray at a time is what is paid for");
+    command.add("--bulk", o->bulk, "Registers full of rays are what is paid for, where a form has them (default)")
+        .excludes(single);
+    command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
+    command.add("--variant", o->variant, "One variant of a scene that has several");
+    command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
+    choice::add_ray_options(command, *o, "--file-format");
+    command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -1,8 +1,6 @@
 // The subcommands: each adds itself to the program and runs when it is chosen.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -13,6 +11,7 @@
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/shard/division.hpp"
+#include "analysis/shell/command_line.hpp"
 #include "measure/map/map.hpp"
 #include "measure/map/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -38,25 +37,10 @@ struct Common {
 
 inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 
-using Command = std::function<Exit()>;
-
-/// Each registers a subcommand and stores in `chosen` what to run when it was given.
-void add_check(CLI::App& program, const Common& common, Command& chosen);
-void add_choose(CLI::App& program, const Common& common, Command& chosen);
-void add_consistency(CLI::App& program, const Common& common, Command& chosen);
-void add_devices(CLI::App& program, const Common& common, Command& chosen);
-void add_diff(CLI::App& program, const Common& common, Command& chosen);
-void add_explain(CLI::App& program, const Common& common, Command& chosen);
-void add_judge(CLI::App& program, const Common& common, Command& chosen);
-void add_list(CLI::App& program, const Common& common, Command& chosen);
-void add_map(CLI::App& program, const Common& common, Command& chosen);
-void add_offsets(CLI::App& program, const Common& common, Command& chosen);
-void add_plugin(CLI::App& program, const Common& common, Command& chosen);
-void add_render(CLI::App& program, const Common& common, Command& chosen);
-void add_report(CLI::App& program, const Common& common, Command& chosen);
-void add_shader(CLI::App& program, Command& chosen);
-void add_sweep(CLI::App& program, const Common& common, Command& chosen);
-void add_trade(CLI::App& program, const Common& common, Command& chosen);
+/// Each adds a command to the program, which keeps a reference to the options of every command.
+using AddCommand = void(const shell::Command& program, const Common& common);
+AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
+    add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
 
 /// Standard output, for a command that answers a pipe; what else is printed goes to standard error from then on.
 /// EnvironmentError, which begins with `command`.
@@ -79,7 +63,7 @@ void require_folder(const std::string& out);
     const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
 
 /// `--shard` of a command.
-void add_shard(CLI::App& command, std::string& word);
+void add_shard(const shell::Command& command, std::string& word);
 
 /// Where a run's shard, if it is one, keeps what it found, and what belongs to it while it lives.
 struct Divided {

@@ -27,13 +27,11 @@ using scene::file::Scene;
 namespace {
 
 struct ConsistencyOptions {
-    std::vector<std::string> scenes;
+    choice::SceneChoice scenes;
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32"};
     std::vector<std::string> checks{"*"};
-    std::string size, variant, pixels = "none";
-    std::vector<std::string> set;
-    std::string out;
+    std::string pixels = "none", out;
 };
 
 /// `12 of 3072 (0.39%)`
@@ -107,7 +105,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     if (rows.empty())
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -129,12 +127,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
-    if (!common.quiet) {
-        for (const Scene& scene : scenes) {
-            choice::note_lost_numbers(scene, rows);
-            choice::note_idle_settings(o.set, scene.id, rows);
-        }
-    }
+    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
     auto folder = folders.begin();
@@ -148,24 +141,20 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_consistency(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
+void add_consistency(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "consistency",
         "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
         "segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; spheres or boxes")->required();
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
-    choice::add_list(*command, "-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
-    choice::add_list(*command, "--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
-    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
-        ->check(CLI::IsMember({"none", "csv"}));
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
+    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
+    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    command.add_list("--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
+    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
+    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

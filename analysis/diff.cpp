@@ -126,31 +126,27 @@ Exit run(const DiffWords& w, const Common& common) {
 
 }  // namespace
 
-void add_diff(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
+void add_diff(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "diff",
         "Where two folders of maps, two forms of one, or two files differ; NaN, infinite and missing values always "
         "count");
     const auto w = std::make_shared<DiffWords>();
-    command->add_option("A", w->a, "A file or a folder")->required();
-    command->add_option("B", w->b, "The file or folder to compare it with; none with two forms");
-    // One word each: A and B may follow.
-    command
-        ->add_option("--tolerance", w->tolerances,
-                     "COLUMN=ABS[,REL]: how far apart numbers may be; columns and channels by name or glob, the last "
-                     "match counts")
-        ->allow_extra_args(false);
-    command->add_option("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob")
-        ->allow_extra_args(false);
-    command->add_flag("--strict", w->strict,
-                      "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
-    command->add_flag("--pictures", w->pictures, "Compare pictures too");
-    choice::add_list(*command, "-i,--intersector", w->forms, "Two forms of the maps in A, in place of B");
-    choice::add_list(*command, "-f,--format", w->formats, "Formats that --draw draws (default: all)");
-    command->add_option("--draw", w->draw,
-                        "A folder for pictures of the difference, one a form and format; of maps made with --pixels "
-                        "csv or --exr");
-    command->callback([w, &common, &chosen] { chosen = [w, &common] { return run(*w, common); }; });
+    command.add("A", w->a, "A file or a folder").required();
+    command.add("B", w->b, "The file or folder to compare it with; none with two forms");
+    command.add("--tolerance", w->tolerances,
+                "COLUMN=ABS[,REL]: how far apart numbers may be; columns and channels by name or glob, the last "
+                "match counts");
+    command.add("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob");
+    command.add("--strict", w->strict,
+                "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
+    command.add("--pictures", w->pictures, "Compare pictures too");
+    command.add_list("-i,--intersector", w->forms, "Two forms of the maps in A, in place of B");
+    command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
+    command.add("--draw", w->draw,
+                "A folder for pictures of the difference, one a form and format; of maps made with --pixels "
+                "csv or --exr");
+    command.runs([w, &common] { return run(*w, common); });
 }
 
 }  // namespace lostbits::analysis

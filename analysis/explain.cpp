@@ -24,7 +24,7 @@ struct ExplainOptions {
 /// One of the option's kind. InputError for several, between commas or by a glob.
 template <class Select>
 auto only(const char* option, const std::string& word, const char* what, const Select& select) {
-    const auto found = select(choice::items_in(word, option), option);
+    const auto found = select(shell::items_in(word, option), option);
     if (found.size() != 1)
         throw InputError(fmt::format("{} {}: names {} {}s, and explain looks at one ray in one {}; name one", option,
                                      word, found.size(), what, what));
@@ -62,47 +62,42 @@ Exit run(const ExplainOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_explain(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command =
-        program.add_subcommand("explain", "One ray of a scene, operation by operation: which one loses the bits");
+void add_explain(const shell::Command& program, const Common& common) {
+    auto command =
+        program.add_command("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
     choice::RayWords& words = o->words;
-    command->add_option("SCENE", words.subject,
-                        "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
-                        "data/sweeps; none with --sphere or --box");
-    command->add_option("--pixel", words.pixel, "Column and row of a pixel, from the left and from the top: 17,42");
-    command->add_option("--size", words.size,
-                        "Size of the picture that contains the pixel, WxH (default: the scene's)");
-    command->add_option("--variant", words.variant, "The variant of a scene that has several");
-    command->add_option("--ray", words.ray,
-                        "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    command->add_option("--sphere", words.spheres,
-                        "A sphere for --ray, in place of a scene: CX,CY,CZ,R; may be repeated");
-    command->add_option("--box", words.boxes,
-                        "A box for --ray, in place of a scene: LX,LY,LZ,HX,HY,HZ; may be repeated");
-    command->add_option("--tmax", words.tmax, "Where the ray ends; with --box");
-    command->add_option("--as", words.as,
-                        "A format that the numbers of --ray, --sphere, --box and --tmax are rounded to first");
-    command->add_option("--case", words.named_case,
-                        "A case of a file of cases: NAME, or NAME:K for its ray K, counted from 0 (default: the worst "
-                        "for the form)");
-    command
-        ->add_option("--convention", words.convention,
-                     "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)")
-        ->check(CLI::IsMember({"own", "closed", "open"}));
-    command->add_option("-i,--intersector", o->form, "The form")->required();
-    command->add_option("-f,--format", o->format, "The format (default: f32)");
-    choice::add_set(*command, words.set, "Change a number of the scene first: march.hit_eps=1e-6");
-    auto* const as = command->add_option_group("as", "Instead of the table");
-    as->add_flag("--json", o->json, "Everything, as JSON");
-    as->add_flag("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
-    as->add_flag("--latex", o->latex, "The operations as a LaTeX align*");
-    as->add_flag(
+    command.add("SCENE", words.subject,
+                "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
+                "data/sweeps; none with --sphere or --box");
+    command.add("--pixel", words.pixel, "Column and row of a pixel, from the left and from the top: 17,42");
+    command.add("--size", words.size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
+    command.add("--variant", words.variant, "The variant of a scene that has several");
+    command.add("--ray", words.ray,
+                "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
+    command.add("--sphere", words.spheres, "A sphere for --ray, in place of a scene: CX,CY,CZ,R; may be repeated");
+    command.add("--box", words.boxes, "A box for --ray, in place of a scene: LX,LY,LZ,HX,HY,HZ; may be repeated");
+    command.add("--tmax", words.tmax, "Where the ray ends; with --box");
+    command.add("--as", words.as,
+                "A format that the numbers of --ray, --sphere, --box and --tmax are rounded to first");
+    command.add("--case", words.named_case,
+                "A case of a file of cases: NAME, or NAME:K for its ray K, counted from 0 (default: the worst "
+                "for the form)");
+    command.add("--convention", words.convention,
+                "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
+                shell::one_of({"own", "closed", "open"}));
+    command.add("-i,--intersector", o->form, "The form").required();
+    command.add("-f,--format", o->format, "The format (default: f32)");
+    command.add_set(words.set, "Change a number of the scene first: march.hit_eps=1e-6");
+    auto as = command.add_group("as", "Instead of the table");
+    as.add("--json", o->json, "Everything, as JSON");
+    as.add("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
+    as.add("--latex", o->latex, "The operations as a LaTeX align*");
+    as.add(
         "--c", o->c,
         "A C program that reproduces t to the bit; a form with a fused multiply-add or a step to the next number: in "
         "f32 and f64 alone");
-    as->require_option(0, 1);
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

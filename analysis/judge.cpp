@@ -216,22 +216,21 @@ Exit run(const JudgeWords& o, const Common& common) {
 
 }  // namespace
 
-void add_judge(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command =
-        program.add_subcommand("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
+void add_judge(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
     const auto o = std::make_shared<JudgeWords>();
-    command->add_option("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t")->required();
-    choice::add_ray_options(*command, *o, "--format,--file-format");
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
-    choice::add_list(*command, "-f", o->formats, "Their formats (default: that of the file)");
-    command->add_option("--against", o->against, "A form to hold the answers against, without asking what is true");
-    choice::add_list(*command, "--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
-    command->add_option("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
-    command->add_flag("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command->add_option("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
-    add_shard(*command, o->shard);
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t").required();
+    choice::add_ray_options(command, *o, "--format,--file-format");
+    command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
+    command.add_list("-f", o->formats, "Their formats (default: that of the file)");
+    command.add("--against", o->against, "A form to hold the answers against, without asking what is true");
+    command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
+    command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
+    command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    add_shard(command, o->shard);
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

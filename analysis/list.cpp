@@ -246,18 +246,17 @@ Exit run(const std::string& what, bool json, const Common& common) {
 
 }  // namespace
 
-void add_list(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("list",
-                                           "List forms (intersectors), labels of their operations, formats, metrics, "
-                                           "scenes, sweeps, claims, strategies, checks, devices");
+void add_list(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("list",
+                                       "List forms (intersectors), labels of their operations, formats, metrics, "
+                                       "scenes, sweeps, claims, strategies, checks, devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
-    command->add_option("WHAT", *what, "What to list")
-        ->check(CLI::IsMember({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
+    command.add("WHAT", *what, "What to list",
+                shell::one_of({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
                                "strategies", "checks", "devices"}));
-    command->add_flag("--json", *json, "As a JSON array");
-    command->callback(
-        [what, json, &common, &chosen] { chosen = [what, json, &common] { return run(*what, *json, common); }; });
+    command.add("--json", *json, "As a JSON array");
+    command.runs([what, json, &common] { return run(*what, *json, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -33,55 +33,46 @@ constexpr const char* description =
     "A precision laboratory for ray intersectors: where significand bits are lost, which operation loses them,\n"
     "whether the formula or the problem is to blame, and what the safer form costs.";
 
-void add_common(CLI::App& program, Common& common) {
-    using Mode = output::file::Progress::Mode;
-    static const std::map<std::string, Mode> modes{{"auto", Mode::automatic}, {"bar", Mode::bar}, {"none", Mode::none}};
-    program.add_option(
-        "--data", common.data,
-        "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the one of the program)");
-    program.add_option("--progress", common.progress, "Progress on stderr: auto (on a terminal), bar, none")
-        ->transform(CLI::CheckedTransformer(modes))
-        ->default_str("auto");
-    program.add_flag("--force", common.force,
-                     "Write into a folder of results although it holds some that no manifest.json names; they stay");
-    program.add_flag("-q,--quiet", common.quiet, "Print errors only");
-    program.add_flag("-v,--verbose", common.verbose, "Print more detail");
-    program.add_option("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it")
-        ->check(CLI::Range(1, 1024));
-    program
-        .add_option("--isa", common.isa,
-                    "Width of the registers: scalar, 128, 256, 512 (default: the widest of this processor); results do "
-                    "not depend on it")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(intersect::simd::isa_names.begin(), intersect::simd::isa_names.end())));
+void add_common(const shell::Command& program, Common& common) {
+    program.add("--data", common.data,
+                "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the one of the program)");
+    const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
+    program.add_named("--progress", {"auto", "bar", "none"}, show,
+                      "Progress on stderr: auto (on a terminal), bar, none");
+    program.add("--force", common.force,
+                "Write into a folder of results although it holds some that no manifest.json names; they stay");
+    program.add("-q,--quiet", common.quiet, "Print errors only");
+    program.add("-v,--verbose", common.verbose, "Print more detail");
+    program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",
+                shell::whole_from(1, 1024));
+    program.add("--isa", common.isa,
+                "Width of the registers: scalar, 128, 256, 512 (default: the widest of this processor); results do "
+                "not depend on it",
+                shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
 }
 
-void add_doors(CLI::App& program, choice::DoorWords& doors) {
-    program.add_option(
-        "--plugin", doors.plugins,
-        "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
-        "be repeated");
-    program.add_option("--pipe", doors.pipes,
-                       "A command that reads rays on its standard input and answers on its standard output, in any "
-                       "language; its forms stand beside the others. May be repeated");
-    program.add_option(
-        "--shader", doors.shaders,
-        "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
-        "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
-    choice::add_list(program, "--device", doors.devices,
+void add_doors(const shell::Command& program, choice::DoorWords& doors) {
+    program.add("--plugin", doors.plugins,
+                "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
+                "be repeated");
+    program.add("--pipe", doors.pipes,
+                "A command that reads rays on its standard input and answers on its standard output, in any "
+                "language; its forms stand beside the others. May be repeated");
+    program.add("--shader", doors.shaders,
+                "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
+                "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
+    program.add_list("--device", doors.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
-    auto* const isolate =
-        program.add_flag("--isolate", doors.isolate,
-                         "Run libraries in processes of their own, so that none can end the program (default: for "
-                         "`check`, and wherever CI is set in the environment; not those of formulas)");
+    const auto isolate =
+        program.add("--isolate", doors.isolate,
+                    "Run libraries in processes of their own, so that none can end the program (default: for "
+                    "`check`, and wherever CI is set in the environment; not those of formulas)");
     program
-        .add_flag("--in-process", doors.in_process,
-                  "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
-        ->excludes(isolate);
-    program
-        .add_option("--time-limit", doors.seconds,
-                    "Seconds that --plugin, --pipe and --shader may take for a batch (30)")
-        ->check(choice::number_from(0.1, 1e6));
+        .add("--in-process", doors.in_process,
+             "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
+        .excludes(isolate);
+    program.add("--time-limit", doors.seconds, "Seconds that --plugin, --pipe and --shader may take for a batch (30)",
+                shell::number_from(0.1, 1e6));
 }
 
 constexpr const char* footer =
@@ -105,25 +96,22 @@ constexpr const char* footer =
     "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
 
 /// Words for shells and for man(1), made of the options of all commands.
-void add_shell(CLI::App& program, Command& chosen) {
-    const auto add = [&](CLI::App& command, std::function<std::string()> text) {
-        command.callback([text = std::move(text), &chosen] {
-            chosen = [text] {
-                fmt::print("{}", text());
-                return Exit::done;
-            };
+void add_shell(const shell::Command& program) {
+    const auto prints = [](const shell::Command& command, const std::function<std::string()>& text) {
+        command.runs([text] {
+            fmt::print("{}", text());
+            return Exit::done;
         });
     };
-    auto* const completion = program.add_subcommand(
+    auto completion = program.add_command(
         "completion", "A script that completes the words of this program: `source <(lostbits completion bash)`");
-    completion->require_subcommand(1);
-    add(*completion->add_subcommand("bash", "For bash"), [&program] { return shell::bash_completion(program); });
-    add(*completion->add_subcommand("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
-        [&program] { return shell::zsh_completion(program); });
-    add(*completion->add_subcommand("fish", "For fish: `lostbits completion fish | source`"),
-        [&program] { return shell::fish_completion(program); });
-    add(*program.add_subcommand("manual", "The manual page: `lostbits manual | man -l -`"),
-        [&program] { return shell::manual_page(program, LOSTBITS_VERSION); });
+    prints(completion.add_command("bash", "For bash"), [&program] { return shell::bash_completion(program); });
+    prints(completion.add_command("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
+           [&program] { return shell::zsh_completion(program); });
+    prints(completion.add_command("fish", "For fish: `lostbits completion fish | source`"),
+           [&program] { return shell::fish_completion(program); });
+    prints(program.add_command("manual", "The manual page: `lostbits manual | man -l -`"),
+           [&program] { return shell::manual_page(program, LOSTBITS_VERSION, footer); });
 }
 
 /// What joins shards shows and does as the command line says, not as each of them did.
@@ -139,56 +127,35 @@ std::vector<std::string> words_of(const Common& common) {
 
 /// `joined`: shards of this command that are to be joined; null where it is to be done.
 Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
-    CLI::App program{description, "lostbits"};
-    program.require_subcommand(1);
-    program.fallthrough();
-    program.footer(footer);
-    program.set_version_flag("--version", "lostbits " LOSTBITS_VERSION);
+    shell::CommandLine program("lostbits", program_and_version, description, footer);
     Common common;
     common.joined = std::move(joined);
     common.doors.ends_with = shell::tell_status;
-    Command chosen;
     add_common(program, common);
     add_doors(program, common.doors);
-    add_check(program, common, chosen);
-    add_choose(program, common, chosen);
-    add_consistency(program, common, chosen);
-    add_devices(program, common, chosen);
-    add_diff(program, common, chosen);
-    add_explain(program, common, chosen);
-    add_judge(program, common, chosen);
-    add_list(program, common, chosen);
-    add_map(program, common, chosen);
-    shard::add_merge(program, chosen, program_and_version,
+    for (const auto add :
+         {add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map})
+        add(program, common);
+    shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
                          std::ranges::move(words_of(common), std::back_inserter(again));
                          return run_words(again, std::move(shards));
                      });
-    add_offsets(program, common, chosen);
-    add_plugin(program, common, chosen);
-    add_render(program, common, chosen);
-    add_report(program, common, chosen);
-    add_shader(program, chosen);
-    add_sweep(program, common, chosen);
-    add_trade(program, common, chosen);
-    add_shell(program, chosen);
-    choice::one_value_each(program);
+    for (const auto add : {add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade})
+        add(program, common);
+    add_shell(program);
     try {
-        std::vector<const char*> argv;
-        for (const std::string& word : words) argv.push_back(word.c_str());
-        program.parse(static_cast<int>(argv.size()), argv.data());
-    } catch (const CLI::Success& success) {  // --help, --version
-        return static_cast<Exit>(program.exit(success));
-    } catch (const CLI::ParseError& error) {
-        const CLI::App& command = shell::command_named(program);
+        if (!program.parse(words)) return Exit::done;
+    } catch (const shell::Misread& error) {
+        const auto given = program.given();
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
                    output::file::terminal_text(shell::what_is_wrong(program, error)),
-                   &command == &program ? "lostbits" : "lostbits " + command.get_name());
+                   given.size() == 1 ? "lostbits" : "lostbits " + given.back().name());
         return Exit::bad_input;
     }
     common.typed = choice::typed(program);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
-    const auto named = [&program](const char* name) { return program.got_subcommand(name); };
+    const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
     if (!named("shader") && !named("devices")) choice::decide_where(common.doors, named("check"));
     if (!named("plugin") && !named("shader") && !named("devices")) {
         if (!common.quiet) choice::note_where(common.doors, named("trade") || named("choose"));
@@ -198,14 +165,14 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
             choice::note_states();
-            choice::note_unasked(shell::command_named(program));
+            choice::note_unasked(program.given().back());
         }
     }
     shell::TableOnStdout table(program);
-    const Exit code = chosen();
+    const Exit code = program.run();
     table.write();
     // Of a process behind a pipe, and of what is only tried, whoever asks says it.
-    if (!common.quiet && !program.got_subcommand("plugin")) {
+    if (!common.quiet && !named("plugin")) {
         for (const std::string& note : intersect::doors::changes_noted())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }

@@ -36,12 +36,11 @@ namespace {
 
 struct MapOptions {
     std::string range;
-    std::vector<std::string> scenes;
+    choice::SceneChoice scenes;
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
     std::vector<std::string> metrics;
-    std::string size, variant, pixels = "none", against;
-    std::vector<std::string> set;
+    std::string pixels = "none", against;
     int bits_needed = 0;  ///< 0: not asked for
     bool envelope = false, exr = false;
     std::string out, shard;
@@ -49,7 +48,7 @@ struct MapOptions {
 
 /// What is changed about a scene.
 std::string input_of(const MapOptions& o) {
-    return each(" --set '", o.set, "'") + (o.size.empty() ? "" : " --size " + o.size);
+    return each(" --set '", o.scenes.set, "'") + (o.scenes.size.empty() ? "" : " --size " + o.scenes.size);
 }
 
 /// What to type to make the EXR again: everything that decides its bytes, and nothing that does not.
@@ -239,7 +238,7 @@ Exit run(MapOptions o, const Common& common) {
                 "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -263,12 +262,8 @@ Exit run(MapOptions o, const Common& common) {
     auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
     for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
-    if (!common.quiet) {
-        for (const SceneWork& work : works) {
-            choice::note_lost_numbers(*work.map.scene, work.map.rows);
-            choice::note_idle_settings(o.set, work.map.scene->id, work.map.rows);
-        }
-    }
+    for (const SceneWork& work : works)
+        choice::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
@@ -303,39 +298,34 @@ Exit run(MapOptions o, const Common& common) {
 
 }  // namespace
 
-void add_map(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command =
-        program.add_subcommand("map", "Error maps of every selected form and format over the pixels of a scene");
+void add_map(const shell::Command& program, const Common& common) {
+    auto command =
+        program.add_command("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes")->required();
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    choice::add_list(*command, "-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    choice::add_list(
-        *command, "--metric", o->metrics,
+    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes").required();
+    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command.add_list(
+        "--metric", o->metrics,
         "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
-    command->add_option("--range", o->range,
-                        "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
-    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
-        ->check(CLI::IsMember({"none", "csv"}));
-    command
-        ->add_option(
-            "--bits-needed", o->bits_needed,
-            "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)")
-        ->check(CLI::Range(1, 52));
-    command->add_flag("--exr", o->exr,
-                      "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
-                      "for each form and format, and the truth once");
-    command->add_option("--against", o->against,
-                        "A form to hold the others against, without asking what is true: where their decisions or "
-                        "their t differ is drawn and counted");
-    command->add_flag("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
-    add_shard(*command, o->shard);
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("--range", o->range,
+                "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
+    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
+    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+    command.add(
+        "--bits-needed", o->bits_needed,
+        "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
+        shell::whole_from(1, 52));
+    command.add("--exr", o->exr,
+                "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
+                "for each form and format, and the truth once");
+    command.add("--against", o->against,
+                "A form to hold the others against, without asking what is true: where their decisions or "
+                "their t differ is drawn and counted");
+    command.add("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
+    add_shard(command, o->shard);
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

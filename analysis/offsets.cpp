@@ -30,14 +30,12 @@ using scene::file::Scene;
 namespace {
 
 struct OffsetOptions {
-    std::vector<std::string> scenes;
+    choice::SceneChoice scenes;
     std::vector<std::string> forms;
     std::vector<std::string> formats{std::string(measure::offset::usual_format)};
     std::vector<std::string> strategies{"*"};
-    std::string points = "both";
-    std::string size, variant, pixels = "none";
-    std::vector<std::string> set, along;
-    std::string out;
+    std::vector<std::string> along;
+    std::string points = "both", pixels = "none", out;
 
     /// The axes that it asks for, each once.
     [[nodiscard]] std::vector<Along> axes() const {
@@ -125,7 +123,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -140,12 +138,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
         units += units_of(requests.back(), o);
     }
     auto folders = own_folders(scenes, o.out, common);
-    if (!common.quiet) {
-        for (const Scene& scene : scenes) {
-            choice::note_lost_numbers(scene, rows);
-            choice::note_idle_settings(o.set, scene.id, rows);
-        }
-    }
+    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
@@ -165,32 +158,28 @@ Exit run(const OffsetOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_offsets(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
+void add_offsets(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "offsets",
         "By how much the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; spheres or boxes")->required();
-    choice::add_list(*command, "-i,--intersector", o->forms,
+    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
+    command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
                      "box.ieee_minmax, and those of --plugin, --pipe and --shader)");
-    choice::add_list(*command, "-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
-    choice::add_list(*command, "--strategy", o->strategies,
+    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    command.add_list("--strategy", o->strategies,
                      "Strategies, by name or glob (default: all); `lostbits list strategies`");
-    command->add_option("--points", o->points, "Points as computed, put back onto the surface, or both (default)")
-        ->check(CLI::IsMember({"computed", "projected", "both"}));
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10");
-    command->add_option("--pixels", o->pixels, "csv: also write one row per pixel")
-        ->check(CLI::IsMember({"none", "csv"}));
-    choice::add_list(*command, "--along", o->along,
+    command.add("--points", o->points, "Points as computed, put back onto the surface, or both (default)",
+                shell::one_of({"computed", "projected", "both"}));
+    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
+    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+    command.add_list("--along", o->along,
                      "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
-                     "(offset from the origin); pictures of 48 columns")
-        ->check(choice::each_of("--along", {measure::offset::along_names.begin(), measure::offset::along_names.end()}));
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+                     "(offset from the origin); pictures of 48 columns",
+                     shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

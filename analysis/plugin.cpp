@@ -89,21 +89,19 @@ int take_standard_output(const std::string& command) {
     return output;
 }
 
-void add_plugin(CLI::App& program, const Common& common, Command& chosen) {
-    auto* const command = program.add_subcommand("plugin", "A library of intersectors: tried against what it promises");
-    command->require_subcommand(1);
+void add_plugin(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("plugin", "A library of intersectors: tried against what it promises");
     const auto library = std::make_shared<std::string>();
-    auto* const tried = command->add_subcommand(
+    auto tried = command.add_command(
         "check",
         "Ask every form of a library, or of --pipe, what anyone can check by hand; exit 1 where it does not "
         "do as it says");
-    tried->add_option("LIBRARY", *library, "The library");
-    tried->callback(
-        [library, &common, &chosen] { chosen = [library, &common] { return try_forms(*library, common); }; });
-    auto* const served = command->add_subcommand(
+    tried.add("LIBRARY", *library, "The library");
+    tried.runs([library, &common] { return try_forms(*library, common); });
+    auto served = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
-    served->add_option("LIBRARY", *library, "The library")->required();
-    served->callback([library, &chosen] { chosen = [library] { return serve(*library); }; });
+    served.add("LIBRARY", *library, "The library").required();
+    served.runs([library] { return serve(*library); });
 }
 
 }  // namespace lostbits::analysis

@@ -23,12 +23,10 @@ using scene::file::Scene;
 namespace {
 
 struct RenderOptions {
-    std::vector<std::string> scenes;
+    choice::SceneChoice scenes;
     std::vector<std::string> forms;
     std::vector<std::string> formats{"f32"};
     std::vector<std::string> stages;
-    std::string size, variant;
-    std::vector<std::string> set;
     std::string out;
 };
 
@@ -104,8 +102,7 @@ Exit run(const RenderOptions& o, const Common& common) {
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
     choice::note_unmeasured(o.forms, rows, common.quiet);
-    const auto scenes =
-        renderable(choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data)));
+    const auto scenes = renderable(choice::load_scenes(o.scenes, choice::data_folder(common.data)));
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
@@ -115,12 +112,7 @@ Exit run(const RenderOptions& o, const Common& common) {
         units += scene.pixels() * rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
-    if (!common.quiet) {
-        for (const auto& scene : scenes) {
-            choice::note_lost_numbers(scene, rows);
-            choice::note_idle_settings(o.set, scene.id, rows);
-        }
-    }
+    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     auto folder = folders.begin();
@@ -140,25 +132,22 @@ Exit run(const RenderOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_render(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand(
+void add_render(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
-    command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes; scenes of spheres")->required();
-    choice::add_list(
-        *command, "-i,--intersector", o->forms,
+    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; scenes of spheres").required();
+    command.add_list(
+        "-i,--intersector", o->forms,
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, "
         "--pipe and --shader)");
-    choice::add_list(*command, "-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
-    choice::add_list(*command, "--stage", o->stages,
-                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)")
-        ->check(choice::each_of("--stage", {scene::file::stage_names.begin(), scene::file::stage_names.end()}));
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command->add_option("--variant", o->variant, "One variant of a scene that has several (default: all)");
-    choice::add_set(*command, o->set, "Change a number of the scene first: light.position=[9,9,9]");
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    command.add_list("--stage", o->stages,
+                     "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
+                     shell::one_of({scene::file::stage_names.begin(), scene::file::stage_names.end()}));
+    choice::add_changes(command, o->scenes, "light.position=[9,9,9]");
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

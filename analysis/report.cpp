@@ -272,35 +272,31 @@ Exit run(const ReportOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_report(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("report", "One HTML page of maps, sweeps and claims that opens from a file");
+void add_report(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("report", "One HTML page of maps, sweeps and claims that opens from a file");
     const auto o = std::make_shared<ReportOptions>();
-    command->add_option("SUBJECT", o->subjects,
-                        "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-    choice::add_list(*command, "-i,--intersector", o->forms,
+    command.add("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
+    command.add_list("-i,--intersector", o->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader)");
-    choice::add_list(*command, "-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
-    choice::add_list(*command, "--metric", o->metrics, "Metrics in addition to the default ones; globs");
-    command->add_option("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
-    choice::add_list(*command, "--claims", o->claims,
-                     "Claims by id; globs (default: all, or those about the SUBJECTs)");
-    command
-        ->add_option("--seeds", o->seeds,
-                     "Measure claims and onsets of random rays on this many further draws too (default: 2)")
-        ->check(CLI::Range(0, 1000));
-    command->add_flag("--no-claims", o->no_claims, "Leave claims out");
-    command->add_flag("--all", o->all, "Every scene and sweep under data");
-    command->add_flag("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
-    choice::add_list(*command, "--choose", o->choices,
+    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
+    command.add("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
+    command.add_list("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    command.add("--seeds", o->seeds,
+                "Measure claims and onsets of random rays on this many further draws too (default: 2)",
+                shell::whole_from(0, 1000));
+    command.add("--no-claims", o->no_claims, "Leave claims out");
+    command.add("--all", o->all, "Every scene and sweep under data");
+    command.add("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
+    command.add_list("--choose", o->choices,
                      "Also what is the cheapest form for a scene and a wish: SCENE:BITS, or SCENE:BITS:max for bits of "
                      "every hit; the page then differs from run to run");
-    choice::add_list(*command, "--offsets", o->offsets,
+    command.add_list("--offsets", o->offsets,
                      "Scenes whose next rays are held against every strategy of offsets (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
-    command->add_option("-o,--out", o->out, "Folder for index.html")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("-o,--out", o->out, "Folder for index.html").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

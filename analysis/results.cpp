@@ -38,13 +38,13 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
     return folders;
 }
 
-void add_shard(CLI::App& command, std::string& word) {
-    command
-        .add_option("--shard", word,
-                    "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N")
-        ->check([](const std::string& given) {
-            return given.empty() ? std::string("its value is empty; write K/N, as in --shard 3/64") : std::string();
-        });
+void add_shard(const shell::Command& command, std::string& word) {
+    command.add("--shard", word,
+                "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N",
+                {[](const std::string& option, const std::string& given) {
+                     return given.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
+                 },
+                 ""});
 }
 
 Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,

@@ -125,29 +125,25 @@ Exit show_devices(bool json, const Common& common) {
 
 }  // namespace
 
-void add_devices(CLI::App& program, const Common& common, Command& chosen) {
-    auto* const command = program.add_subcommand(
+void add_devices(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
         "devices", "What runs --shader here: drivers, and how each adds, multiplies, divides and rounds");
     const auto json = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "As a JSON array");
-    command->callback([json, &common, &chosen] { chosen = [json, &common] { return show_devices(*json, common); }; });
+    command.add("--json", *json, "As a JSON array");
+    command.runs([json, &common] { return show_devices(*json, common); });
 }
 
-void add_shader(CLI::App& program, Command& chosen) {
-    auto* const command = program.add_subcommand("shader", "The process of a shader, which --shader starts");
-    command->require_subcommand(1);
+void add_shader(const shell::Command& program, const Common& /*common*/) {
+    auto command = program.add_command("shader", "The process of a shader, which --shader starts");
     const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
-    auto* const served =
-        command->add_subcommand("serve", "Answer rays on standard input with a shader (what --shader starts)");
-    served->add_option("SHADER", *file, "The file, as --shader takes it")->required();
-    served->callback([file, &program, &chosen] {
-        const auto device = program.get_option("--device")->results();
-        chosen = [file, device] { return serve_shader(*file, device.empty() ? "" : device.front()); };
+    auto served = command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
+    served.add("SHADER", *file, "The file, as --shader takes it").required();
+    served.runs([file, device = program.option("--device")] {
+        return serve_shader(*file, device.words().empty() ? "" : device.words().front());
     });
-    auto* const probed =
-        command->add_subcommand("probe", "How a device rounds, as lines for a program (what `devices` starts)");
-    probed->add_option("DEVICE", *kind, "opengl or vulkan");
-    probed->callback([kind, &chosen] { chosen = [kind] { return tell_device(*kind); }; });
+    auto probed = command.add_command("probe", "How a device rounds, as lines for a program (what `devices` starts)");
+    probed.add("DEVICE", *kind, "opengl or vulkan");
+    probed.runs([kind] { return tell_device(*kind); });
 }
 
 }  // namespace lostbits::analysis

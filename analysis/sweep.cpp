@@ -313,31 +313,29 @@ Exit run(SweepOptions o, const Common& common) {
 
 }  // namespace
 
-void add_sweep(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("sweep", "Errors along a parameter, and where they first cross a threshold");
+void add_sweep(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
-    command->add_option("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps")->required();
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    choice::add_list(*command, "-f,--format", o->formats,
+    command.add("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps").required();
+    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    command.add_list("-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
-    choice::add_list(*command, "--metric", o->metrics, "Metrics in addition to the default ones; globs");
-    command
-        ->add_option(
-            "--seeds", o->seeds,
-            "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)")
-        ->check(CLI::Range(0, 1000));
-    command->add_option("--size", o->changes.size,
-                        "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
-    command->add_option("--steps", o->changes.steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
-    choice::add_set(*command, o->changes.set,
+    command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
+    command.add("--seeds", o->seeds,
+                "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)",
+                shell::whole_from(0, 1000));
+    command.add("--size", o->changes.size,
+                "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
+    command.add("--steps", o->changes.steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
+    command.add_set(o->changes.set,
                     "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
                     "march.hit_eps=1e-6");
-    command->add_flag("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
-    command->add_flag("--resume", o->resume, "Go on with a sweep over every float that was stopped");
-    command->add_option("--against", o->against, "A form to hold the others against, without asking what is true");
-    add_shard(*command, o->shard);
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
+    command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
+    command.add("--against", o->against, "A form to hold the others against, without asking what is true");
+    add_shard(command, o->shard);
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

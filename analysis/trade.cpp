@@ -93,24 +93,24 @@ Exit run(const TradeOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_trade(CLI::App& program, const Common& common, Command& chosen) {
-    auto* command = program.add_subcommand("trade", "Measured speed against measured accuracy, with the Pareto front");
+void add_trade(const shell::Command& program, const Common& common) {
+    auto command = program.add_command("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
-    auto* const shape = command->add_option("--shape", o->shape, "sphere (default) or box, on rays of known kinds")
-                            ->check(CLI::IsMember({"sphere", "box"}));
-    auto* const scene =
-        command->add_option("--scene", o->scene, "Instead on the rays of a scene: a file, or a name in data/scenes")
-            ->excludes(shape);
-    command->add_option("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)")->needs(scene);
-    command->add_option("--variant", o->variant, "One variant of a scene that has several")->needs(scene);
-    choice::add_set(*command, o->set, "Change a number of the scene first: sphere[0].radius=10")->needs(scene);
-    choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
-    choice::add_list(*command, "-f,--format", o->formats, "f32, f64 (default: both)");
-    command->add_option("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)")
-        ->check(CLI::Range(1, 1000));
-    command->add_flag("--quick", o->quick, "Shorter measurements, for a first look");
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->callback([o, &common, &chosen] { chosen = [o, &common] { return run(*o, common); }; });
+    const auto shape = command.add("--shape", o->shape, "sphere (default) or box, on rays of known kinds",
+                                   shell::one_of({"sphere", "box"}));
+    const auto scene =
+        command.add("--scene", o->scene, "Instead on the rays of a scene: a file, or a name in data/scenes")
+            .excludes(shape);
+    command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
+    command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
+    command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
+    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
+    command.add_list("-f,--format", o->formats, "f32, f64 (default: both)");
+    command.add("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)",
+                shell::whole_from(1, 1000));
+    command.add("--quick", o->quick, "Shorter measurements, for a first look");
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

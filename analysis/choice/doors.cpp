@@ -238,14 +238,14 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
                    fmt::join(names, ", "), names.size() == 1 ? "is" : "are", what);
 }
 
-void note_unasked(const CLI::App& command) {
+void note_unasked(const shell::Command& command) {
     const std::vector<std::string> names = names_added();
-    const CLI::Option* const forms = command.get_option_no_throw("--intersector");
-    if (names.empty() || forms == nullptr || forms->count() == 0) return;
+    const shell::Option forms = command.option("--intersector");
+    if (names.empty() || !forms || forms.words().empty()) return;
     std::vector<std::string> words;
-    for (const CLI::Option* option : {forms, command.get_option_no_throw("--against")}) {
-        for (const std::string& result : option ? option->results() : std::vector<std::string>())
-            std::ranges::move(items_in(result, option->get_name()), std::back_inserter(words));
+    for (const shell::Option& option : {forms, command.option("--against")}) {
+        for (const std::string& word : option ? option.words() : std::vector<std::string>())
+            std::ranges::move(shell::items_in(word, option.name()), std::back_inserter(words));
     }
     if (std::ranges::none_of(names, [&words](const auto& name) { return matches_any(words, name); }))
         fmt::print(stderr, "lostbits: {} {} loaded and not asked for; add -i {}\n", fmt::join(names, ", "),

@@ -1,11 +1,10 @@
 // Intersectors from outside, as the command line names them.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
 
+#include "analysis/shell/command_line.hpp"
 #include "intersect/doors/contract.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "measure/map/map.hpp"
@@ -63,7 +62,7 @@ void note_states();
 std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
 
 /// Says on stderr where -i and --against, of a command that was parsed, name none of the forms that were added.
-void note_unasked(const CLI::App& command);
+void note_unasked(const shell::Command& command);
 
 /// Says on stderr, unless `quiet`, which forms that `words` of -i name in full, or that were added and are asked for,
 /// are in none of the rows that are measured: their shape or their formats fit nothing.

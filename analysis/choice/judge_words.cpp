@@ -68,27 +68,25 @@ std::optional<MissRule> miss_rule(const std::string& word) {
 
 }  // namespace
 
-void add_ray_options(CLI::App& command, RayFileWords& words, const std::string& format_option) {
+void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option) {
     words.format_option = format_option.substr(0, format_option.find(','));
-    command.add_option("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)")
-        ->check(CLI::IsMember({"auto", "csv", "npy", "raw"}));
-    command.add_option("--columns", words.columns,
-                       "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
-    command.add_option("--skip", words.skip, "Bytes in front of raw numbers");
-    command.add_option(format_option, words.format,
-                       "Format the answers were computed in (default: the file's; of a CSV f64)");
-    command.add_option("--sphere", words.spheres, "The sphere of all rays: CX,CY,CZ,R");
-    command.add_option("--box", words.boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
-    command.add_option("--scene", words.scene, "The scene whose solids the rays are aimed at");
-    command.add_option("--miss", words.miss,
-                       "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
-    command
-        .add_option("--direction", words.direction, "unit: t is a distance, of the direction normalised (default: any)")
-        ->check(CLI::IsMember({"any", "unit"}));
-    command.add_option("--touching", words.touching, "Whether a ray that touches should hit (default) or miss")
-        ->check(CLI::IsMember({"hit", "miss"}));
-    command.add_option("--at-origin", words.at_origin, "Whether a sphere at t = 0 should be hit (default) or miss")
-        ->check(CLI::IsMember({"hit", "miss"}));
+    command.add("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)",
+                shell::one_of({"auto", "csv", "npy", "raw"}));
+    command.add("--columns", words.columns,
+                "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+    command.add("--skip", words.skip, "Bytes in front of raw numbers");
+    command.add(format_option, words.format, "Format the answers were computed in (default: the file's; of a CSV f64)");
+    command.add("--sphere", words.spheres, "The sphere of all rays: CX,CY,CZ,R");
+    command.add("--box", words.boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
+    command.add("--scene", words.scene, "The scene whose solids the rays are aimed at");
+    command.add("--miss", words.miss,
+                "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
+    command.add("--direction", words.direction, "unit: t is a distance, of the direction normalised (default: any)",
+                shell::one_of({"any", "unit"}));
+    command.add("--touching", words.touching, "Whether a ray that touches should hit (default) or miss",
+                shell::one_of({"hit", "miss"}));
+    command.add("--at-origin", words.at_origin, "Whether a sphere at t = 0 should be hit (default) or miss",
+                shell::one_of({"hit", "miss"}));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {

@@ -1,8 +1,6 @@
 // What the words of a command line say of files of rays, and what `lostbits judge` asks beyond that.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/shell/command_line.hpp"
 #include "intersect/info.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
@@ -27,7 +26,7 @@ struct RayFileWords {
 };
 
 /// The options for all of these, `format` under that name.
-void add_ray_options(CLI::App& command, RayFileWords& words, const std::string& format_option);
+void add_ray_options(const shell::Command& command, RayFileWords& words, const std::string& format_option);
 
 struct JudgeWords : RayFileWords {
     std::string file;

@@ -111,4 +111,11 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
     }
 }
 
+void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set, const std::vector<MapRow>& rows,
+                  bool quiet) {
+    if (quiet) return;
+    note_lost_numbers(scene, rows);
+    note_idle_settings(set, scene.id, rows);
+}
+
 }  // namespace lostbits::analysis::choice

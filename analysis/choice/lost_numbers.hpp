@@ -24,4 +24,8 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<mea
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<measure::map::MapRow>& rows);
 
+/// Both, of a scene that `set` has changed; nothing where `quiet`.
+void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
+                  const std::vector<measure::map::MapRow>& rows, bool quiet);
+
 }  // namespace lostbits::analysis::choice

@@ -1,40 +1,19 @@
-// Options of several values, and what was typed.
+// What was typed, and names by globs.
 #pragma once
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 #include <vector>
 
-namespace lostbits::analysis::choice {
+#include "analysis/shell/command_line.hpp"
 
-/// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
-std::vector<std::string> items_in(const std::string& word, const std::string& option);
+namespace lostbits::analysis::choice {
 
 /// Whether a name is, or fits, one of the patterns (fnmatch).
 bool matches_any(const std::vector<std::string>& patterns, const std::string& name);
 
-/// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The word
-/// after its value is never its own: that is the scene.
-CLI::Option* add_list(CLI::App& command, const std::string& names, std::vector<std::string>& into,
-                      const std::string& help);
-
-/// Whether an option was added so.
-bool is_list(const CLI::Option& option);
-/// Of such an option: every item is one of these.
-CLI::Validator each_of(const std::string& option, const std::vector<std::string>& known);
-
-/// A number from low to high, both included. Unlike `CLI::Range`, whose comparisons NaN passes, it refuses NaN.
-CLI::Validator number_from(double low, double high);
-
-/// `--set`: assignments, repeated or between commas; a comma inside brackets belongs to the value.
-CLI::Option* add_set(CLI::App& command, std::vector<std::string>& into, const std::string& help);
-
-/// The assignments of a word: `a=1,b=[2,3]` are two.
-std::vector<std::string> assignments_in(const std::string& word);
-
-/// Every option of the program and of its commands takes one value where it stands.
-void one_value_each(CLI::App& program);
+struct SceneChoice;
+/// --size, --variant and --set of a command that takes scenes; `example` is an assignment for the help.
+void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
 
 /// The command that was typed, as a shell reads it: the arguments, and the options in the order of their help. Without
 /// what changes no result: where it goes, how many threads, what is printed.
@@ -51,7 +30,7 @@ struct Typed {
         return before + (subject.empty() ? "" : " ") + subject + after;
     }
 };
-Typed typed(const CLI::App& program);
+Typed typed(const shell::Command& program);
 
 /// The words of a command as `shell_word` wrote them.
 std::vector<std::string> words_in(const std::string& command);

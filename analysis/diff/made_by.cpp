@@ -36,7 +36,7 @@ Settings settings_of(const std::string& command) {
             settings[words[i]].insert("");
         else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
         else
-            std::ranges::copy(choice::assignments_in(words[i + 1]),
+            std::ranges::copy(shell::assignments_in(words[i + 1]),
                               std::inserter(settings[words[i]], settings[words[i]].end()));
     }
     return settings;

@@ -35,22 +35,19 @@ std::vector<std::string> words_of_run(const std::string& command, const MergeOpt
 
 }  // namespace
 
-void add_merge(CLI::App& program, std::function<Exit()>& chosen, const std::string& version,
-               const RunOfShards& run_again) {
-    auto* command = program.add_subcommand("merge", "Shards of a run joined: the same files as the whole run writes");
+void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
+    auto command = program.add_command("merge", "Shards of a run joined: the same files as the whole run writes");
     const auto o = std::make_shared<MergeOptions>();
-    command->add_option("DIR", o->folders, "Folders of shards, or folders that hold them, in any order")->required();
-    command->add_option("-o,--out", o->out, "Folder for the results")->required();
-    command->add_option("--junit", o->junit, "Of claims: write JUnit XML");
-    command->add_option("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
-    command->add_option("--export-json", o->json, "Of claims: write JSON, one object per claim");
-    command->add_option("--save", o->save, "Of claims: write what each measures, for a later --against");
-    command->add_option("--moves", o->moves, "Of claims of a run --against: write how values moved as Markdown");
-    command->callback([o, &chosen, version, run_again] {
-        chosen = [o, version, run_again] {
-            const auto shards = std::make_shared<Shards>(o->folders, version);
-            return run_again(words_of_run(shards->command(), *o), shards);
-        };
+    command.add("DIR", o->folders, "Folders of shards, or folders that hold them, in any order").required();
+    command.add("-o,--out", o->out, "Folder for the results").required();
+    command.add("--junit", o->junit, "Of claims: write JUnit XML");
+    command.add("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
+    command.add("--export-json", o->json, "Of claims: write JSON, one object per claim");
+    command.add("--save", o->save, "Of claims: write what each measures, for a later --against");
+    command.add("--moves", o->moves, "Of claims of a run --against: write how values moved as Markdown");
+    command.runs([o, version, run_again] {
+        const auto shards = std::make_shared<Shards>(o->folders, version);
+        return run_again(words_of_run(shards->command(), *o), shards);
     });
 }
 

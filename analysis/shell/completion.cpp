@@ -108,7 +108,7 @@ std::string fish_option(const std::string& condition, const OptionRow& option) {
 
 }  // namespace
 
-std::string bash_completion(const CLI::App& program) {
+std::string bash_completion(const Command& program) {
     const auto commands = command_table(program);
     const auto common = common_options(program);
     std::vector<std::string> names;
@@ -164,7 +164,7 @@ std::string bash_completion(const CLI::App& program) {
     return text;
 }
 
-std::string zsh_completion(const CLI::App& program) {
+std::string zsh_completion(const Command& program) {
     const auto commands = command_table(program);
     std::string text =
         "#compdef lostbits\n"
@@ -199,7 +199,7 @@ std::string zsh_completion(const CLI::App& program) {
     return text + "        *) _describe command commands ;;\n    esac\n}\n_lostbits \"$@\"\n";
 }
 
-std::string fish_completion(const CLI::App& program) {
+std::string fish_completion(const Command& program) {
     std::string text =
         "# Completion for fish, made by `lostbits completion fish`.\n"
         "function __lostbits_names\n"

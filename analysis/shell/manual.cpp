@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <sstream>
+
 #include "analysis/shell/completion.hpp"
 #include "analysis/shell/option_table.hpp"
 
@@ -63,13 +65,13 @@ std::vector<std::string> synopsis(const CommandRow& command) {
 
 }  // namespace
 
-std::string manual_page(const CLI::App& program, const std::string& version) {
+std::string manual_page(const Command& program, const std::string& version, const std::string& footer) {
     const auto commands = command_table(program);
     std::string text = fmt::format(".TH LOSTBITS 1 \"\" \"lostbits {}\" \"User Commands\"\n", version);
     text += ".SH NAME\nlostbits \\- a precision laboratory for ray intersectors\n.SH SYNOPSIS\n";
     for (const CommandRow& command : commands)
         text += fmt::format("{}\n.br\n", fmt::join(synopsis(command), "\n.br\n"));
-    text += ".SH DESCRIPTION\n" + roff(program.get_description()) + "\n.SH COMMANDS\n";
+    text += ".SH DESCRIPTION\n" + roff(program.help()) + "\n.SH COMMANDS\n";
     for (const CommandRow& command : commands) {
         text += fmt::format(".SS {}\n{}.\n", fmt::join(synopsis(command), "\n.SS "), roff(command.help));
         for (const CommandRow& inner : command.commands)
@@ -79,7 +81,8 @@ std::string manual_page(const CLI::App& program, const std::string& version) {
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
     // The sections of the footer, whose headings end with a colon.
     std::string section;
-    for (const std::string& line : CLI::detail::split(program.get_footer(), '\n')) {
+    std::istringstream lines(footer);
+    for (std::string line; std::getline(lines, line);) {
         if (line.empty()) continue;
         if (line.back() == ':' && line.front() != ' ') {
             section = line.substr(0, line.size() - 1);

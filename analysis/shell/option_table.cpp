@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "analysis/choice/options.hpp"
-#include "analysis/shell/usage.hpp"
-
 namespace lostbits::analysis::shell {
 
 namespace {
@@ -43,27 +40,27 @@ Values known_values(const std::string& name) {
     return found == known.end() ? Values{} : found->second;
 }
 
-/// The words of a set that the option is checked against: CLI11 shows `TEXT:{none,csv}` for its type, and
+/// The words of a set that the option is checked against: its type shows them as `TEXT:{none,csv}`, and as
 /// `ENUM:value in {bar->1,none->2} OR {1,2}` where words are mapped.
-std::vector<std::string> set_of(const CLI::Option& option) {
-    const std::string type = option.get_type_name();
+std::vector<std::string> set_of(const Option& option) {
+    const std::string type = option.type();
     const auto open = type.find('{'), close = type.find('}');
     if (open == std::string::npos || close == std::string::npos) return {};
-    std::vector<std::string> words = CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
+    std::vector<std::string> words = items_in(type.substr(open + 1, close - open - 1), option.name());
     for (std::string& word : words) word.erase(std::min(word.find("->"), word.size()));
     return words;
 }
 
-OptionRow row_of(const CLI::Option& option) {
+OptionRow row_of(const Option& option) {
     OptionRow row;
-    row.help = option.get_description();
-    row.takes_value = option.get_expected_max() > 0;
-    row.several = option.get_expected_max() > 1 && (option.get_positional() || choice::is_list(option));
-    row.required = option.get_required();
+    row.help = option.help();
+    row.takes_value = option.takes_value();
+    row.several = option.takes_several();
+    row.required = option.is_required();
     std::vector<std::string> bare;
-    if (option.get_positional()) row.names = bare = {option.get_name()};
-    for (const std::string& name : option.get_snames()) row.names.push_back("-" + name), bare.push_back(name);
-    for (const std::string& name : option.get_lnames()) row.names.push_back("--" + name), bare.push_back(name);
+    if (option.is_argument()) row.names = bare = {option.name()};
+    for (const std::string& name : option.short_names()) row.names.push_back("-" + name), bare.push_back(name);
+    for (const std::string& name : option.long_names()) row.names.push_back("--" + name), bare.push_back(name);
     if (!row.takes_value) return row;
     row.values.words = set_of(option);
     if (!row.values.words.empty()) row.values.kind = Values::Kind::words;
@@ -73,14 +70,10 @@ OptionRow row_of(const CLI::Option& option) {
     return row;
 }
 
-void add_options(const CLI::App& app, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
-    for (const CLI::Option* option : app.get_options()) {
-        if (option->get_group().empty()) continue;
-        (option->get_positional() ? arguments : options).push_back(row_of(*option));
-    }
-    // A group of options is a command without a name.
-    for (const CLI::App* group : app.get_subcommands([](const CLI::App* inner) { return inner->get_name().empty(); }))
-        add_options(*group, options, arguments);
+void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
+    for (const Option& option : command.options())
+        (option.is_argument() ? arguments : options).push_back(row_of(option));
+    for (const Command& group : command.groups()) add_options(group, options, arguments);
 }
 
 /// Those that are not there yet.
@@ -98,17 +91,16 @@ std::vector<std::string> CommandRow::names_of_commands() const {
     return names;
 }
 
-std::vector<OptionRow> common_options(const CLI::App& program) {
+std::vector<OptionRow> common_options(const Command& program) {
     std::vector<OptionRow> options, none;
     add_options(program, options, none);
     return options;
 }
 
-std::vector<CommandRow> command_table(const CLI::App& program) {
+std::vector<CommandRow> command_table(const Command& program) {
     std::vector<CommandRow> rows;
-    for (const std::string& name : commands_of(program)) {
-        const CLI::App& command = *program.get_subcommand(name);
-        CommandRow row{name, command.get_description(), {}, {}, command_table(command)};
+    for (const Command& command : program.commands()) {
+        CommandRow row{command.name(), command.help(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);
         for (const CommandRow& inner : row.commands) {
             add_new(inner.options, row.options);

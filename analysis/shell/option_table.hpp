@@ -1,10 +1,10 @@
 // The options of the program as a table, for completion and for the manual page: what the parser itself was told.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
+
+#include "analysis/shell/command_line.hpp"
 
 namespace lostbits::analysis::shell {
 
@@ -33,8 +33,8 @@ struct CommandRow {
 };
 
 /// Those of every command.
-std::vector<OptionRow> common_options(const CLI::App& program);
+std::vector<OptionRow> common_options(const Command& program);
 /// Those of a program, or of a command that has some.
-std::vector<CommandRow> command_table(const CLI::App& program);
+std::vector<CommandRow> command_table(const Command& program);
 
 }  // namespace lostbits::analysis::shell

@@ -12,7 +12,6 @@
 #include <fstream>
 #include <string_view>
 
-#include "analysis/shell/usage.hpp"
 #include "intersect/device/temporary_folder.hpp"
 #include "number/error.hpp"
 
@@ -30,31 +29,26 @@ constexpr std::array<std::string_view, 7> tables{"summary.csv",    "samples.csv"
 
 }  // namespace
 
-TableOnStdout::TableOnStdout(CLI::App& program) {
-    const CLI::App& named = command_named(program);
-    if (&named == &program) return;
-    command_ = named.get_name();
-    CLI::App& command = *program.get_subcommands().front();
-    CLI::Option* chosen = nullptr;
+TableOnStdout::TableOnStdout(const Command& program) {
+    const Command command = program.given().back();
+    command_ = command.name();
+    Option chosen;
     for (const char* name : outputs) {
-        CLI::Option* const option = command.get_option_no_throw(name);
-        if (option == nullptr || option->results() != std::vector<std::string>{"-"}) continue;
-        if (chosen != nullptr) throw InputError(std::string(name) + " -: standard output takes one table, not two");
+        const Option option = command.option(name);
+        if (!option || option.words() != std::vector<std::string>{"-"}) continue;
+        if (chosen) throw InputError(std::string(name) + " -: standard output takes one table, not two");
         chosen = option;
         is_folder_ = std::string_view(name) == "--out";
     }
-    if (chosen == nullptr) return;
+    if (!chosen) return;
     if (is_folder_ && command_ == "report")
         throw InputError("-o -: a page is not a table; name a folder for index.html");
-    const CLI::Option* const shard = command.get_option_no_throw("--shard");
-    if (shard != nullptr && shard->count() > 0)
+    if (const Option shard = command.option("--shard"); shard && !shard.words().empty())
         throw InputError(
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
     scratch_ = intersect::device::make_temporary_folder("lostbits");
-    chosen->clear();
-    chosen->add_result((is_folder_ ? scratch_ : scratch_ / "table").string());
-    chosen->run_callback();
+    chosen.replace((is_folder_ ? scratch_ : scratch_ / "table").string());
 }
 
 TableOnStdout::~TableOnStdout() {

@@ -1,11 +1,11 @@
 // `-o -`: the table of a run on standard output, and nothing else.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "analysis/shell/command_line.hpp"
 
 namespace lostbits::analysis::shell {
 
@@ -14,7 +14,7 @@ namespace lostbits::analysis::shell {
 class TableOnStdout {
 public:
     /// Looks for `-` among the outputs of the command that was named. InputError where two are.
-    explicit TableOnStdout(CLI::App& program);
+    explicit TableOnStdout(const Command& program);
     ~TableOnStdout();
     TableOnStdout(const TableOnStdout&) = delete;
     TableOnStdout& operator=(const TableOnStdout&) = delete;

@@ -254,6 +254,13 @@ TEST_CASE("one unit alone is let out of the ban on fast math", "[repository]") {
     CHECK(defining == std::vector<std::string>{"src/intersect/simd/variant_fastmath.cpp"});
 }
 
+TEST_CASE("one file alone sees the parser of the command line", "[repository]") {
+    std::vector<std::string> seeing;
+    for (const SourceFile& file : read_tree({"src", "analysis"}))
+        if (file.text.find("#include <CLI/") != std::string::npos) seeing.push_back(file.path);
+    CHECK(seeing == std::vector<std::string>{"analysis/shell/command_line.cpp"});
+}
+
 TEST_CASE("no file has outgrown its page", "[repository]") {
     const auto files = read_tree({"src", "analysis", "tests"});
     hold_everywhere(files, file_length);

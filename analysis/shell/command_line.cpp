@@ -1,0 +1,266 @@
+#include "analysis/shell/command_line.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "output/blame/explain_command.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::analysis::shell {
+
+namespace {
+
+constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
+
+std::string not_one_of(const std::string& option, const std::string& word, const std::vector<std::string>& known) {
+    const auto near = scene::toml::closest(word, known);
+    return fmt::format("{} {}: is not one of {}{}", option, word, fmt::join(known, ", "),
+                       near ? "; did you mean " + *near + "?" : "");
+}
+
+template <class T>
+ValueRule in_range(T low, T high) {
+    const auto text = [](T end) { return fmt::format("{:g}", static_cast<double>(end)); };
+    const auto wrong = [=](const std::string& option, const std::string& word) {
+        T value{};
+        const bool fits = CLI::detail::lexical_cast(word, value) && low <= value && value <= high;
+        return fits ? "" : fmt::format("{} {}: is not a number from {} to {}", option, word, text(low), text(high));
+    };
+    return {wrong, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
+}
+
+std::string trimmed(const std::string& word) {
+    const char* const blanks = " \t\n\v\f\r";
+    const std::size_t begin = std::min(word.find_first_not_of(blanks), word.size());
+    return word.substr(begin, word.find_last_not_of(blanks) + 1 - begin);
+}
+
+template <class Split>
+CLI::Option* add_split(CLI::App& app, const std::string& names, std::vector<std::string>& into, const Split& split,
+                       const std::string& help) {
+    const auto take = [&into, split](const std::vector<std::string>& words) {
+        into.clear();
+        for (const std::string& word : words) std::ranges::move(split(word), std::back_inserter(into));
+    };
+    return app.add_option_function<std::vector<std::string>>(names, take, help)->allow_extra_args(false);
+}
+
+/// One value where it stands, and held to the check.
+Option finished(CLI::Option* option, const ValueRule& check) {
+    if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
+    const auto hold = [wrong = check.wrong, option](const std::string& word) {
+        // Thrown, since the parser would put the option's name in front of it.
+        if (std::string text = wrong(option->get_name(), word); !text.empty()) throw Misread(Misread::said, text);
+        return std::string();
+    };
+    if (check.wrong) option->check(hold, check.description);
+    return Option(option);
+}
+
+Misread::Kind kind_of(const CLI::ParseError& error) {
+    using Code = CLI::ExitCodes;
+    switch (static_cast<Code>(error.get_exit_code())) {
+        case Code::ExtrasError: return Misread::nothing_takes_it;
+        case Code::RequiredError: return Misread::missing;
+        case Code::ConversionError: return Misread::unread;
+        case Code::ArgumentMismatch: return Misread::wrong_count;
+        default: return Misread::said;
+    }
+}
+
+}  // namespace
+
+ValueRule one_of(const std::vector<std::string>& known) {
+    const auto wrong = [known](const std::string& option, const std::string& word) {
+        return std::ranges::find(known, word) == known.end() ? not_one_of(option, word, known) : "";
+    };
+    return {wrong, fmt::format("{{{}}}", fmt::join(known, ","))};
+}
+
+ValueRule whole_from(int low, int high) { return in_range(low, high); }
+ValueRule number_from(double low, double high) { return in_range(low, high); }
+
+std::vector<std::string> items_in(const std::string& word, const std::string& option) {
+    std::vector<std::string> all;
+    for (std::size_t begin = 0; begin <= word.size();) {
+        const std::size_t end = std::min(word.find(',', begin), word.size());
+        all.push_back(trimmed(word.substr(begin, end - begin)));
+        if (all.back().empty())
+            throw InputError(word.find(',') == std::string::npos
+                                 ? option + ": its value is empty"
+                                 : option + " " + output::blame::shell_word(word) +
+                                       ": has nothing before, between or after its commas; take out the comma");
+        begin = end + 1;
+    }
+    return all;
+}
+
+std::vector<std::string> assignments_in(const std::string& word) {
+    std::vector<std::string> all;
+    std::size_t begin = 0;
+    int depth = 0;
+    for (std::size_t i = 0; i < word.size(); ++i) {
+        depth += (word[i] == '[' || word[i] == '(') - (word[i] == ']' || word[i] == ')');
+        if (word[i] != ',' || depth > 0) continue;
+        all.push_back(trimmed(word.substr(begin, i - begin)));
+        begin = i + 1;
+    }
+    all.push_back(trimmed(word.substr(begin)));
+    return all;
+}
+
+Option Option::required() const { return Option(option_->required()); }
+Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
+Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
+
+std::string Option::name() const { return option_->get_name(); }
+const std::vector<std::string>& Option::short_names() const { return option_->get_snames(); }
+const std::vector<std::string>& Option::long_names() const { return option_->get_lnames(); }
+const std::string& Option::help() const { return option_->get_description(); }
+std::string Option::type() const { return option_->get_type_name(); }
+bool Option::is_argument() const { return option_->get_positional(); }
+bool Option::is_required() const { return option_->get_required(); }
+bool Option::takes_value() const { return option_->get_expected_max() > 0; }
+bool Option::takes_several() const {
+    return option_->get_expected_max() > 1 && (is_argument() || type().starts_with(list_type));
+}
+const std::vector<std::string>& Option::words() const { return option_->results(); }
+
+void Option::replace(const std::string& word) const {
+    option_->clear();
+    option_->add_result(word);
+    option_->run_callback();
+}
+
+template <class T>
+Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
+    return finished(app_->add_option(names, into, help), check);
+}
+template Option Command::add(const std::string&, std::string&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::vector<std::string>&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, double&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, int&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::optional<int>&, const std::string&, const ValueRule&) const;
+template Option Command::add(const std::string&, std::size_t&, const std::string&, const ValueRule&) const;
+
+Option Command::add(const std::string& names, bool& into, const std::string& help) const {
+    return Option(app_->add_flag(names, into, help));
+}
+
+Option Command::add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
+                         const ValueRule& check) const {
+    const auto items = [option = names.substr(0, names.find(','))](const std::string& word) {
+        return items_in(word, option);
+    };
+    // Not by the parser's delimiter, which drops empty items and keeps blanks.
+    auto* const list = add_split(*app_, names, into, items, help)->type_name(list_type);
+    if (!check.wrong) return Option(list);
+    const auto each = [check](const std::string& option, const std::string& word) {
+        for (const std::string& item : items_in(word, option)) {
+            if (std::string text = check.wrong(option, item); !text.empty()) return text;
+        }
+        return std::string();
+    };
+    return finished(list, {each, check.description});
+}
+
+Option Command::add_set(std::vector<std::string>& into, const std::string& help) const {
+    return finished(add_split(*app_, "--set", into, assignments_in, help), {});
+}
+
+Option Command::add_named(const std::string& option, const std::vector<std::string>& names,
+                          const std::function<void(int)>& take, const std::string& help) const {
+    std::map<std::string, int> places;
+    for (const std::string& name : names) places.emplace(name, places.size());
+    const CLI::CheckedTransformer mapped(places);
+    const auto map = [=](std::string& word) {
+        if (!mapped(word).empty()) throw Misread(Misread::said, not_one_of(option, word, names));
+        return std::string();
+    };
+    return Option(app_->add_option_function<int>(option, take, help)
+                      ->type_name("ENUM")
+                      ->default_str(names.front())
+                      ->transform(CLI::Validator(map, mapped.get_description())));
+}
+
+Command Command::add_command(const std::string& name, const std::string& help) const {
+    app_->require_subcommand(1);
+    return {app_->add_subcommand(name, help), chosen_};
+}
+
+Command Command::add_group(const std::string& name, const std::string& help) const {
+    auto* const group = app_->add_option_group(name, help);
+    group->require_option(0, 1);
+    return {group, chosen_};
+}
+
+void Command::runs(const std::function<Exit()>& run) const {
+    app_->callback([run, chosen = chosen_] { *chosen = run; });
+}
+
+const std::string& Command::name() const { return app_->get_name(); }
+std::string Command::help() const { return app_->get_description(); }
+
+std::vector<Option> Command::options() const {
+    std::vector<Option> all;
+    for (CLI::Option* option : app_->get_options()) all.emplace_back(option);
+    return all;
+}
+
+Option Command::option(const std::string& name) const { return Option(app_->get_option_no_throw(name)); }
+
+std::vector<Command> Command::inner(bool named) const {
+    std::vector<Command> all;
+    for (CLI::App* app : app_->get_subcommands([named](CLI::App* one) { return one->get_name().empty() != named; }))
+        all.push_back({app, chosen_});
+    return all;
+}
+
+std::vector<std::string> Command::names_of_commands() const {
+    std::vector<std::string> names;
+    for (const Command& command : inner(true)) names.push_back(command.name());
+    return names;
+}
+
+std::vector<Command> Command::given() const {
+    std::vector<Command> all{*this};
+    while (!all.back().app_->get_subcommands().empty())
+        all.push_back({all.back().app_->get_subcommands().front(), chosen_});
+    return all;
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help,
+                         const std::string& footer)
+    : Command(nullptr, &run_), parser_(std::make_unique<CLI::App>(help, name)) {
+    app_ = parser_.get();
+    app_->fallthrough();
+    app_->footer(footer);
+    app_->set_version_flag("--version", version);
+}
+
+CommandLine::~CommandLine() = default;
+
+bool CommandLine::parse(const std::vector<std::string>& words) {
+    std::vector<const char*> argv;
+    for (const std::string& word : words) argv.push_back(word.c_str());
+    try {
+        app_->parse(static_cast<int>(argv.size()), argv.data());
+        return true;
+    } catch (const CLI::Success& asked) {  // --help, --version
+        app_->exit(asked);
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw Misread(kind_of(error), error.what());
+    }
+}
+
+std::vector<std::string> CommandLine::leftover() const { return app_->remaining(true); }
+
+}  // namespace lostbits::analysis::shell

@@ -1,0 +1,133 @@
+// The command line as the commands see it: what they declare, and what was given. The parser behind it is seen by
+// command_line.cpp alone: compiling the commands took a fifth longer while each saw its templates.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "number/error.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace lostbits::analysis::shell {
+
+/// What a value is held to.
+struct ValueRule {
+    /// What is wrong with a word of an option, in a sentence; empty where it fits.
+    std::function<std::string(const std::string& option, const std::string& word)> wrong;
+    std::string description;  ///< for the help: `{none,csv}`
+};
+ValueRule one_of(const std::vector<std::string>& known);
+/// Both ends included; NaN is in no range.
+ValueRule whole_from(int low, int high);
+ValueRule number_from(double low, double high);
+
+/// The items of a list between commas, without the blanks around them. InputError, of the `option`, for an empty one.
+std::vector<std::string> items_in(const std::string& word, const std::string& option);
+/// The assignments of a word: `a=1,b=[2,3]` are two.
+std::vector<std::string> assignments_in(const std::string& word);
+
+/// An option or, where its name has no hyphen, an argument of a command. A copy is the same option.
+class Option {
+public:
+    explicit Option(CLI::Option* option = nullptr) : option_(option) {}
+    explicit operator bool() const { return option_ != nullptr; }
+
+    Option required() const;
+    Option excludes(Option other) const;
+    Option needs(Option other) const;
+
+    [[nodiscard]] std::string name() const;
+    [[nodiscard]] const std::vector<std::string>& short_names() const;  ///< without hyphens
+    [[nodiscard]] const std::vector<std::string>& long_names() const;
+    [[nodiscard]] const std::string& help() const;
+    [[nodiscard]] std::string type() const;  ///< with what it is checked against: `TEXT:{none,csv}`
+    [[nodiscard]] bool is_argument() const;
+    [[nodiscard]] bool is_required() const;
+    [[nodiscard]] bool takes_value() const;
+    [[nodiscard]] bool takes_several() const;                     ///< where it stands
+    [[nodiscard]] const std::vector<std::string>& words() const;  ///< as they were given
+
+    /// As if this word had been given.
+    void replace(const std::string& word) const;
+
+private:
+    CLI::Option* option_;
+};
+
+/// A command, the program, or a group of options. A copy is the same command.
+class Command {
+public:
+    /// T: std::string, its vector, double, int, std::optional<int>, std::size_t. An option takes one value where it
+    /// stands, and of a vector it may be repeated; an argument takes all that follow.
+    template <class T>
+    Option add(const std::string& names, T& into, const std::string& help, const ValueRule& check = {}) const;
+    Option add(const std::string& names, bool& into, const std::string& help) const;  ///< takes no value
+    /// An option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`. The
+    /// check is of each.
+    Option add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
+                    const ValueRule& check = {}) const;
+    /// `--set`: assignments, repeated or between commas.
+    Option add_set(std::vector<std::string>& into, const std::string& help) const;
+    /// An option whose value is one of these names, the first by default; `take` gets its place among them.
+    Option add_named(const std::string& option, const std::vector<std::string>& names,
+                     const std::function<void(int)>& take, const std::string& help) const;
+
+    /// A command of its own, of which one must be given from then on.
+    Command add_command(const std::string& name, const std::string& help) const;
+    /// Options of which at most one can be given.
+    Command add_group(const std::string& name, const std::string& help) const;
+    /// What is done where this command is given.
+    void runs(const std::function<Exit()>& run) const;
+
+    [[nodiscard]] const std::string& name() const;  ///< empty: a group
+    [[nodiscard]] std::string help() const;
+    [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
+    [[nodiscard]] Option option(const std::string& name) const;                  ///< false where there is none
+    [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own
+    [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
+    [[nodiscard]] std::vector<std::string> names_of_commands() const;
+    [[nodiscard]] std::vector<Command> given() const;  ///< itself, the command of it that was given, and so on
+
+protected:
+    Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}
+    CLI::App* app_;
+    std::function<Exit()>* chosen_;  ///< of the program
+
+private:
+    [[nodiscard]] std::vector<Command> inner(bool named) const;
+};
+
+/// Words that are not understood, as the parser says it.
+struct Misread : std::runtime_error {
+    enum Kind { nothing_takes_it, missing, unread, wrong_count, said };
+    Misread(Kind which, const std::string& text) : std::runtime_error(text), kind(which) {}
+    Kind kind;  ///< `said`: the text is a sentence of ours
+};
+
+class CommandLine : public Command {
+public:
+    CommandLine(const std::string& name, const std::string& version, const std::string& help,
+                const std::string& footer);
+    ~CommandLine();
+
+    /// Reads the words, the first of which is the program's own. False where they asked for help, which is printed
+    /// then. Misread; what a check throws.
+    [[nodiscard]] bool parse(const std::vector<std::string>& words);
+    /// Does what was chosen.
+    [[nodiscard]] Exit run() const { return run_(); }
+
+    [[nodiscard]] std::vector<std::string> leftover() const;  ///< words that nothing takes
+
+private:
+    std::unique_ptr<CLI::App> parser_;
+    std::function<Exit()> run_;
+};
+
+}  // namespace lostbits::analysis::shell
