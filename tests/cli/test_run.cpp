@@ -39,8 +39,8 @@ public:
     };
     [[nodiscard]] Said run(const std::string& word) const { return said_by("bash run " + word); }
     [[nodiscard]] Said said_by(const std::string& words) const {
-        const std::string command = "cd '" + scratch_.path().string() + "' && PATH=\"$PWD/bin:$PATH\" " + words +
-                                    " >out.txt 2>err.txt </dev/null";
+        const std::string command = "cd '" + scratch_.path().string() + "' && TMPDIR=$PWD PATH=\"$PWD/bin:$PATH\" " +
+                                    words + " >out.txt 2>err.txt </dev/null";
         const int code = std::system(command.c_str());
         return {WEXITSTATUS(code), contents(at("out.txt")), contents(at("err.txt")), contents(at("calls.txt"))};
     }
@@ -122,7 +122,9 @@ TEST_CASE("./run builds the program alone, maps one scene first and all of them 
     for (std::string line; std::getline(err, line);) {
         if (!line.starts_with(program)) continue;
         INFO(line);
-        const auto r = lostbits::test::run(line.substr(program.size()), folder.path());
+        const bool is_picture = !has(line, "--pixel");  // a small picture has the same files
+        const auto r =
+            lostbits::test::run(line.substr(program.size()) + (is_picture ? " --size 32x24" : ""), folder.path());
         INFO(r.err);
         CHECK(r.code == 0);
         ++tried;
@@ -226,6 +228,12 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
     tree.stand_in("bin/ctest", ctest_says("run missing skip") + "; exit 8");
     CHECK(tree.run("test").out.ends_with("\n1 passed, 2 failed\n"));
     CHECK(has(contents(tree.at("err.txt")), "\ntest 3\n"));
+    // What a test leaves in the temporary folder is one that fails.
+    tree.stand_in("bin/ctest", ctest_says("run run") + "; echo x >\"$TMPDIR/left-behind\"");
+    const auto left = tree.run("test");
+    CHECK(left.code != 0);
+    CHECK(left.out.ends_with("\n2 passed, 1 failed\n"));
+    CHECK(has(left.err, "left-behind\n"));
     tree.stand_in("bin/ctest", "exit 8");
     CHECK(tree.run("test").out.ends_with("0 passed, 1 failed\n"));
 }

@@ -15,7 +15,7 @@
 #include "output/file/read_csv.hpp"
 #include "output/page/json.hpp"
 #include "output/page/text.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_escape {
 

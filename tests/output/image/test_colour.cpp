@@ -8,7 +8,7 @@
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_colour {
 

@@ -7,7 +7,7 @@
 #include "measure/rows.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/sheet_words.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_metric_paint {
 
