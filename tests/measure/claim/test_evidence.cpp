@@ -4,6 +4,8 @@
 #include "number/error.hpp"
 #include "scene/claim/claims_file.hpp"
 
+namespace test_evidence {
+
 using namespace lostbits;
 using scene::claim::Claim;
 
@@ -64,3 +66,5 @@ TEST_CASE("a claim about a search measures the worst ray that it finds, and in h
     claims[0].metric = "lost_bits_max";
     CHECK_THROWS_AS(measure::claim::measure_claims(claims, {.data_dir = LOSTBITS_DATA_DIR}), InputError);
 }
+
+}  // namespace test_evidence
