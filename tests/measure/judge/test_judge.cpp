@@ -15,13 +15,10 @@
 #include "scene/file/march_table.hpp"
 
 namespace test_judge {
-
 using namespace lostbits;
 using namespace lostbits::measure;
-using judge::JudgeRequest;
-using judge::JudgeResult;
-using scene::test::Columns;
-using testing::Seeded;
+using judge::JudgeRequest, judge::JudgeResult;
+using scene::test::Columns, testing::Seeded;
 
 namespace {
 
@@ -350,5 +347,4 @@ TEST_CASE("rays that are not the pixels of the picture are refused") {
         CHECK_THROWS_WITH(judge::run_judge(*dump, request, {}), Catch::Contains("picture of 4x3 has 12"));
     }
 }
-
 }  // namespace test_judge

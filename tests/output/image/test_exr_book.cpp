@@ -8,8 +8,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
-#include "output/image/exr_book.hpp"
 #include "output/helpers.hpp"
+#include "output/image/exr_book.hpp"
 
 namespace test_exr_book {
 

@@ -9,8 +9,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
-#include "output/image/image.hpp"
 #include "output/helpers.hpp"
+#include "output/image/image.hpp"
 
 namespace test_image {
 

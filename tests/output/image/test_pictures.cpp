@@ -3,9 +3,9 @@
 #include <thread>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
-#include "output/helpers.hpp"
 
 namespace test_pictures {
 

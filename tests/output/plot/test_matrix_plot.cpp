@@ -2,8 +2,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
-#include "output/image/pixels.hpp"
 #include "output/helpers.hpp"
+#include "output/image/pixels.hpp"
 
 namespace test_matrix_plot {
 

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "output/plot/plane_plot.hpp"
 #include "output/helpers.hpp"
+#include "output/plot/plane_plot.hpp"
 
 namespace test_plane_plot {
 

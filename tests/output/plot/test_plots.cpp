@@ -5,10 +5,10 @@
 #include <tuple>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
-#include "output/helpers.hpp"
 
 namespace test_plots {
 

@@ -5,9 +5,9 @@
 #include <random>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
 #include "output/plot/label_placement.hpp"
-#include "output/helpers.hpp"
 
 namespace test_scatter_plot {
 

@@ -6,9 +6,9 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/helpers.hpp"
 #include "output/sweep/worst_files.hpp"
 
 namespace test_case_files {
