@@ -38,7 +38,7 @@ public:
     [[nodiscard]] const fs::path& path() const { return path_; }
     [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
     /// The path of a new file, whose folders are made too.
-    [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
+    std::string write(const std::string& name, const std::string& text) const {
         const fs::path file = path_ / name;
         fs::create_directories(file.parent_path());
         std::ofstream(file, std::ios::binary) << text;
