@@ -1,24 +1,13 @@
 #include "program.hpp"
 
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 namespace lostbits::test {
-
-namespace fs = std::filesystem;
-
-std::string contents(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
 
 Outcome run(const std::string& arguments, const fs::path& folder, const std::string& before) {
     const Scratch streams;
@@ -29,31 +18,6 @@ Outcome run(const std::string& arguments, const fs::path& folder, const std::str
         " exec '" LOSTBITS_PROGRAM "' " + arguments + ") >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
-}
-
-Scratch::Scratch() {
-    std::string pattern = (fs::temp_directory_path() / "lostbits-test-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no scratch folder");
-    path_ = pattern;
-}
-
-Scratch::~Scratch() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-}
-
-std::string Scratch::write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return (path_ / name).string();
-}
-
-std::vector<std::string> Scratch::files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
-        if (entry.is_regular_file()) names.push_back(fs::relative(entry.path(), path_).string());
-    }
-    std::ranges::sort(names);
-    return names;
 }
 
 std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scratch.hpp"
+
 namespace lostbits::test {
 
 /// Whether the program was built with a sanitizer of addresses or threads. Those reserve terabytes before anything
@@ -27,24 +29,6 @@ struct Outcome {
 
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
-
-/// A folder of its own that goes away with the test.
-class Scratch {
-public:
-    Scratch();
-    ~Scratch();
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    [[nodiscard]] std::string write(const std::string& name, const std::string& text) const;
-    /// Every regular file below, hidden ones too, by path relative to the folder.
-    [[nodiscard]] std::vector<std::string> files() const;
-
-private:
-    std::filesystem::path path_;
-};
-
-std::string contents(const std::filesystem::path& file);
 
 /// Whether a text contains another.
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -116,25 +116,6 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     CHECK(shadow["inputs"]["limit"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
-TEST_CASE("consistency: the same bytes with any number of threads and any instruction set") {
-    const Scratch scratch;
-    std::vector<std::string> tables;
-    for (const char* words : {"-j 1 --isa scalar", "-j 3", "--isa 128"}) {
-        const auto r =
-            run("consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 "
-                "--pixels csv -q " +
-                std::string(words) + into(scratch));
-        INFO(r.err);
-        REQUIRE(r.code == 0);
-        std::string all;
-        for (const char* file : {"summary.csv", "contact.png", "sphere.half_b.f64.csv", "sphere.unified.bf16.csv"})
-            all += contents(scratch.path() / "offset-touching" / file);
-        tables.push_back(all);
-    }
-    CHECK(tables[0] == tables[1]);
-    CHECK(tables[0] == tables[2]);
-}
-
 TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
     const Scratch scratch;
     struct Case {

@@ -295,21 +295,13 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
     }
 }
 
-TEST_CASE(
-    "culprits, cancellation and contributions are maps like any other, the same bytes for any number of threads") {
+TEST_CASE("culprits, cancellation and contributions are maps like any other") {
     const Scratch scratch;
-    const std::string what =
-        "map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit "
-        "--metric cancellation --metric contribution:c --pixels csv -q ";
-    REQUIRE(run(what + "-j 1 -o one", scratch.path()).code == 0);
-    REQUIRE(run(what + "-j 2 -o two", scratch.path()).code == 0);
-    int files = 0;
-    for (const std::string& file : scratch.files()) {
-        if (!file.starts_with("one/")) continue;
-        CHECK(test::contents(scratch.path() / file) == test::contents(scratch.path() / ("two/" + file.substr(4))));
-        ++files;
-    }
-    CHECK(files > 10);
+    REQUIRE(run("map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric "
+                "culprit --metric cancellation --metric contribution:c --pixels csv -q -o one",
+                scratch.path())
+                .code == 0);
+    CHECK(scratch.files().size() > 10);
     const auto text = test::contents(scratch.path() / "one/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32.csv");
     CHECK(has(text, "dot(o - centre, d)"));
     CHECK(has(text, "c = dot(o - centre, o - centre) - radius*radius"));

@@ -133,9 +133,7 @@ max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius
     }
 }
 
-TEST_CASE(
-    "a sweep over the constants of a march: onsets of standing still, the split of the error, the same bytes for any "
-    "-j") {
+TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error") {
     const Scratch scratch;
     const std::string sweep = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
 title = "A test"
@@ -155,10 +153,7 @@ to = "0x1p-26"
 steps = 6
 set = ["march.hit_eps"]
 )");
-    const auto at = [&](const char* folder) { return (scratch.path() / folder).string(); };
-    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -j 1 -o '" + at("one") + "'").code == 0);
-    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -j 2 -o '" + at("two") + "'").code == 0);
-    CHECK(run("diff --strict '" + at("one") + "' '" + at("two") + "'").code == 0);
+    REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -o one", scratch.path()).code == 0);
     bool found = false;
     for (const auto& row : read_csv(scratch.path() / "one/s/onsets.csv")) {
         if (row.at("form") != "sdf.sphere_trace" || row.at("event") != "stagnated") continue;

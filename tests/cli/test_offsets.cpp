@@ -66,23 +66,6 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
     CHECK(none.at("operations") == "0");
 }
 
-TEST_CASE("offsets: the same bytes with any number of threads and any instruction set") {
-    const Scratch scratch;
-    std::vector<std::string> tables;
-    for (const char* words : {"-j 1 --isa scalar", "-j 3", "--isa 128"}) {
-        const auto r = run("offsets offset-touching --size 20x15 -f f32,f64 --pixels csv -q " + std::string(words) +
-                           into(scratch));
-        INFO(r.err);
-        REQUIRE(r.code == 0);
-        std::string all;
-        for (const char* file : {"summary.csv", "contact.png", "sphere.half_b.f64.projected.csv"})
-            all += contents(scratch.path() / "offset-touching" / file);
-        tables.push_back(all);
-    }
-    CHECK(tables[0] == tables[1]);
-    CHECK(tables[0] == tables[2]);
-}
-
 TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
     const Scratch scratch;
     struct Case {

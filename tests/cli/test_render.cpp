@@ -1,4 +1,4 @@
-// `lostbits render` from the outside: files, agreement between them, the same bytes every time, and what it refuses.
+// `lostbits render` from the outside: files, agreement between them, and what it refuses.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -141,20 +141,6 @@ TEST_CASE("render -v names both shares of wrong pixels, and they are those of th
     line >> form >> format >> colour >> sphere;
     CHECK(colour == number_in(row.at("changed")));
     CHECK(sphere == wrong);
-}
-
-TEST_CASE("a picture is the same bytes for any number of threads and any width of registers") {
-    const Scratch one, many;
-    const std::string what =
-        "render raycast-course.pixels raycast-acne.ulp4 --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 "
-        "-f p20 ";
-    REQUIRE(run(what + "-j 1 --isa scalar -o '" + one.path().string() + "'").code == 0);
-    REQUIRE(run(what + "-j 3 -o '" + many.path().string() + "'").code == 0);
-    REQUIRE(one.files() == many.files());
-    for (const auto& file : one.files()) {
-        CAPTURE(file);
-        CHECK((contents(one.path() / file) == contents(many.path() / file)));
-    }
 }
 
 TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyond that is said to be") {

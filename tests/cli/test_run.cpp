@@ -1,6 +1,10 @@
 // ./run: what it builds, in which order it works, and what it says last. Packages, compiler and program are stand-ins
 // that write down how they were called.
+#include <sys/wait.h>
+
+#include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -23,6 +27,7 @@ public:
         stand_in("bin/cmake", "");
         stand_in("bin/npm", "");
         stand_in("bin/apt-get", "");
+        stand_in("bin/sudo", "exec \"$@\"");
         stand_in("bin/dpkg-query", "echo install ok installed");
         stand_in("build/lostbits", "echo made by the program");
         stand_in("tests/instrumented_tbb", "");
@@ -30,13 +35,17 @@ public:
 
     struct Said {
         int code;
-        std::string out, calls;
+        std::string out, err, calls;
     };
-    [[nodiscard]] Said run(const std::string& word) const {
-        const std::string command = "cd '" + scratch_.path().string() + "' && PATH=\"$PWD/bin:$PATH\" bash run " +
-                                    word + " >out.txt 2>err.txt </dev/null";
+    [[nodiscard]] Said run(const std::string& word) const { return said_by("bash run " + word); }
+    [[nodiscard]] Said said_by(const std::string& words) const {
+        const std::string command = "cd '" + scratch_.path().string() + "' && TMPDIR=$PWD PATH=\"$PWD/bin:$PATH\" " +
+                                    words + " >out.txt 2>err.txt </dev/null";
         const int code = std::system(command.c_str());
-        return {code, contents(at("out.txt")), contents(at("calls.txt"))};
+        return {WEXITSTATUS(code), contents(at("out.txt")), contents(at("err.txt")), contents(at("calls.txt"))};
+    }
+    void write(const std::string& name, const std::string& text) const {
+        static_cast<void>(scratch_.write(name, text));
     }
     [[nodiscard]] std::filesystem::path at(const std::string& name) const { return scratch_.path() / name; }
     void stand_in(const std::string& name, const std::string& answer) const {
@@ -65,6 +74,26 @@ n=0; for end in )" +
 done >>"$junit")";
 }
 
+/// What ninja is asked for: `steps` steps that succeed, and then one that says what said.txt holds and ends with
+/// `code`.
+std::string ninja_file(int steps, int code) {
+    std::string file = "rule step\n  command = true\nrule last\n  command = cat said.txt; exit " +
+                       std::to_string(code) + "\nbuild last: last ||",
+                rest;
+    for (int i = 0; i < steps; ++i) {
+        file += " s" + std::to_string(i);
+        rest += "build s" + std::to_string(i) + ": step\n";
+    }
+    return file + "\n" + rest;
+}
+
+std::size_t lines_with(const std::string& text, const std::string& part) {
+    std::istringstream in(text);
+    std::size_t count = 0;
+    for (std::string line; std::getline(in, line);) count += has(line, part);
+    return count;
+}
+
 }  // namespace
 
 TEST_CASE("./run builds the program alone, maps one scene first and all of them small, and ends with their folder") {
@@ -84,6 +113,78 @@ TEST_CASE("./run builds the program alone, maps one scene first and all of them 
     CHECK(has(said.calls.substr(small), "--size 64x48"));
     CHECK(said.out.starts_with("made by the program\n"));  // the path of the first picture
     CHECK(said.out.ends_with(tree.at("out/small").string() + "\n"));
+
+    // What it says to try next can be pasted.
+    std::istringstream err(said.err);
+    const std::string program = "  build/lostbits ";
+    const Scratch folder;
+    std::size_t tried = 0;
+    for (std::string line; std::getline(err, line);) {
+        if (!line.starts_with(program)) continue;
+        INFO(line);
+        const bool is_picture = !has(line, "--pixel");  // a small picture has the same files
+        const auto r =
+            lostbits::test::run(line.substr(program.size()) + (is_picture ? " --size 32x24" : ""), folder.path());
+        INFO(r.err);
+        CHECK(r.code == 0);
+        ++tried;
+    }
+    CHECK(tried == 3);
+}
+
+TEST_CASE("./run tells how far the build is, shows errors whole, and ends as the build does") {
+    const Tree tree;
+    tree.stand_in("bin/cmake", "case $1 in --build) ninja || exit 7 ;; esac");
+    const std::string words = "x.cpp: In function:\n\nx.cpp:1:2: error: no\n    1 | int  y\n";
+    tree.write("said.txt", words);
+    tree.write("build.ninja", ninja_file(99, 1));
+    const auto bad = tree.run("");
+    INFO(bad.err);
+    CHECK(bad.code == 7);
+    CHECK(has(bad.err, "\n" + words));
+    CHECK(has(bad.err, "FAILED: last"));
+    CHECK_FALSE(has(bad.calls, "lostbits map"));
+    CHECK(has(bad.err, "building: 50 %, 0:0"));
+    CHECK(lines_with(bad.err, "building:") == 10);
+    CHECK_FALSE(has(bad.err, "\r"));
+
+    tree.write("build.ninja", ninja_file(99, 0));
+    const std::string terminal = "TERM=xterm script -qec 'bash run' /dev/null";
+    const auto seen = tree.said_by(terminal).out;
+    INFO(seen);
+    CHECK(has(seen, "\r\x1b[Kbuilding: 1 %\r\x1b[Kbuilding: 2 %\r"));
+    CHECK(has(seen, "\r\x1b[Kbuilding: 99 %, 0:00 left\r\x1b[K"));
+    CHECK(has(seen, "\r\x1b[Kx.cpp:1:2: error: no\r\n"));  // a warning, say
+    CHECK_FALSE(has(seen, "left\r\n"));
+    CHECK(has(seen, "made by the program"));
+    // Nothing is left to build, and nothing is said of it.
+    tree.write("build.ninja", "build x: phony\n");
+    CHECK_FALSE(has(tree.run("").err, "ninja"));
+}
+
+TEST_CASE("./run tells how far packages are, and keeps what is noise to itself") {
+    const Tree tree;
+    tree.stand_in("bin/dpkg-query", "exit 1");
+    const std::string status = R"sh(case $* in *install*)
+    echo "$DEBIAN_FRONTEND $DEBCONF_NOWARNINGS" >>calls.txt
+    for i in 10 20 30 100; do echo "dlstatus:3:$i.5:Retrieving file 3 of 9 (2s remaining)"; done
+    echo Selecting previously unselected package x
+    for i in 40 50 60 100; do echo "pmstatus:x:$i.000:Unpacking x (amd64)"; done
+    echo 'E: something real' >&2; exit )sh";
+    tree.stand_in("bin/apt-get", status + "0 ;; esac");
+    const auto said = tree.run("");
+    INFO(said.err);
+    CHECK(said.code == 0);
+    CHECK(has(said.calls, "noninteractive yes\n"));
+    CHECK(has(said.err, "downloading: 20 %, 0:0"));
+    CHECK(has(said.err, "installing: 50 %, 0:0"));
+    CHECK(has(said.err, "E: something real\n"));
+    CHECK_FALSE(has(said.err + said.out, "Selecting"));
+    CHECK_FALSE(has(said.err + said.out, "status:"));
+    tree.stand_in("bin/apt-get", status + "100 ;; esac");
+    const auto bad = tree.run("");
+    CHECK(bad.code == 100);
+    CHECK(lines_with(bad.calls, "cmake --build") == 1);  // of the run before
 }
 
 TEST_CASE("./run all makes everything and ends with the page, another word is refused") {
@@ -127,6 +228,12 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
     tree.stand_in("bin/ctest", ctest_says("run missing skip") + "; exit 8");
     CHECK(tree.run("test").out.ends_with("\n1 passed, 2 failed\n"));
     CHECK(has(contents(tree.at("err.txt")), "\ntest 3\n"));
+    // What a test leaves in the temporary folder is one that fails.
+    tree.stand_in("bin/ctest", ctest_says("run run") + "; echo x >\"$TMPDIR/left-behind\"");
+    const auto left = tree.run("test");
+    CHECK(left.code != 0);
+    CHECK(left.out.ends_with("\n2 passed, 1 failed\n"));
+    CHECK(has(left.err, "left-behind\n"));
     tree.stand_in("bin/ctest", "exit 8");
     CHECK(tree.run("test").out.ends_with("0 passed, 1 failed\n"));
 }

@@ -17,6 +17,44 @@ namespace {
 
 const std::string every_float = every_float_to("0x1.6bp11");
 
+struct Row {
+    std::string words;         ///< up to the folder of the results
+    std::vector<int> numbers;  ///< how many shards, one after the other
+    std::string out = "-o";
+};
+
+const Row rows[] = {
+    // Bands of 512 lines: four of them, the last one short.
+    {"map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64 --size 16x1800", {1, 2, 3, 7}},
+    {"map near-benign -i sphere.schoolbook -f f32 --pixels csv --exr --envelope --metric lost_bits,culprit "
+     "--bits-needed 8 --size 16x1800",
+     {2, 3}},
+    {"map near-benign two.toml -i sphere.press -f f32 --against sphere.unified --size 16x1800", {3}},
+    {"sweep every.toml -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7}},
+    // Two binades' parts, three blocks: some shards have nothing to do.
+    {"sweep short.toml -i sphere.press", {11}},
+    {"sweep small.toml -i sphere.schoolbook -i sphere.unified -i sphere.press", {2, 7}},
+    {"sweep box-nearly-parallel extremes/scale -f f32", {3}},
+    {"sweep worst/near --worst -i sphere.schoolbook -i sphere.press -f f32 --set starts=2", {2, 5}},
+    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64 --rows --worst 5", {1, 3, 9}},
+    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64 --size 300x330 --metric "
+     "lost_bits,ulp_error",
+     {2}},
+    {"check --filter 'float.*'", {1, 2, 5}, "--report"},
+};
+
+/// 300 x 330 rays from 4096 away at a sphere, with the answers of a float.
+std::string rays_csv() {
+    std::string rays = "ox,oy,oz,dx,dy,dz,t,mine\n";
+    for (int i = 0; i < 300 * 330; ++i) {
+        const double x = (i % 300 - 150) / 128.0, y = (i / 300 - 165) / 128.0;
+        const double below = 1 - x * x - y * y;
+        rays += std::to_string(x) + "," + std::to_string(y) + ",4096,0,0,-1,";
+        rays += (below > 0 ? std::to_string(4096 - std::sqrt(below) + (i % 1000 == 7 ? 1 : 0)) : "") + ",a\n";
+    }
+    return rays;
+}
+
 std::string shell_word(const fs::path& path) { return "'" + path.string() + "'"; }
 
 std::string shard_of(int k, int n) { return " --shard " + std::to_string(k) + "/" + std::to_string(n); }
@@ -47,104 +85,91 @@ void check_same(const fs::path& whole, const fs::path& joined) {
     CHECK(run("-q diff --strict " + shell_word(whole) + " " + shell_word(joined)).code == 0);
 }
 
-/// The run, and each number of shards of it, run in a shuffled order and joined in another.
-void check_shards(const std::string& command, const std::vector<int>& numbers, const std::string& out = " -o ") {
+/// The run of each row of a command, and each number of shards of it, run in a shuffled order and joined in another.
+void check_rows(const std::string& command) {
     const Scratch scratch;
-    INFO(command);
-    const auto whole = run("-q " + command + out + shell_word(scratch.path() / "whole"));
-    INFO(whole.err);
-    REQUIRE(whole.code <= 1);
+    const std::pair<const char*, std::string> files[] = {{"every.toml", every_float},
+                                                         {"short.toml", every_float_to("0x1.6bp10")},
+                                                         {"small.toml", small_sweep},
+                                                         {"two.toml", good_scene},
+                                                         {"rays.csv", command == "judge" ? rays_csv() : ""}};
+    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    const auto must = [&](const std::string& words, int code) {
+        const auto r = run("-q " + words, scratch.path());
+        INFO(words << ": " << r.err);
+        REQUIRE(r.code == code);
+    };
     std::mt19937 random(7);
-    for (const int n : numbers) {
-        INFO(n << " shards");
-        const fs::path parts = scratch.path() / ("parts" + std::to_string(n)),
-                       joined = scratch.path() / ("joined" + std::to_string(n));
-        std::vector<int> order(static_cast<std::size_t>(n));
-        std::iota(order.begin(), order.end(), 1);
-        std::ranges::shuffle(order, random);
-        for (const int k : order) {
-            const auto r = run("-q " + command + shard_of(k, n) + out + shell_word(parts));
-            INFO(r.err);
-            REQUIRE(r.code == 0);
-            CHECK(fs::exists(shard_folder(parts, k, n) / "shard.state"));
+    for (const Row& row : rows) {
+        if (!row.words.starts_with(command + " ")) continue;
+        for (const char* folder : {"whole", "parts", "joined"}) fs::remove_all(scratch / folder);
+        INFO(row.words);
+        const auto whole = run("-q " + row.words + " " + row.out + " whole", scratch.path());
+        INFO(whole.err);
+        REQUIRE(whole.code <= 1);
+        for (const int n : row.numbers) {
+            INFO(n << " shards");
+            fs::remove_all(scratch / "parts");
+            std::vector<int> order(static_cast<std::size_t>(n));
+            std::iota(order.begin(), order.end(), 1);
+            std::ranges::shuffle(order, random);
+            for (const int k : order) {
+                must(row.words + shard_of(k, n) + " " + row.out + " parts", 0);
+                CHECK(fs::exists(shard_folder(scratch / "parts", k, n) / "shard.state"));
+            }
+            std::ranges::shuffle(order, random);
+            std::string folders;
+            for (const int k : order) folders += " " + shard_folder("parts", k, n).string();
+            // The folder that holds them all says the same.
+            for (const std::string& parts : {folders, std::string(" parts")}) {
+                fs::remove_all(scratch / "joined");
+                must("merge" + parts + " -o joined", whole.code);
+                check_same(scratch / "whole", scratch / "joined");
+            }
         }
-        std::ranges::shuffle(order, random);
-        std::string folders;
-        for (const int k : order) folders += " " + shell_word(shard_folder(parts, k, n));
-        const auto r = run("-q merge" + folders + " -o " + shell_word(joined));
-        INFO(r.err);
-        REQUIRE(r.code == whole.code);
-        check_same(scratch.path() / "whole", joined);
-        // The folder that holds them all says the same.
-        REQUIRE(run("-q merge " + shell_word(parts) + " -o " + shell_word(joined)).code == whole.code);
-        check_same(scratch.path() / "whole", joined);
     }
 }
 
 }  // namespace
 
-TEST_CASE("shards of a sweep over every float give the files of the whole sweep") {
-    const Scratch scratch;
-    const std::string file = scratch.write("s.toml", every_float);
-    check_shards("sweep " + shell_word(file) + " -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7});
+TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits needed") { check_rows("map"); }
+
+TEST_CASE(
+    "shards of a sweep over every float, along axes, of named cases and of a search give the files of the whole") {
+    check_rows("sweep");
 }
 
-TEST_CASE("more shards than blocks of floats: some have nothing to do") {
-    const Scratch scratch;
-    std::string text = every_float;
-    text.replace(text.find("0x1.6bp11"), 9, "0x1.6bp10");  // two binades' parts: three blocks
-    const std::string file = scratch.write("s.toml", text);
-    check_shards("sweep " + shell_word(file) + " -i sphere.press", {11});
-}
+TEST_CASE("shards of a file of rays give the files of the whole, as a list and as a picture") { check_rows("judge"); }
 
-TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits needed") {
-    const Scratch scratch;
-    // Bands of 512 lines: four of them, the last one short.
-    const std::string size = " --size 16x1800";
-    check_shards("map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64" + size, {1, 2, 3, 7});
-    check_shards(
-        "map near-benign -i sphere.schoolbook -f f32 --pixels csv --exr --envelope --metric lost_bits,culprit "
-        "--bits-needed 8" +
-            size,
-        {2, 3});
-    const std::string scene = scratch.write("two.toml", good_scene);
-    check_shards("map near-benign " + shell_word(scene) + " -i sphere.press -f f32 --against sphere.unified" + size,
-                 {3});
-}
+TEST_CASE("shards of claims give the report of the whole") { check_rows("check"); }
 
-TEST_CASE("shards of a sweep along axes, of named cases and of a search give the files of the whole") {
-    const Scratch scratch;
-    const std::string sweep = scratch.write("small.toml", small_sweep);
-    check_shards("sweep " + shell_word(sweep) + " -i sphere.schoolbook -i sphere.unified -i sphere.press", {2, 7});
-    check_shards("sweep box-nearly-parallel extremes/scale -f f32", {3});
-    check_shards("sweep worst/near --worst -i sphere.schoolbook -i sphere.press -f f32 --set starts=2", {2, 5});
-}
-
-TEST_CASE("shards of a file of rays give the files of the whole, as a list and as a picture") {
-    const Scratch scratch;
-    std::string rays = "ox,oy,oz,dx,dy,dz,t,mine\n";
-    for (int i = 0; i < 300 * 330; ++i) {
-        const double x = (i % 300 - 150) / 128.0, y = (i / 300 - 165) / 128.0;
-        const double below = 1 - x * x - y * y;
-        rays += std::to_string(x) + "," + std::to_string(y) + ",4096,0,0,-1,";
-        rays += (below > 0 ? std::to_string(4096 - std::sqrt(below) + (i % 1000 == 7 ? 1 : 0)) : "") + ",a\n";
+TEST_CASE("every command that can be divided is") {
+    std::istringstream help(run("--help").out.substr(run("--help").out.find("Subcommands:")));
+    std::string line;
+    for (std::getline(help, line); std::getline(help, line) && !line.empty();) {
+        std::string command;
+        std::istringstream(line) >> command;
+        INFO(line);
+        const bool has_row =
+            std::ranges::any_of(rows, [&](const Row& row) { return row.words.starts_with(command + " "); });
+        if (!line.starts_with("   ")) CHECK(has(run(command + " --help").out, "--shard") == has_row);
     }
-    const std::string file = scratch.write("rays.csv", rays);
-    const std::string command =
-        "judge " + shell_word(file) + " --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64";
-    check_shards(command + " --rows --worst 5", {1, 3, 9});
-    check_shards(command + " --size 300x330 --metric lost_bits,ulp_error", {2});
-    const auto wrong = run(command + " --size 300x331 --shard 1/1 -o " + shell_word(scratch.path() / "p"));
+}
+
+TEST_CASE("a file of rays that does not fill its picture is refused when its shards are joined") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("rays.csv", rays_csv()));
+    const auto wrong =
+        run("judge rays.csv --sphere 0,0,0,1 --format f32 --size 300x331 --shard 1/1 -o p", scratch.path());
     CHECK(wrong.code == 0);
-    const auto merged = run("merge " + shell_word(scratch.path() / "p") + " -o " + shell_word(scratch.path() / "j"));
+    const auto merged = run("merge p -o j", scratch.path());
     CHECK(merged.code == 2);
     CHECK(has(merged.err, "its --size is columns x rows"));
     CHECK_FALSE(fs::exists(scratch.path() / "j/rays/summary.csv"));
 }
 
-TEST_CASE("shards of claims give the report of the whole, and judge nothing by themselves") {
+TEST_CASE("shards of claims judge nothing by themselves") {
     const Scratch scratch;
-    check_shards("check --filter 'float.*'", {1, 2, 5}, " --report ");
     const auto says = [&](const std::string& options, const std::string& what) {
         const auto r = run("check --filter 'float.*' " + options);
         INFO(r.err);

@@ -1,11 +1,8 @@
 // Rows, metrics and files for tests of what runs over them.
 #pragma once
 
-#include <stdlib.h>
 #include <tbb/global_control.h>
 
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -13,6 +10,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "scratch.hpp"
 
 namespace lostbits::testing {
 
@@ -42,25 +40,9 @@ inline std::vector<measure::map::MapRow> all_rows(Shape shape, std::initializer_
 inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"),
                                                                       measure::metric::find_metric("excess_bits")};
 
-/// A file that goes away with the test.
-class TextFile {
-public:
-    explicit TextFile(const std::string& text) {
-        std::string folder = (std::filesystem::temp_directory_path() / "lostbits-test-XXXXXX").string();
-        if (!::mkdtemp(folder.data())) throw std::runtime_error("no scratch folder");
-        folder_ = folder;
-        std::ofstream(path(), std::ios::binary) << text;
-    }
-    ~TextFile() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    TextFile(const TextFile&) = delete;
-    TextFile& operator=(const TextFile&) = delete;
-    [[nodiscard]] std::filesystem::path path() const { return folder_ / "t.toml"; }
-
-private:
-    std::filesystem::path folder_;
+/// A file of TOML that goes away with the test.
+struct TextFile : test::ScratchFile {
+    explicit TextFile(const std::string& text) : ScratchFile("t.toml", text) {}
 };
 
 /// At most so many threads while it lives.

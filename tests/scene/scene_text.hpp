@@ -1,10 +1,7 @@
 // What the tests of scenes share: files from text, and the words of an error.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "catch.hpp"
@@ -12,6 +9,7 @@
 #include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/toml/parse_number.hpp"
+#include "scratch.hpp"
 
 /// A failure prints numbers that paste straight back into a scene.
 template <>
@@ -23,31 +21,7 @@ namespace lostbits::scene::test {
 
 namespace fs = std::filesystem;
 
-/// A fresh folder, removed with all it holds.
-class Folder {
-public:
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "lostbits-scene-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    [[nodiscard]] const fs::path& path() const { return path_; }
-    fs::path write(const std::string& name, const std::string& text) const {
-        const fs::path file = path_ / name;
-        fs::create_directories(file.parent_path());
-        std::ofstream(file, std::ios::binary) << text;
-        return file;
-    }
-
-private:
-    fs::path path_;
-};
+using lostbits::test::Scratch;
 
 /// The message of the InputError that `work` throws; "no error" and "another error: …" for anything else.
 template <class Work>
@@ -64,7 +38,7 @@ std::string error_of(Work work) {
 
 /// The same without the folder: `scene.toml:3:8: …`.
 template <class Work>
-std::string error_in(const Folder& folder, Work work) {
+std::string error_in(const Scratch& folder, Work work) {
     std::string text = error_of(work);
     const std::string prefix = folder.path().string() + '/';
     if (text.starts_with(prefix)) text.erase(0, prefix.size());
@@ -99,14 +73,14 @@ radius = 1
 
 /// Load `text` as scene.toml in a fresh folder and return the error.
 inline std::string scene_error(const std::string& text, const scene::file::LoadOptions& options = {}) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("scene.toml", text);
     return error_in(folder, [&] { scene::file::load_scene(file, options); });
 }
 
 inline std::vector<scene::file::Scene> all_loaded(const std::string& text,
                                                   const scene::file::LoadOptions& options = {}) {
-    const Folder folder;
+    const Scratch folder;
     return scene::file::load_scene(folder.write("scene.toml", text), options);
 }
 

@@ -1,7 +1,5 @@
 // What a file of GLSL says of its function.
-#include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -10,6 +8,7 @@
 #include "intersect/shader/kernel.hpp"
 #include "intersect/shader/source.hpp"
 #include "number/error.hpp"
+#include "scratch.hpp"
 
 namespace test_source {
 
@@ -22,19 +21,11 @@ namespace {
 /// A file that goes away with the test.
 class File {
 public:
-    explicit File(const std::string& text, const std::string& name = "mine.glsl")
-        : folder_(std::filesystem::temp_directory_path() / ("lostbits-" + std::to_string(Catch::rngSeed()) + name)),
-          path_(folder_ / name) {
-        std::filesystem::create_directories(folder_);
-        std::ofstream(path_) << text;
-    }
-    ~File() { std::filesystem::remove_all(folder_); }
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-    [[nodiscard]] std::string path() const { return path_.string(); }
+    explicit File(const std::string& text, const std::string& name = "mine.glsl") : file_(name, text) {}
+    [[nodiscard]] std::string path() const { return file_.path().string(); }
 
 private:
-    std::filesystem::path folder_, path_;
+    lostbits::test::ScratchFile file_;
 };
 
 std::string joined(const Signature& s) {

@@ -5,7 +5,7 @@
 #include "intersect/catalogue.hpp"
 #include "number/kinds.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_box_contracts {
 
 TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") {
     const char* order[] = {"box.baseline",   "box.exclusive",     "box.inclusive",   "box.signs",
@@ -52,4 +52,4 @@ TEST_CASE("gamma(n) is n u/(1 - n u)", "[intersect][box][known]") {
     CHECK(intersect::box::gamma_bound<Real>(3) == 0);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_box_contracts

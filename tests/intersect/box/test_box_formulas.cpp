@@ -10,7 +10,7 @@
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_box_formulas {
 
 using intersect::BoxForms;
 
@@ -273,4 +273,4 @@ TEST_CASE("enclosures of every box form contain what the form gives unrounded, a
     });
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_box_formulas

@@ -7,7 +7,7 @@
 #include "intersect/catalogue.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_box_known {
 
 using intersect::BoxForms;
 
@@ -234,4 +234,4 @@ TEST_CASE("embree_fma rounds away what cancels", "[intersect][box][known]") {
     CHECK(std::fabs(by_fma - exact) > exact * 0x1p-14f);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_box_known

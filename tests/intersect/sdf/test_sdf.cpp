@@ -6,7 +6,7 @@
 #include "intersect/table/kernels.hpp"
 #include "number/real.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_sdf {
 
 using intersect::LiftedTarget;
 using intersect::Stop;
@@ -234,4 +234,4 @@ TEST_CASE("p += d dir is o + t dir where nothing is rounded", "[intersect][sdf]"
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_sdf

@@ -4,7 +4,7 @@
 #include "intersect/sdf/sdf_draw.hpp"
 #include "intersect/table/table.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_stop {
 
 using intersect::Stop;
 using intersect::table::MarchLog;
@@ -126,4 +126,4 @@ TEST_CASE("stagnated: no further sample changes anything, max_steps: the next on
     CHECK(at_last_sample > 100);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_stop

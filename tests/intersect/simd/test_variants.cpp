@@ -5,7 +5,7 @@
 #include "catch.hpp"
 #include "intersect/simd/variants.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_variants {
 
 using intersect::simd::Variant;
 using intersect::table::Intersector;
@@ -125,4 +125,4 @@ TEST_CASE("a program that holds code of -ffast-math still has subnormal numbers"
     CHECK(small * half == 0x1p-127F);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_variants

@@ -10,7 +10,7 @@
 #include "measure/bits/log2.hpp"
 #include "number/random.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_log2 {
 
 using measure::bits::log2_of;
 
@@ -84,4 +84,4 @@ TEST_CASE("log2 does not fall from one double to the next", "[measure][bits]") {
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_log2

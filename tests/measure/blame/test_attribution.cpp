@@ -11,7 +11,7 @@
 #include "number/oracle.hpp"
 #include "number/recorded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_attribution {
 
 using intersect::table::Intersector;
 using measure::blame::Attribution;
@@ -300,4 +300,4 @@ TEST_CASE("an answer that is no number is the operation's that made it so", "[at
     CHECK(measure::blame::attribute(tape, t.node()).culprit == quotient.node());
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_attribution

@@ -10,7 +10,7 @@
 #include "measure/map/culprit_order.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_culprits {
 
 using intersect::table::Intersector;
 using measure::metric::find_metric;
@@ -153,4 +153,4 @@ TEST_CASE("categories go by how often they are to blame", "[culprits]") {
     CHECK(total[1] > 0);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_culprits

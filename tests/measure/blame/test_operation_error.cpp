@@ -5,7 +5,7 @@
 #include "number/draw.hpp"
 #include "number/recorded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_operation_error {
 namespace {
 
 constexpr std::array<std::pair<TapeOp, Op>, 6> arithmetic{{{TapeOp::add, Op::add},
@@ -102,4 +102,4 @@ TEST_CASE("cancelled bits by hand", "[attribution]") {
     CHECK(cancelled(TapeOp::sub, HUGE_VAL, 1) == 0);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_operation_error

@@ -7,7 +7,7 @@
 #include "intersect/table/recording.hpp"
 #include "measure/blame/recorded_rays.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_tape_text {
 
 using intersect::table::Intersector;
 using measure::blame::TapeText;
@@ -104,4 +104,4 @@ TEST_CASE("every operation of any tape has a category of the tape of all operati
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_tape_text

@@ -10,7 +10,7 @@
 #include "scene/file/scene.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_ties {
 
 using intersect::table::Intersector;
 using measure::blame::Attribution;
@@ -257,4 +257,4 @@ TEST_CASE("so have the rays 4100 radii away", "[ties]") {
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_ties

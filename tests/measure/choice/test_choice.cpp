@@ -7,7 +7,7 @@
 #include "measure/choice/room.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_choice {
 
 using namespace lostbits::measure::choice;
 using measure::map::MapRow;
@@ -54,7 +54,7 @@ TEST_CASE("the cheapest that meets a wish is neither the fastest nor the most ac
     CHECK(most_accurate(all) == 3);
     CHECK_FALSE(cheapest(all, {.bits = 23}));
     CHECK(nearest(all, {.bits = 23}) == 3);
-    CHECK(nearest({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
+    CHECK(measure::choice::nearest({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
     CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 
@@ -165,4 +165,4 @@ TEST_CASE("a wish that fails at once has no room") {
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_choice

@@ -2,8 +2,6 @@
 // the way of a wish is found by storing the inputs otherwise.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "catch.hpp"
 #include "measure/choice/file_rays.hpp"
@@ -14,7 +12,7 @@
 #include "number/error.hpp"
 #include "scene/dump/dump_writer.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_choice_rays {
 
 using namespace lostbits::measure::choice;
 using measure::map::MapRow;
@@ -39,10 +37,8 @@ Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::siz
     return columns;
 }
 
-std::string written(const std::string& name, const Columns& columns) {
-    const std::string path = (std::filesystem::temp_directory_path() / ("lostbits-choice-" + name + ".csv")).string();
-    std::ofstream(path) << scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); });
-    return path;
+std::string written(const lostbits::test::Scratch& folder, const std::string& name, const Columns& columns) {
+    return folder.write(name + ".csv", scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); }));
 }
 
 std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool solids) {
@@ -87,6 +83,7 @@ Scene one_ray(const char* z, const char* c, const char* r) {
 }  // namespace
 
 TEST_CASE("rays of files are worth what the scene is that they come from, whether in one file or in several") {
+    const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign");
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     ChoiceRequest request =
@@ -95,13 +92,13 @@ TEST_CASE("rays of files are worth what the scene is that they come from, whethe
     const auto expected = worth_of(request);
     request.scene = nullptr;
     const FileTerms terms{.id = "rays", .solids = scene::rays::shared_solids(scene)};
-    const auto whole = opened(written("whole", columns_of(rays, 0, rays.size())), false);
+    const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
     const FileRays one = judge_rays(*whole, terms, request);
     CHECK(one.rays == rays.size());
     CHECK_FALSE(one.answers);
     std::vector<std::unique_ptr<scene::dump::Dump>> parts;
-    parts.push_back(opened(written("first", columns_of(rays, 0, 1000)), false));
-    parts.push_back(opened(written("second", columns_of(rays, 1000, rays.size())), false));
+    parts.push_back(opened(written(folder, "first", columns_of(rays, 0, 1000)), false));
+    parts.push_back(opened(written(folder, "second", columns_of(rays, 1000, rays.size())), false));
     const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), terms, request);
     CHECK(two.rays == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
@@ -121,6 +118,7 @@ TEST_CASE("rays of files are worth what the scene is that they come from, whethe
 }
 
 TEST_CASE("the sample of a long file is every n-th ray") {
+    const lostbits::test::Scratch folder;
     Columns columns;
     for (const char* name : {"ox", "oy", "oz", "dx", "dy", "dz", "cx", "cy", "cz", "radius"}) columns.add(name, {});
     constexpr int rays = 40000;
@@ -128,7 +126,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
         const double numbers[] = {static_cast<double>(i), 0, 0, 0, 0, 1, static_cast<double>(i), 0, 5, 1};
         for (std::size_t k = 0; k < 10; ++k) columns.numbers[k].push_back(numbers[k]);
     }
-    const auto dump = opened(written("long", columns), true);
+    const auto dump = opened(written(folder, "long", columns), true);
     ChoiceRequest request = wish_of(8, {testing::row("sphere.schoolbook", "f32")});
     const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
     CHECK(judged.rays == rays);
@@ -144,13 +142,14 @@ TEST_CASE("the sample of a long file is every n-th ray") {
 }
 
 TEST_CASE("files that are not alike are not taken together") {
+    const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign", {8, 6});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     Columns with_solids = columns_of(rays, 0, 10);
     for (const char* name : {"cx", "cy", "cz", "radius"}) with_solids.add(name, std::vector<double>(10, 1));
     std::vector<std::unique_ptr<scene::dump::Dump>> files;
-    files.push_back(opened(written("plain", columns_of(rays, 0, 10)), false));
-    files.push_back(opened(written("paired", with_solids), true));
+    files.push_back(opened(written(folder, "plain", columns_of(rays, 0, 10)), false));
+    files.push_back(opened(written(folder, "paired", with_solids), true));
     CHECK_THROWS_AS(scene::dump::join_dumps(std::move(files)), InputError);
 }
 
@@ -327,4 +326,4 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_choice_rays

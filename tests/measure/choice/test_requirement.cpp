@@ -6,7 +6,7 @@
 #include "measure/choice/requirement.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_requirement {
 
 using namespace lostbits::measure::choice;
 using measure::answer::Outcome;
@@ -145,4 +145,4 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     CHECK(r.met[1] == r.pixels());
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_requirement

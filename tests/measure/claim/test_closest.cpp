@@ -3,6 +3,8 @@
 #include "measure/claim/closest.hpp"
 #include "number/error.hpp"
 
+namespace test_closest {
+
 using namespace lostbits;
 
 TEST_CASE("passing on the closest t changes no answer of a closed form, and the comparison can see a difference") {
@@ -27,3 +29,5 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
                         {&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8, 1),
                     InputError);
 }
+
+}  // namespace test_closest

@@ -5,6 +5,8 @@
 #include "scene/claim/claims_file.hpp"
 #include "scene/scene_text.hpp"
 
+namespace test_evidence {
+
 using namespace lostbits;
 using scene::claim::Claim;
 
@@ -100,3 +102,5 @@ TEST_CASE("a claim about a search measures the worst ray that it finds, and in h
     claims[0].metric = "lost_bits_max";
     CHECK_THROWS_AS(measure::claim::measure_claims(claims, {.data_dir = LOSTBITS_DATA_DIR}), InputError);
 }
+
+}  // namespace test_evidence

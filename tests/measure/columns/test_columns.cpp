@@ -11,7 +11,7 @@
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_columns {
 
 using measure::columns::TrueLengths;
 using measure::metric::InColumns;
@@ -188,4 +188,4 @@ TEST_CASE("with one ray at a time everything is left to the metrics", "[measure]
     intersect::simd::set_isa(before);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_columns

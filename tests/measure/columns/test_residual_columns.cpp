@@ -10,7 +10,7 @@
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_residual_columns {
 
 using measure::truth::missing;
 
@@ -129,4 +129,4 @@ TEST_CASE("residuals in a format without registers, or of mixed solids, are left
     CHECK(compare(mixed) == 1);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_residual_columns

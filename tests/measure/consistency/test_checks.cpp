@@ -8,6 +8,8 @@
 #include "measure/rows.hpp"
 #include "number/rounded.hpp"
 
+namespace test_checks {
+
 using namespace lostbits;
 using namespace lostbits::measure::consistency;
 using measure::truth::Truth;
@@ -192,3 +194,5 @@ TEST_CASE("how two decisions stand to each other", "[measure][consistency]") {
         }
     }
 }
+
+}  // namespace test_checks

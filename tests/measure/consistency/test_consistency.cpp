@@ -7,6 +7,8 @@
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/points.hpp"
 
+namespace test_consistency {
+
 using namespace lostbits;
 using namespace lostbits::measure::consistency;
 using intersect::table::HitBatch;
@@ -183,3 +185,5 @@ TEST_CASE("consistency: only checks that can be asked are", "[measure][consisten
     CHECK_THROWS_AS(consistency_value(CheckSummary(), "disagree", "x"), InputError);
     CHECK(std::isnan(consistency_value(CheckSummary(), "disagree_fraction", "x")));
 }
+
+}  // namespace test_consistency

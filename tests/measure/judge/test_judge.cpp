@@ -14,12 +14,11 @@
 #include "scene/dump/late_dump.hpp"
 #include "scene/file/march_table.hpp"
 
+namespace test_judge {
 using namespace lostbits;
 using namespace lostbits::measure;
-using judge::JudgeRequest;
-using judge::JudgeResult;
-using scene::test::Columns;
-using testing::Seeded;
+using judge::JudgeRequest, judge::JudgeResult;
+using scene::test::Columns, testing::Seeded;
 
 namespace {
 
@@ -348,3 +347,4 @@ TEST_CASE("rays that are not the pixels of the picture are refused") {
         CHECK_THROWS_WITH(judge::run_judge(*dump, request, {}), Catch::Contains("picture of 4x3 has 12"));
     }
 }
+}  // namespace test_judge

@@ -5,7 +5,7 @@
 #include "number/error.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_interrupted {
 
 TEST_CASE("a map stops at the ray that it was asked to stop at", "[measure][map]") {
     const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
@@ -25,4 +25,4 @@ TEST_CASE("a map stops at the ray that it was asked to stop at", "[measure][map]
     CHECK(measured == 1);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_interrupted

@@ -6,7 +6,7 @@
 #include "measure/map/map.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_march {
 
 using intersect::Stop;
 using measure::answer::OneRay;
@@ -147,4 +147,4 @@ TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
     CHECK_THROWS_AS(OneRay(scene, 0, -1), InputError);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_march

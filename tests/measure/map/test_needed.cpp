@@ -8,6 +8,8 @@
 #include "measure/map/needed.hpp"
 #include "scene/file/scene.hpp"
 
+namespace test_needed {
+
 using namespace lostbits;
 
 namespace {
@@ -229,3 +231,5 @@ TEST_CASE("statistics of whole widths are exact", "[needed]") {
     CHECK(counts.quantile(0.99) == 30);
     CHECK(counts.quantile(1) == 53);
 }
+
+}  // namespace test_needed

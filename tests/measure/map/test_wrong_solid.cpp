@@ -8,7 +8,7 @@
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_wrong_solid {
 
 using measure::answer::Outcome;
 using measure::map::MapSummary;
@@ -67,4 +67,4 @@ TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured t
           static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_wrong_solid

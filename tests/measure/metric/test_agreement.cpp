@@ -3,6 +3,8 @@
 #include "catch.hpp"
 #include "measure/metric/agreement.hpp"
 
+namespace test_agreement {
+
 using lostbits::measure::metric::Agreement;
 
 TEST_CASE("a quantile stands for a form from a tenth of the true hits on", "[agreement]") {
@@ -25,3 +27,5 @@ TEST_CASE("the hits behind a quantile are counted in words", "[agreement]") {
     CHECK(Agreement{1, 1024}.too_few() == "1 of 1024 hits agrees");
     CHECK(Agreement{0, 1}.too_few() == "0 of 1 hit agree");
 }
+
+}  // namespace test_agreement

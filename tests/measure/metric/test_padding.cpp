@@ -15,6 +15,8 @@
 
 #include "catch.hpp"
 
+namespace test_padding {
+
 namespace {
 
 using Wide = unsigned __int128;
@@ -75,3 +77,5 @@ TEST_CASE("in float no ray parts the slabs of a box that it hits further than th
     CHECK(ends.last_exit.d == whole - 4094);
     CHECK(ends.first_entry.d == whole - 20468);
 }
+
+}  // namespace test_padding

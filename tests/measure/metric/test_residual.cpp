@@ -3,7 +3,7 @@
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_residual {
 
 namespace {
 
@@ -52,4 +52,4 @@ TEST_CASE("residual is of the point that the format computes, and tables have it
     CHECK(tabled.quantile(1) == 0.5);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_residual

@@ -4,6 +4,8 @@
 #include "catch.hpp"
 #include "measure/claim/claim.hpp"
 
+namespace test_spread {
+
 using namespace lostbits;
 using namespace lostbits::measure;
 
@@ -57,3 +59,5 @@ TEST_CASE("a claim's interval is the range of its draws and half as much on eith
     CHECK(low == Approx(1022));
     CHECK(high == 1026);
 }
+
+}  // namespace test_spread

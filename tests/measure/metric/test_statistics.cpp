@@ -12,7 +12,7 @@
 #include "number/random.hpp"
 #include "output/shard/fields.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_statistics {
 
 using measure::metric::Distribution;
 using Rational = boost::multiprecision::mpq_rational;
@@ -246,4 +246,4 @@ TEST_CASE("a distribution says the same after it is sealed, of nothing it says n
     CHECK(std::isnan(none.quantile(0.5)));
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_statistics

@@ -6,6 +6,8 @@
 #include "measure/offset/smallest.hpp"
 #include "measure/seeded.hpp"
 
+namespace test_half_line {
+
 using namespace lostbits;
 using measure::offset::find_meeting;
 using measure::offset::find_meeting_by_enclosure;
@@ -133,3 +135,5 @@ TEST_CASE("bisection finds the least float that is enough, and says where none i
         CHECK(smallest_enough(f, 0x1p-20, 64, always) == 0);
     }
 }
+
+}  // namespace test_half_line

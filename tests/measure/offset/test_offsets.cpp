@@ -11,6 +11,8 @@
 #include "measure/offset/smallest.hpp"
 #include "scene/rays/rays.hpp"
 
+namespace test_offsets {
+
 using namespace lostbits;
 using namespace lostbits::measure::offset;
 using testing::load;
@@ -231,3 +233,5 @@ TEST_CASE("a shell 4e-5 away is lost by every offset that is longer", "[measure]
         if (s.size.quantile(0.5) > 4.2e-5) CHECK(s[Fault::lost_occluder] > summary.on(Side::inside).rays / 2);
     }
 }
+
+}  // namespace test_offsets

@@ -8,6 +8,8 @@
 #include "measure/offset/offsets.hpp"
 #include "measure/offset/points.hpp"
 
+namespace test_strategies {
+
 using namespace lostbits;
 using namespace lostbits::measure::offset;
 using testing::load;
@@ -155,3 +157,5 @@ TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[
     CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::lost_occluder) == 2);
     CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon_1e-4", Fault::begins_in_neighbour) == 0);
 }
+
+}  // namespace test_strategies

@@ -10,6 +10,8 @@
 #include "scene/rays/rays.hpp"
 #include "scene/toml/round.hpp"
 
+namespace test_render {
+
 using namespace lostbits;
 using scene::file::Stage;
 
@@ -287,3 +289,5 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(r.colour_error.count() == r.pixels - r.unresolved());
     CHECK_FALSE(hasty.truth.front().colours[0].certain);
 }
+
+}  // namespace test_render

@@ -11,6 +11,8 @@
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
+namespace test_shade {
+
 using namespace lostbits;
 
 namespace {
@@ -173,3 +175,5 @@ TEST_CASE(
     CHECK(expanded[6] == measure::picture::blocked_by_nothing);
     CHECK(unified[4] == measure::picture::blocked_by_nothing);
 }
+
+}  // namespace test_shade

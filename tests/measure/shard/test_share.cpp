@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "measure/shard/share.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_share {
 
 using measure::shard::Share;
 
@@ -31,4 +31,4 @@ TEST_CASE("shares are consecutive, together all units, and differ by one at most
     CHECK_FALSE(Share{1, 2}.is_whole());
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_share

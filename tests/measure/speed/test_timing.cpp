@@ -11,6 +11,8 @@
 #include "measure/speed/timing_threads.hpp"
 #include "measure/speed/timing_work.hpp"
 
+namespace test_timing {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -117,3 +119,5 @@ TEST_CASE("what is not there is not timed", "[timing]") {
     CHECK(measure::speed::working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
     CHECK(measure::speed::working_set_bytes("l3", {1000, 2000, 4000}) == 0);
 }
+
+}  // namespace test_timing

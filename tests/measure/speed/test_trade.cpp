@@ -12,6 +12,8 @@
 #include "measure/speed/trade.hpp"
 #include "scene/file/scene.hpp"
 
+namespace test_trade {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -252,3 +254,5 @@ TEST_CASE("loads are every working set with every share of hits", "[trade]") {
     CHECK(measure::speed::trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
     CHECK(measure::speed::cache_sizes().l1 > 0);
 }
+
+}  // namespace test_trade

@@ -12,6 +12,8 @@
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/ray_families.hpp"
 
+namespace test_stages {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -249,3 +251,5 @@ TEST_CASE("stages: nothing is said of what lies outside of their range") {
     CHECK_FALSE(says(StageName::binary64, with(with(problem_of(ray, ball), 0, 0x1p-60), 6, 0.5)));
     CHECK_FALSE(says(StageName::binary64, with(with(problem_of(ray, ball), 0, 0x1p+40), 6, 0x1p-20)));
 }
+
+}  // namespace test_stages

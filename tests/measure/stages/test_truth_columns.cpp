@@ -8,6 +8,8 @@
 #include "measure/truth/ray_families.hpp"
 #include "measure/truth/truth_columns.hpp"
 
+namespace test_truth_columns {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 using measure::truth::ColumnTerms;
@@ -208,3 +210,5 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
     CHECK(different == 0);
     CHECK(hits > problems.size() / 8);
 }
+
+}  // namespace test_truth_columns

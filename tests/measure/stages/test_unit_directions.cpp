@@ -10,7 +10,7 @@
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_unit_directions {
 
 namespace {
 
@@ -101,4 +101,4 @@ TEST_CASE("packs settle nearly all unit directions, and none outside of their ra
     });
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_unit_directions

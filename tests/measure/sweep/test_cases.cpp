@@ -9,6 +9,8 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 
+namespace test_cases {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -242,3 +244,5 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
     }
     CHECK(files >= 4);
 }
+
+}  // namespace test_cases

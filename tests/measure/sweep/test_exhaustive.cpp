@@ -14,6 +14,8 @@
 #include "number/error.hpp"
 #include "output/sweep/exhaustive_state_file.hpp"
 
+namespace test_exhaustive {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 using intersect::table::HitBatch;
@@ -263,3 +265,5 @@ TEST_CASE("any number of threads finds the same") {
     CHECK(found[1].tallies == found[0].tallies);
     CHECK(found[2].tallies == found[0].tallies);
 }
+
+}  // namespace test_exhaustive

@@ -11,6 +11,8 @@
 #include "measure/sweep/cases.hpp"
 #include "scene/sweep/search_file.hpp"
 
+namespace test_hard {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -71,3 +73,5 @@ TEST_CASE("every hard ray measures what its name says") {
     CHECK(values > 60);
     CHECK(decisions >= 9);
 }
+
+}  // namespace test_hard

@@ -11,6 +11,8 @@
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
+namespace test_worst {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -239,3 +241,5 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         CHECK((!alone.hit && alone.truth.is_hit()));
     }
 }
+
+}  // namespace test_worst

@@ -9,7 +9,7 @@
 #include "measure/truth/conditioning.hpp"
 #include "number/real.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_at_origin {
 
 using intersect::AtOrigin;
 using intersect::Convention;
@@ -221,4 +221,4 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
     }
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_at_origin

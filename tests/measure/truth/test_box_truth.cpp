@@ -10,6 +10,8 @@
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
+namespace test_box_truth {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 using lostbits::test::BoxCase;
@@ -266,3 +268,5 @@ TEST_CASE("the enclosed t of a box differentiates", "[box][conditioning]") {
     }
     CHECK(hits > 100);
 }
+
+}  // namespace test_box_truth

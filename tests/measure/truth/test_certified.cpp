@@ -8,6 +8,8 @@
 #include "measure/truth/exact_reference.hpp"
 #include "number/rounded.hpp"
 
+namespace test_certified {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -212,3 +214,5 @@ TEST_CASE("ordinals are the formats' own bit patterns") {
         CHECK(std::isinf(x));
     }
 }
+
+}  // namespace test_certified

@@ -8,6 +8,8 @@
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
+namespace test_conditioning {
+
 using namespace lostbits;
 
 namespace {
@@ -158,3 +160,5 @@ TEST_CASE("every operation of Dual differentiates as a central difference does")
         }
     }
 }
+
+}  // namespace test_conditioning

@@ -5,7 +5,7 @@
 #include "scene/file/scene.hpp"
 #include "scene/scene_text.hpp"
 
-namespace lostbits::test {
+namespace lostbits::test::test_culling {
 
 using intersect::Touching;
 using measure::truth::SphereIndex;
@@ -15,7 +15,7 @@ namespace {
 /// A flake and a large sphere below it, seen from `eye`.
 scene::file::Scene flake_scene(int levels, const std::string& eye, const std::string& camera,
                                const std::string& inputs = "shared", int size = 20) {
-    const scene::test::Folder folder;
+    const scene::test::Scratch folder;
     const std::string text = R"(schema = "lostbits-scene/1"
 title = "A test"
 inputs = ")" + inputs + R"("
@@ -141,7 +141,7 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
             const Sphere<double> s = culler.shared()[i].sphere();
             const Vec<double> m = cross<double>(s.centre - ray.origin, ray.direction);
             const double l2 = square(m) / square(ray.direction), r2 = s.radius * s.radius;
-            const bool ahead = dot(s.centre - ray.origin, ray.direction) > 0,
+            const bool ahead = lostbits::dot(s.centre - ray.origin, ray.direction) > 0,
                        is_found = std::ranges::count(found, i) > 0;
             missed += l2 <= r2 && ahead && !(is_found && in_blocks[i]);
             surplus += is_found && l2 > r2 * 1.0001 + 1e-9;
@@ -169,4 +169,4 @@ TEST_CASE("no index where squares leave the format, where spheres are few, or so
     CHECK(SphereIndex::make(solids, bounds, &binary64) == nullptr);
 }
 
-}  // namespace lostbits::test
+}  // namespace lostbits::test::test_culling

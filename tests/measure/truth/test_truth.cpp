@@ -10,6 +10,8 @@
 #include "measure/truth/ray_families.hpp"
 #include "measure/truth/truth.hpp"
 
+namespace test_truth {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -125,3 +127,5 @@ TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]"
         check(f, binary64, test::draws(f.rays_binary64), 4);
     }
 }
+
+}  // namespace test_truth

@@ -8,6 +8,8 @@
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 
+namespace test_truth_scenes {
+
 using namespace lostbits;
 using namespace lostbits::testing;
 
@@ -235,3 +237,5 @@ TEST_CASE("what no precision within the limit proves is not guessed") {
     CHECK(round_truth(t, ray, point, binary32) == 0x1p53);
     CHECK_THROWS_AS(round_truth(t, ray, point, binary64), Error);
 }
+
+}  // namespace test_truth_scenes

@@ -13,7 +13,7 @@
 #include "output/diff/difference.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_difference {
 

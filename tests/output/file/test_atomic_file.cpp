@@ -13,7 +13,7 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/result_folder.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_atomic_file {
 
@@ -48,7 +48,7 @@ TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
     REQUIRE_FALSE(fs::exists(folder / "a.csv"));
     REQUIRE(fs::directory_iterator(folder.path())->path().filename().string().starts_with(".a.csv.partial-"));
     file.commit();
-    REQUIRE(slurp(folder / "a.csv") == "one,two\n");
+    REQUIRE(contents(folder / "a.csv") == "one,two\n");
     REQUIRE(folder.entries() == 1);
     REQUIRE_THROWS_AS(file.write("late"), std::logic_error);
     REQUIRE_THROWS_AS(file.commit(), std::logic_error);
@@ -64,7 +64,7 @@ TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
         file.commit();
     }
     { output::file::AtomicFile(folder / "a").write("new, cut short"); }
-    REQUIRE(slurp(folder / "a") == "old");
+    REQUIRE(contents(folder / "a") == "old");
     REQUIRE(folder.entries() == 1);
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_
         REQUIRE(file.tell() == at + 2);
     }
     file.commit();
-    REQUIRE(slurp(folder / "a") == expected);
+    REQUIRE(contents(folder / "a") == expected);
 }
 
 TEST_CASE("missing folders are made, and what cannot be written is refused at once", "[atomic_file]") {
@@ -174,7 +174,7 @@ TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     file.write("new");
     file.commit();
     REQUIRE(fs::is_symlink(folder / "link"));
-    REQUIRE(slurp(folder / "real/target") == "new");
+    REQUIRE(contents(folder / "real/target") == "new");
 }
 
 TEST_CASE("what a dead process of the same id left is replaced, a second live writer is refused", "[atomic_file]") {
@@ -184,7 +184,7 @@ TEST_CASE("what a dead process of the same id left is replaced, a second live wr
     file.write("new");
     REQUIRE_THROWS_AS(AtomicFile(folder / "a"), std::logic_error);
     file.commit();
-    REQUIRE(slurp(folder / "a") == "new");
+    REQUIRE(contents(folder / "a") == "new");
     REQUIRE(folder.entries() == 1);
 }
 
@@ -196,12 +196,12 @@ TEST_CASE("a half-written file of another process stays, unless nobody holds it"
     REQUIRE(::flock(fd, LOCK_EX) == 0);
     output::file::AtomicFile file(folder / "a");
     file.write("new");
-    CHECK(slurp(living) == "half");
+    CHECK(contents(living) == "half");
     CHECK_FALSE(fs::exists(dead));
     CHECK(fs::exists(others));
     file.commit();
-    CHECK(slurp(folder / "a") == "new");
-    CHECK(slurp(living) == "half");
+    CHECK(contents(folder / "a") == "new");
+    CHECK(contents(living) == "half");
     ::close(fd);
 }
 
@@ -224,7 +224,7 @@ TEST_CASE("nobody takes a file that is being written for abandoned, up to its la
     }
     done = true;
     remover.join();
-    CHECK(slurp(folder / "a") == "new");
+    CHECK(contents(folder / "a") == "new");
 }
 
 TEST_CASE("as many files as the machine allows may be open, and a signal handler removes them all", "[atomic_file]") {
@@ -258,7 +258,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
         CHECK(unfinished().empty());
         write("a.csv");
         CHECK(contains(unfinished(), "a run is writing there now"));
-        CHECK(contains(slurp(folder / "UNFINISHED.txt"), "lostbits map a"));
+        CHECK(contains(contents(folder / "UNFINISHED.txt"), "lostbits map a"));
         write("b.csv");
     }
     CHECK(unfinished().empty());
@@ -281,7 +281,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
               return 0;
           }) == 101);
     CHECK(contains(unfinished(), "was stopped"));
-    CHECK(contains(slurp(folder / "UNFINISHED.txt"), "lostbits map a"));
+    CHECK(contains(contents(folder / "UNFINISHED.txt"), "lostbits map a"));
     {
         ResultFolder mine(folder.path(), second, {});
         CHECK(contains(unfinished(), "was stopped"));

@@ -13,9 +13,9 @@
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/helpers.hpp"
 #include "output/page/json.hpp"
 #include "output/page/text.hpp"
-#include "output/scratch.hpp"
 
 namespace test_escape {
 

@@ -7,7 +7,7 @@
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_read_csv {
 

@@ -10,7 +10,7 @@
 #include "output/file/csv.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_text {
 
@@ -101,7 +101,7 @@ TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
     csv.row({"bad \xFF\xC0\x80 utf-8", 0, 7, false});
     REQUIRE_FALSE(fs::exists(folder / "t.csv"));
     csv.close();
-    CHECK(slurp(folder / "t.csv") ==
+    CHECK(contents(folder / "t.csv") ==
           "form,rays,ulp_error_max,ok\n"
           "plain,3,0.1,1\n"
           "\"comma, \"\"quote\"\"\",18446744073709551615,0.1,0\n"
@@ -116,7 +116,7 @@ TEST_CASE("a lone missing cell is not a blank line", "[csv]") {
     csv.row({lostbits::output::file::Cell()});
     csv.row({1});
     csv.close();
-    CHECK(slurp(folder / "t.csv") == "only\n\"\"\n1\n");
+    CHECK(contents(folder / "t.csv") == "only\n\"\"\n1\n");
 }
 
 TEST_CASE("wrong rows are faults of the program", "[csv]") {
@@ -154,8 +154,8 @@ TEST_CASE("a data package describes its columns", "[datapackage]") {
           {"ok", "boolean", "", "holds"}}}};
     lostbits::output::file::write_datapackage(folder / "datapackage.json", "Map of A", resources);
     write_datapackage(folder / "again.json", "Map of A", resources);
-    const std::string text = slurp(folder / "datapackage.json");
-    CHECK(text == slurp(folder / "again.json"));
+    const std::string text = contents(folder / "datapackage.json");
+    CHECK(text == contents(folder / "again.json"));
     const auto json = nlohmann::json::parse(text);
     CHECK(json["name"] == "map-of-a");
     const auto& resource = json["resources"].at(0);

@@ -5,10 +5,10 @@
 #include "catch.hpp"
 #include "measure/answer/outcome.hpp"
 #include "number/error.hpp"
+#include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/scratch.hpp"
 
 namespace test_colour {
 

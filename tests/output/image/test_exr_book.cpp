@@ -8,8 +8,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
+#include "output/helpers.hpp"
 #include "output/image/exr_book.hpp"
-#include "output/scratch.hpp"
 
 namespace test_exr_book {
 
@@ -122,9 +122,9 @@ TEST_CASE("a book's bytes are the same whichever part is served first, and by ho
         for (auto& thread : threads) thread.join();
         book.close();
     }
-    CHECK(slurp(folder / "a.exr").size() > 1000);
-    CHECK(slurp(folder / "a.exr") == slurp(folder / "b.exr"));
-    CHECK(slurp(folder / "a.exr") == slurp(folder / "c.exr"));
+    CHECK(contents(folder / "a.exr").size() > 1000);
+    CHECK(contents(folder / "a.exr") == contents(folder / "b.exr"));
+    CHECK(contents(folder / "a.exr") == contents(folder / "c.exr"));
 }
 
 TEST_CASE("a book appears only when closed, and refuses what no reader would take", "[exr]") {
@@ -201,7 +201,7 @@ TEST_CASE("other programs read every part of a book", "[exr]") {
     book.close();
     const std::string out = (folder / "info").string();
     REQUIRE(std::system(("oiiotool --info -v -a " + (folder / "a.exr").string() + " >" + out + " 2>&1").c_str()) == 0);
-    const std::string info = slurp(out);
+    const std::string info = contents(out);
     INFO(info);
     CHECK(info.find("3 subimages: 37x41") != std::string::npos);
     for (const auto& part : parts) CHECK(info.find("name: \"" + part.name + "\"") != std::string::npos);

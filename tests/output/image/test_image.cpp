@@ -9,8 +9,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
+#include "output/helpers.hpp"
 #include "output/image/image.hpp"
-#include "output/scratch.hpp"
 
 namespace test_image {
 
@@ -99,8 +99,8 @@ TEST_CASE("the same pixels give the same bytes, however they are cut into rows",
     write_exr(folder / "a.exr", samples, {41});
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // a date would differ now
     write_exr(folder / "b.exr", samples, {3, 3, 35});
-    CHECK(slurp(folder / "a.exr") == slurp(folder / "b.exr"));
-    const auto year = slurp(folder / "a.exr").find("capDate");
+    CHECK(contents(folder / "a.exr") == contents(folder / "b.exr"));
+    const auto year = contents(folder / "a.exr").find("capDate");
     if (year != std::string::npos) {
         for (const auto& [key, value] : backend().read_exr(folder / "a.exr").attributes) {
             if (key == "DateTime") CHECK(value.empty());
@@ -185,9 +185,9 @@ TEST_CASE("files are written from several threads at once", "[exr]") {
         });
     }
     for (auto& thread : threads) thread.join();
-    const std::string first = slurp(folder / "0-0");
+    const std::string first = contents(folder / "0-0");
     CHECK(first.size() > 1000);
-    for (const auto& entry : fs::directory_iterator(folder.path())) CHECK(slurp(entry.path()) == first);
+    for (const auto& entry : fs::directory_iterator(folder.path())) CHECK(contents(entry.path()) == first);
     CHECK(folder.entries() == 20);
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("other programs read the EXR", "[exr]") {
     write_exr(folder / "a.exr", make_samples(), {41});
     const std::string out = (folder / "info").string();
     REQUIRE(std::system(("oiiotool --info -v " + (folder / "a.exr").string() + " >" + out + " 2>&1").c_str()) == 0);
-    const std::string info = slurp(out);
+    const std::string info = contents(out);
     INFO(info);
     CHECK(info.find("37 x   41, 8 channel") != std::string::npos);
     CHECK(info.find("class.value (uint)") != std::string::npos);
@@ -224,7 +224,7 @@ TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
     CHECK(back.width == 50);
     CHECK(back.height == 30);
     CHECK((back.pixels == pixels));
-    CHECK(slurp(folder / "a.png") == slurp(folder / "b.png"));
+    CHECK(contents(folder / "a.png") == contents(folder / "b.png"));
     CHECK_THROWS_AS(backend().read_exr(folder / "a.png"), InputError);
     CHECK_THROWS_AS(backend().read_exr(folder / "none.exr"), InputError);
 }

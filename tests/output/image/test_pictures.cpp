@@ -3,9 +3,9 @@
 #include <thread>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/heatmap.hpp"
-#include "output/scratch.hpp"
 
 namespace test_pictures {
 
@@ -181,7 +181,7 @@ TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]")
         map.write_rows(field);
         map.finish(legend_of("4"));
     }
-    CHECK(slurp(folder / "a") == slurp(folder / "b"));
+    CHECK(contents(folder / "a") == contents(folder / "b"));
 }
 
 namespace {
@@ -283,7 +283,7 @@ TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_she
     const Scratch folder;
     sheet_of(folder / "a.png", 9, 2, 1);
     sheet_of(folder / "b.png", 9, 2, 4);
-    CHECK(slurp(folder / "a.png") == slurp(folder / "b.png"));
+    CHECK(contents(folder / "a.png") == contents(folder / "b.png"));
     CHECK(folder.entries() == 2);
 }
 

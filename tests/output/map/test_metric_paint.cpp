@@ -5,9 +5,9 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
+#include "output/helpers.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/sheet_words.hpp"
-#include "output/scratch.hpp"
 
 namespace test_metric_paint {
 

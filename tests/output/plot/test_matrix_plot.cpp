@@ -2,8 +2,8 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
-#include "output/scratch.hpp"
 
 namespace test_matrix_plot {
 
@@ -52,7 +52,7 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
     }
     CHECK(rim_is_blank(image));
     lostbits::output::plot::write_matrix_plot(backend(), folder / "again.png", coloured());
-    CHECK(slurp(folder / "m.png") == slurp(folder / "again.png"));
+    CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
 TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]") {

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/plot/plane_plot.hpp"
-#include "output/scratch.hpp"
 
 namespace test_plane_plot {
 
@@ -71,7 +71,7 @@ TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first 
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
     lostbits::output::plot::write_plane_plot(backend(), folder / "again.png", coloured(40, 30));
-    CHECK(slurp(folder / "p.png") == slurp(folder / "again.png"));
+    CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 
 TEST_CASE("values take the ramp, outcomes their colour, and what is neither is hatched", "[plane_plot]") {

@@ -5,10 +5,10 @@
 #include <tuple>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
-#include "output/scratch.hpp"
 
 namespace test_plots {
 
@@ -288,7 +288,7 @@ TEST_CASE("nothing in a line plot is cut off, however much there is, and bytes r
         CHECK(image.width == spec.width);
         CHECK(image.height >= spec.height);
         lostbits::output::plot::write_line_plot(backend(), folder / "again.png", spec);
-        CHECK(slurp(folder / "p.png") == slurp(folder / "again.png"));
+        CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
     }
     CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);
 }

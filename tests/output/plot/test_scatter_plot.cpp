@@ -5,9 +5,9 @@
 #include <random>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
 #include "output/plot/label_placement.hpp"
-#include "output/scratch.hpp"
 
 namespace test_scatter_plot {
 
@@ -116,7 +116,7 @@ TEST_CASE("a scatter plot shows points, names and front where they belong", "[sc
     CHECK(blue < red);
     CHECK(red < faint);
     lostbits::output::plot::write_scatter_plot(backend(), folder / "again.png", small());
-    CHECK(slurp(folder / "s.png") == slurp(folder / "again.png"));
+    CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();
     CHECK(count_of(plotted(folder, without), first) < count_of(image, first));

@@ -6,9 +6,9 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/scratch.hpp"
 #include "output/sweep/worst_files.hpp"
 
 namespace test_case_files {
@@ -112,7 +112,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     CHECK(cell(table, "not_a_number", 12) == "1");
     CHECK(cell(table, "agree_hit", 12) == "1");
     CHECK(cell(table, "false_miss_fraction", 6) == "1");
-    CHECK(slurp(folder / "datapackage.json").find("\"cases.csv\"") != std::string::npos);
+    CHECK(contents(folder / "datapackage.json").find("\"cases.csv\"") != std::string::npos);
 
     const auto image = backend().read_png(folder / "matrix.png");
     CHECK(rim_is_blank(image));
@@ -151,7 +151,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     CHECK_FALSE(flat(4));
 
     output::sweep::write_case_matrix(folder / "alone.png", request, measure::sweep::run_cases(request));
-    CHECK(slurp(folder / "alone.png") == slurp(folder / "matrix.png"));
+    CHECK(contents(folder / "alone.png") == contents(folder / "matrix.png"));
 }
 
 TEST_CASE("what a search leaves can be run again: hard.toml has the rays to the bit") {

@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "output/scratch.hpp"
+#include "output/helpers.hpp"
 
 namespace test_exhaustive_plots {
 

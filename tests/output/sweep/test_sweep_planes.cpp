@@ -10,9 +10,9 @@
 #include "catch.hpp"
 #include "measure/rows.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/helpers.hpp"
 #include "output/image/pixels.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/scratch.hpp"
 #include "output/sweep/sweep_files.hpp"
 
 namespace test_sweep_planes {
@@ -125,9 +125,9 @@ TEST_CASE("a plane's channels are the table's numbers, columns rising, the highe
                 CHECK(attribute("y_values") == "0.25 0.0078125 0.000244140625");
                 // The same plane, whichever way the axes run.
                 for (const std::string& file : {stem + ".exr", stem + ".png"}) {
-                    const auto [first, fresh] = bytes.try_emplace(file, slurp(planes.folder / file));
+                    const auto [first, fresh] = bytes.try_emplace(file, contents(planes.folder / file));
                     CHECK_FALSE(first->second.empty());
-                    CHECK(first->second == slurp(planes.folder / file));
+                    CHECK(first->second == contents(planes.folder / file));
                 }
             }
             CHECK(varies);

@@ -83,18 +83,7 @@ std::string as_npy(const Columns& columns, bool big_endian = false, Order order 
                   as_bytes<F>(columns, big_endian, order));
 }
 
-/// A file in a folder of its own.
-class DumpFile {
-public:
-    DumpFile(const std::string& name, const std::string& bytes) : path_(folder_.path() / name) {
-        std::ofstream(path_, std::ios::binary) << bytes;
-    }
-    [[nodiscard]] const fs::path& path() const { return path_; }
-
-private:
-    Folder folder_;
-    fs::path path_;
-};
+using DumpFile = lostbits::test::ScratchFile;
 
 /// All records of a file, read so many at a time.
 inline std::vector<dump::Chunk> read_all(dump::Dump& dump, std::size_t most = 1000) {

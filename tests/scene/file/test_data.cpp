@@ -169,7 +169,7 @@ TEST_CASE("grazing rays pass within a thousandth of the limb, half of them hitti
 
 TEST_CASE("the offset worlds are near-benign, moved exactly") {
     const scene::file::Scene near = find("near-benign");
-    const Vec<Real> offset(test::real("100000"), test::real("100000.3"), test::real("-99999.7"));
+    const Vec<Real> offset(scene::test::real("100000"), scene::test::real("100000.3"), scene::test::real("-99999.7"));
     for (const std::string id : {"world-offset", "world-offset-own"}) {
         const scene::file::Scene moved = find(id);
         CAPTURE(id);

@@ -100,7 +100,7 @@ TEST_CASE("a size override changes the size alone") {
 }
 
 TEST_CASE("scenes are listed by name") {
-    const Folder data;
+    const Scratch data;
     CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("is not a folder of scenes") !=
           std::string::npos);
     data.write("scenes/b.toml", good_scene);
@@ -113,7 +113,7 @@ TEST_CASE("scenes are listed by name") {
 }
 
 TEST_CASE("a scene is found by path, id or id and variant") {
-    const Folder data;
+    const Scratch data;
     const fs::path near = data.write("scenes/near.toml", good_scene);
     const fs::path far = data.write("scenes/far-2.5.toml", two_variants);
     CHECK(scene::file::find_scene("near", data.path()).path == near);

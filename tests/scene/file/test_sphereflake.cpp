@@ -62,7 +62,7 @@ TEST_CASE("the flake of two levels is the one that the scene of ninety-one spher
 
 TEST_CASE("a flake stands behind the other spheres of its scene, and is refused with its place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
-    const Folder folder;
+    const Scratch folder;
     const scene::file::Scene s = load_scene(folder.write("scene.toml", text)).front();
     CHECK(s.shapes() == std::vector{Shape::sphere});
     CHECK(s.solids().size() == 11);
@@ -85,7 +85,7 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
 TEST_CASE(
     "the constants of a march have the seed's values where they are not given, and are refused with their place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
-    const Folder folder;
+    const Scratch folder;
     const scene::file::Scene s = load_scene(folder.write("scene.toml", text)).front();
     REQUIRE(s.march);
     CHECK(s.march->hit_eps == Real("0.01"));

@@ -40,12 +40,12 @@ struct Geometry {
 };
 
 scene::rays::Family family_of(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     const Node root = read_toml(folder.write("f.toml", text));
     return read_family(TableReader(root));
 }
 std::string family_error(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("f.toml", text);
     return error_in(folder, [&] {
         const scene::toml::Node root = read_toml(file);

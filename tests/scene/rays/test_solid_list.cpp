@@ -16,7 +16,7 @@ namespace {
 
 /// Two spheres and a flake of ninety-one.
 file::Scene flake_scene(const std::string& inputs) {
-    const Folder folder;
+    const Scratch folder;
     const std::string text = replaced(
         good_scene, "[[sphere]]",
         "[sphereflake]\nlevels = 2\nradius = 0.7\ncentre = [0.1, 0.2, 0.3]\n[[sphere]]\ncentre = [0.1, -7, 0]\n"

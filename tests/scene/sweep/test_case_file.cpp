@@ -38,11 +38,11 @@ rays = [{ origin = [0, 0, "nan"], direction = [0, 0, "-inf"] }, { origin = [1, 0
 )";
 
 scene::sweep::CaseFile loaded_cases(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     return CaseFile(folder.write("c.toml", text));
 }
 std::string case_error(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("c.toml", text);
     return error_in(folder, [&] { scene::sweep::CaseFile{file}; });
 }
@@ -250,7 +250,7 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
 }
 
 TEST_CASE("the tables of a sweep tell its kind") {
-    const Folder folder;
+    const Scratch folder;
     CHECK(scene::sweep::sweep_kind(folder.write("a.toml", "[[axis]]\n")) == scene::sweep::SweepKind::axes);
     CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == scene::sweep::SweepKind::cases);
     CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == scene::sweep::SweepKind::search);

@@ -40,12 +40,12 @@ const std::string good_box = replaced(
     "direction = [0, -0.0, -1]\n", "direction = [0, -0.0, -1]\ntmax = 9\n");
 
 ExhaustiveFile swept(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     return ExhaustiveFile(folder.write("s.toml", text));
 }
 
 std::string error(const std::string& what, const std::string& by, const std::string& in = good_sweep) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("s.toml", replaced(in, what, by));
     return error_in(folder, [&] { const ExhaustiveFile unused(file); });
 }

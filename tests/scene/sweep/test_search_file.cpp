@@ -30,11 +30,11 @@ impact_radii = [0, 0.5]
 )";
 
 scene::sweep::SearchFile loaded_search(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     return SearchFile(folder.write("s.toml", text));
 }
 std::string broken(const std::string& from, const std::string& to) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("s.toml", replaced(good_search, from, to));
     return error_in(folder, [&] { scene::sweep::SearchFile{file}; });
 }
@@ -137,7 +137,7 @@ set = ["distance"]
 at = 16
 label = "here"
 )";
-    const Folder folder;
+    const Scratch folder;
     const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
     const auto mark = [&](const std::string& line) {
         return scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0);
@@ -169,7 +169,7 @@ label = "here"
 }
 
 TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where only one is called so") {
-    const Folder data;
+    const Scratch data;
     const fs::path near = data.write("sweeps/worst/near.toml", ""), one = data.write("sweeps/a/both.toml", "");
     data.write("sweeps/b/both.toml", "");
     const fs::path top = data.write("sweeps/c/top.toml", ""), upper = data.write("sweeps/top.toml", "");
@@ -186,7 +186,7 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
 }
 
 TEST_CASE("a sweep drawn again has other rays at the same places, one over a scene has none to draw") {
-    const Folder folder;
+    const Scratch folder;
     const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n",
                       axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
     const auto same = [](const RayGroup& a, const RayGroup& b) {

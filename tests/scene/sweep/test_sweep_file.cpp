@@ -15,7 +15,7 @@ using namespace lostbits::scene::test;
 namespace {
 
 SweepFile along(const std::string& from, const std::string& to) {
-    const Folder folder;
+    const Scratch folder;
     return {folder.write("s.toml",
                          "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = "
                          "\"near-benign\"\nconvention = \"open\"\n[[axis]]\nname = \"x\"\nspacing = "

@@ -66,7 +66,7 @@ TEST_CASE("an exact number makes an override, for the axes of sweeps") {
 }
 
 TEST_CASE("a file is parsed once and interpreted under many overrides") {
-    const Folder folder;
+    const Scratch folder;
     const scene::file::SceneFile file(folder.write("scene.toml", good_scene));
     CHECK(file.load(set("sphere[0].radius=2")).at(0).spheres[0].radius == 2);
     CHECK(file.load(set("camera.width=3")).at(0).spheres[0].radius == 1);

@@ -15,7 +15,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
 using namespace lostbits::scene::toml;
-using test::real;
+using scene::test::real;
 
 namespace {
 

@@ -198,7 +198,7 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     CHECK(solid_error("max") == "no error");
     CHECK(ray_error("-nan") == "no error");
     // TOML's own words arrive as floats.
-    const Folder folder;
+    const Scratch folder;
     const scene::toml::Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
     const std::vector<scene::toml::Node>& items = root.find("a")->items;
     CHECK(std::isnan(scene::toml::Quantity(items[0], true).in(binary32, 0)));

@@ -24,12 +24,12 @@ struct Text {
             read(table);
         });
     }
-    Folder folder;
+    Scratch folder;
     scene::toml::Node root;
 };
 
 std::string file_error(const std::string& text) {
-    const Folder folder;
+    const Scratch folder;
     const fs::path file = folder.write("t.toml", text);
     return error_in(folder, [&] { scene::toml::read_toml(file); });
 }
@@ -45,7 +45,7 @@ constexpr std::pair<std::string_view, Fruit> fruit[] = {{"apple", Fruit::apple},
 }  // namespace
 
 TEST_CASE("a file that cannot be read says why") {
-    const Folder folder;
+    const Scratch folder;
     CHECK(error_in(folder, [&] { scene::toml::read_toml(folder.path() / "none.toml"); }) ==
           "none.toml: cannot be read: No such file or directory; check the path and its permissions");
     CHECK(error_of([&] { scene::toml::read_toml(folder.path()); }) ==

@@ -1,0 +1,230 @@
+// What a command says and writes does not depend on the number of threads or the width of the registers, and is the
+// same when it is run again.
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "catch.hpp"
+#include "every_float.hpp"
+#include "intersect/simd/packed.hpp"
+#include "program.hpp"
+
+namespace test_same_bytes {
+
+using namespace lostbits::test;
+using namespace lostbits;
+
+namespace {
+
+struct Row {
+    std::string words;
+    std::size_t files = 0;     ///< at least so many are left in out/
+    bool every_width = false;  ///< run at each width of the registers
+};
+
+const Row rows[] = {
+    // More pixels than a band has, so that rows come in two instalments.
+    {"map near-benign --size 150x230 -i sphere.press -i sphere.unit_half_b -f f32 -f p13 --metric '*' --bits-needed 12 "
+     "--pixels csv --exr -o out",
+     41},
+    {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv -o out", 100,
+     true},
+    {"map rtg-fig-7-3-4100-oblique box-slabs --size 33x29 -f f32 -f f64 -i sphere.schoolbook "
+     "-i sphere.unified_unit -i box.inclusive -i box.divide --metric '*bits' --metric '*error' --metric residual --exr "
+     "--pixels csv -o out",
+     40, true},
+    {"map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit "
+     "--metric cancellation --metric contribution:c --pixels csv -o out",
+     11},
+    {"sweep distance.toml -i '*press*' -o out", 5},
+    {"sweep few.toml -f f32 -f f64 -o out", 3, true},
+    {"sweep distance.toml -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
+     "--metric "
+     "cancellation:c --metric contribution:c -o out",
+     5},
+    {"sweep march.toml -i 'sdf.*' -f f32 -o out", 6},
+    {"sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -o out", 8},
+    {"sweep search.toml --worst -f f32 -f f64 -o out", 2, true},
+    {"sweep every.toml -i sphere.press -i sphere.unified -o out", 5},
+    {"render raycast-course.pixels --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},
+    {"render raycast-acne.ulp4 --size 60x40 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},
+    {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual --metric "
+     "lost_bits -o out",
+     11},
+    {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv -o out", 8},
+    {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv -o out", 5},
+    {"report near-benign sdf-union sphere-tilt --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i "
+     "sdf.sphere_trace -f f32 -f p16 --offsets offset-shells.outside -o out",
+     2},
+    {"check --filter 'float.*' --report out", 1},
+    {"explain rtg-fig-7-3-4100-oblique --pixel 100,90 -i sphere.schoolbook -f f32", 0},
+};
+
+/// What has no row, and why.
+const std::map<std::string, std::string> others{
+    {"choose", "measures time"},      {"completion", "measures nothing"}, {"devices", "measures the machine"},
+    {"diff", "measures nothing"},     {"list", "measures nothing"},       {"manual", "measures nothing"},
+    {"merge", "see test_shards.cpp"}, {"plugin", "see tests/doors"},      {"shader", "measures nothing"},
+    {"trade", "measures time"},
+};
+
+const std::string few = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[family]
+projection = "parallel"
+views = 2
+rays = 16
+[[axis]]
+name = "distance_radii"
+spacing = "log2"
+from = 2
+to = 1048576
+steps = 5
+set = ["distance"]
+)";
+const std::string search = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+seed = 1
+starts = 40
+generations = 6
+)";
+const std::string march = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[march]
+max_steps = 100
+[family]
+distance = 4
+impact_to = 0.9
+views = 1
+rays = 8
+[[axis]]
+name = "hit_eps"
+spacing = "log2"
+from = 1e-3
+to = "0x1p-26"
+steps = 6
+set = ["march.hit_eps"]
+)";
+
+/// Every file that a command leaves, by name, what it prints, and its exit code.
+std::map<std::string, std::string> made_by(const std::string& words) {
+    const Scratch scratch;
+    const std::pair<const char*, std::string> files[] = {
+        {"scene.toml", good_scene},
+        {"distance.toml", small_sweep},
+        {"few.toml", few},
+        {"search.toml", search},
+        {"march.toml", march},
+        {"every.toml", every_float_to("0x1.6bp10")},
+        {"far-sphere.csv", contents(fs::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv")}};
+    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    const auto r = run(words, scratch.path());
+    INFO(words << ": " << r.err);
+    REQUIRE(r.code <= 1);
+    std::map<std::string, std::string> made{{"what it prints", r.out}, {"exit code", std::to_string(r.code)}};
+    for (const auto& name : scratch.files()) {
+        if (name.starts_with("out/")) made[name] = contents(scratch.path() / name);
+    }
+    return made;
+}
+
+/// Numbers of threads, each with another width of registers: the least, the next, and the most or all that there are.
+std::vector<std::string> ways(const Row& row) {
+    const auto isas = intersect::simd::available_isas();
+    const auto way = [](int threads, intersect::simd::Isa isa) {
+        return " -j " + std::to_string(threads) + " --isa " + std::string(name_of(isa));
+    };
+    std::vector<std::string> all{way(1, isas[0]), way(2, isas[1]), way(4, isas.back())};
+    for (std::size_t i = 2; row.every_width && i + 1 < isas.size(); ++i) all.push_back(way(7, isas[i]));
+    return all;
+}
+
+/// The names under `Subcommands:` of the program's help.
+std::set<std::string> commands() {
+    std::istringstream help(run("--help").out);
+    std::set<std::string> names;
+    bool below = false;
+    for (std::string line; std::getline(help, line);) {
+        if (line.starts_with("Subcommands:")) below = true;
+        else if (below && line.starts_with("  ") && line[2] != ' ') names.insert(line.substr(2, line.find(' ', 2) - 2));
+        else if (below && !line.starts_with(' ')) below = false;
+    }
+    return names;
+}
+
+std::string command_of(const Row& row) { return row.words.substr(0, row.words.find(' ')); }
+
+/// The rows of which `chosen` is true of the command.
+template <class Chosen>
+void check_rows(Chosen chosen) {
+    REQUIRE(intersect::simd::available_isas().size() >= 2);
+    for (const Row& row : rows) {
+        if (!chosen(command_of(row))) continue;
+        std::map<std::string, std::string> first;
+        for (const std::string& way : ways(row)) {
+            const auto made = made_by(row.words + way);
+            if (first.empty()) first = made;
+            INFO(row.words << way);
+            CHECK(made.size() == first.size());
+            for (const auto& [name, bytes] : first) {
+                INFO(name);
+                REQUIRE(made.contains(name));
+                const bool same = made.at(name) == bytes;
+                CHECK(same);
+            }
+        }
+        INFO(row.words);
+        CHECK(first.size() >= row.files + 2);
+        for (const auto& [name, bytes] : first) {
+            INFO(name);
+            CHECK_FALSE(bytes.empty());
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a map is the same bytes for any number of threads, at every register width, and again") {
+    check_rows([](const std::string& command) { return command == "map"; });
+}
+
+TEST_CASE("a sweep is the same bytes for any number of threads, at every register width, and again") {
+    check_rows([](const std::string& command) { return command == "sweep"; });
+}
+
+TEST_CASE("every other command makes the same bytes for any number of threads, at every register width, and again") {
+    check_rows([](const std::string& command) { return command != "map" && command != "sweep"; });
+}
+
+TEST_CASE("every command is run at every register width, or it is said why not") {
+    std::set<std::string> named;
+    for (const Row& row : rows) named.insert(command_of(row));
+    for (const auto& [name, why] : others) CHECK(named.insert(name).second);
+    CHECK(named == commands());
+}
+
+TEST_CASE("an unknown register width is refused, one that the processor lacks is its fault") {
+    const auto unknown = run("list intersectors --isa 1024");
+    CHECK(unknown.code == 2);
+    CHECK(unknown.err.find("--isa") != std::string::npos);
+    CHECK(unknown.err.find("256") != std::string::npos);
+    const auto isas = intersect::simd::available_isas();
+    for (const intersect::simd::Isa isa : {intersect::simd::Isa::scalar, intersect::simd::Isa::w128,
+                                           intersect::simd::Isa::w256, intersect::simd::Isa::w512}) {
+        const auto r = run("list intersectors --isa " + std::string(name_of(isa)));
+        INFO(r.err);
+        const bool available = std::ranges::find(isas, isa) != isas.end();
+        CHECK(r.code == (available ? 0 : 3));
+        CHECK((r.err.find("try one of scalar, 128") != std::string::npos) == !available);
+    }
+}
+
+}  // namespace test_same_bytes
