@@ -107,7 +107,8 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     if (rows.empty())
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes =
+        choice::load_scenes({o.scenes, o.size, o.variant, o.set, common.stop}, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -125,7 +126,8 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
                 "--check: none of these can be asked of the selected forms on scene {}; light needs a [light], and "
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
-        requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
+        requests.push_back(
+            {.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked), .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);

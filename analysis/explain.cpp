@@ -67,6 +67,7 @@ void add_explain(CLI::App& program, const Common& common, Command& chosen) {
         program.add_subcommand("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
     choice::RayWords& words = o->words;
+    words.stop = common.stop;
     command->add_option("SCENE", words.subject,
                         "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
                         "data/sweeps; none with --sphere or --box");

@@ -45,6 +45,7 @@ struct MapOptions {
     int bits_needed = 0;  ///< 0: not asked for
     bool envelope = false, exr = false;
     std::string out, shard;
+    intersect::process::StopToken stop = {};
 };
 
 /// What is changed about a scene.
@@ -89,13 +90,17 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Map
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{{.scene = &scene,
                     .rows = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); }),
-                    .metrics = {}},
+                    .metrics = {},
+                    .limit = {.stop = o.stop}},
                    {}};
     work.map.metrics = made.for_forms(choice::measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
                                       [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::map::order_culprits(work.map, made);
     if (o.bits_needed > 0)
-        work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
+        work.needed = NeededRequest{.scene = &scene,
+                                    .forms = forms_of_any_width(work.map.rows),
+                                    .bits = o.bits_needed,
+                                    .limit = work.map.limit};
     return work;
 }
 
@@ -239,7 +244,7 @@ Exit run(MapOptions o, const Common& common) {
                 "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set, o.stop}, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -307,6 +312,7 @@ void add_map(CLI::App& program, const Common& common, Command& chosen) {
     auto* command =
         program.add_subcommand("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
+    o->stop = common.stop;
     command->add_option("SCENE", o->scenes, "Scene files, or names in data/scenes")->required();
     choice::add_list(*command, "-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     choice::add_list(*command, "-f,--format", o->formats,

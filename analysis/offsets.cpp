@@ -125,7 +125,8 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
-    auto scenes = choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data));
+    auto scenes =
+        choice::load_scenes({o.scenes, o.size, o.variant, o.set, common.stop}, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
         scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
         [](const Scene& s) { return s.id; });
@@ -136,7 +137,10 @@ Exit run(const OffsetOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
+        requests.push_back({.scene = &scene,
+                            .rows = rows_for(scene, rows, o),
+                            .strategies = strategies,
+                            .limit = {.stop = common.stop}});
         units += units_of(requests.back(), o);
     }
     auto folders = own_folders(scenes, o.out, common);

@@ -104,14 +104,17 @@ Exit run(const RenderOptions& o, const Common& common) {
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
     choice::note_unmeasured(o.forms, rows, common.quiet);
-    const auto scenes =
-        renderable(choice::load_scenes({o.scenes, o.size, o.variant, o.set}, choice::data_folder(common.data)));
+    const auto scenes = renderable(
+        choice::load_scenes({o.scenes, o.size, o.variant, o.set, common.stop}, choice::data_folder(common.data)));
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
-        requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
+        requests.push_back({.scene = &scene,
+                            .stages = stages_of(scene, o, common.quiet),
+                            .rows = rows,
+                            .limit = {.stop = common.stop}});
         units += scene.pixels() * rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);

@@ -159,9 +159,10 @@ Behind open_each(const DoorWords& words, int threads) {
     if (!words.devices.empty() && words.shaders.empty())
         throw InputError("--device: is for shaders; name one by --shader");
     if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty()) return {};
-    intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files, words.ends_with});
+    intersect::doors::guard_foreign_code(
+        {words.seconds, words.stop, output::file::remove_partial_files, words.ends_with});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
+    const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes), .stop = words.stop};
     Behind found;
     const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
     std::string again;

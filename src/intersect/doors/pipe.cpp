@@ -44,7 +44,7 @@ std::span<std::byte> bytes_of(T& value) {
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
         : room(terms.ours ? std::make_unique<SharedRoom>() : nullptr),
-          child(command, terms.who, duty(terms), terms.seconds, room ? room->descriptor() : -1),
+          child(command, {terms.who, duty(terms), terms.seconds, room ? room->descriptor() : -1, terms.stop}),
           contracts(greet(child, terms)) {
         if (room && room->descriptor() < 0) room.reset();
         if (!room) return;
