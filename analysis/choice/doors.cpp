@@ -78,11 +78,11 @@ bool is_isolated(const std::filesystem::path& library, const DoorWords& words) {
     return words.isolate || (words.isolate_by_default && !has_formulas(library));
 }
 
-/// Of the forms that are not in the catalogue.
-std::vector<std::string> names_added() {
+/// Of the forms that are not in the catalogue; `harmful`: of those alone that are not isolated.
+std::vector<std::string> names_added(bool harmful = false) {
     std::vector<std::string> names;
     for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        names.emplace_back(form.info->name);
+        if (!harmful || !intersect::doors::is_harmless(form)) names.emplace_back(form.info->name);
     return names;
 }
 
@@ -240,11 +240,12 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
 }
 
 void note_unasked(const CLI::App& command) {
-    const std::vector<std::string> names = names_added();
     const CLI::Option* const forms = command.get_option_no_throw("--intersector");
+    const CLI::Option* const beside = command.get_option_no_throw("--beside");  // without which isolated ones are asked
+    const std::vector<std::string> names = names_added(beside != nullptr);
     if (names.empty() || forms == nullptr || forms->count() == 0) return;
     std::vector<std::string> words;
-    for (const CLI::Option* option : {forms, command.get_option_no_throw("--against")}) {
+    for (const CLI::Option* option : {forms, beside, command.get_option_no_throw("--against")}) {
         for (const std::string& result : option ? option->results() : std::vector<std::string>())
             std::ranges::move(items_in(result, option->get_name()), std::back_inserter(words));
     }
