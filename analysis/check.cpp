@@ -267,12 +267,12 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.report.empty() && !divided.division.is_shard())
         folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
     if (folder) probe(std::filesystem::path(o.report) / "README.md");
+    const measure::claim::ClaimRequest request{.data_dir = data, .stop = common.stop, .further_draws = o.seeds};
     const auto measured = divided.division.result_of("check", [&] {
         const auto units = divided.division.share().of_units(claims.size());
         const std::vector<Claim> own(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
                                      claims.begin() + static_cast<std::ptrdiff_t>(units.last));
-        return measure::claim::measure_claims(
-            own, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
+        return measure::claim::measure_claims(own, request);
     });
     finish(divided, common);
     if (!measured) return Exit::done;
@@ -301,7 +301,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict, moved);
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
-    if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, data);
+    if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
     if (!common.quiet) {
         fmt::print("{} verdict{} confirmed, {} failed{}{}\n", agreed, agreed == 1 ? "" : "s",
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped),

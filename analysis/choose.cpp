@@ -91,11 +91,11 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::str
     return rows;
 }
 
-ChoiceRequest request_of(const ChooseOptions& o) {
+ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
     ChoiceRequest request;
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_named(o.at)};
     request.single = o.single;
-    request.plan.progress = [](std::uint64_t) { stop_if_interrupted(); };
+    request.limit.stop = request.plan.stop = stop;
     if (o.quick) {
         request.plan.repetitions = 5;
         request.plan.least_seconds = 1e-4;
@@ -113,11 +113,11 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
     output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
     if (meetings) chosen.requirement = requirement_of(request, all, *meetings);
     request.sinks.clear();
-    request.progress = [](std::uint64_t) { stop_if_interrupted(); };
+    request.progress = [](std::uint64_t) {};
     if (chosen.meets) {
         const measure::map::MapRow& row = all[*chosen.meets].row;
         chosen.rooms = rooms_of(request, row);
-        if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row);
+        if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row, request.limit);
     } else {
         chosen.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
     }
@@ -129,9 +129,9 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
-    const auto scene =
-        choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set}, choice::data_folder(common.data));
-    ChoiceRequest request = request_of(o);
+    const auto scene = choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
+                                              choice::data_folder(common.data));
+    ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shape shape) { return scene.meets(shape); });
     const auto emulated =
@@ -162,7 +162,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     measure::choice::FileTerms terms{
         .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
     const auto& layout = dump->layout();
-    ChoiceRequest request = request_of(o);
+    ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [&](Shape shape) {
         return layout.solid() ? *layout.solid() == shape : terms.solids.front().shape == shape;
     });
@@ -207,6 +207,7 @@ void add_choose(const shell::Command& program, const Common& common) {
         "The cheapest form and format that meets a wish on a scene or on rays of files, what it costs, and how far it "
         "holds");
     const auto o = std::make_shared<ChooseOptions>();
+    o->stop = common.stop;
     command
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")

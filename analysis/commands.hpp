@@ -30,6 +30,7 @@ struct Common {
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
     choice::DoorWords doors;
+    intersect::process::StopToken stop = {};     ///< of what the command asks for
     choice::Typed typed;                         ///< the command itself
     bool force = false;                          ///< folders that hold results of someone else are written to as well
     std::shared_ptr<shard::Shards> joined = {};  ///< shards of the command, done; null: it is to be done
@@ -85,7 +86,7 @@ void finish(Divided& divided, const Common& common);
 /// ray, not after the tenth scene.
 void probe(const std::filesystem::path& file);
 
-/// Moves a bar on, and ends the run where someone interrupted it.
+/// Moves a bar on.
 [[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress);
 
 /// `before` and `after` around each of the values: ` -f f32 -f f64`.

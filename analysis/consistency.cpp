@@ -123,7 +123,8 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
                 "--check: none of these can be asked of the selected forms on scene {}; light needs a [light], and "
                 "segment, short and light need a form that takes directions of any length; try --check reverse",
                 scene.id));
-        requests.push_back({.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked)});
+        requests.push_back(
+            {.scene = &scene, .rows = std::move(fitting), .checks = std::move(asked), .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
@@ -147,6 +148,7 @@ void add_consistency(const shell::Command& program, const Common& common) {
         "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
         "segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
+    o->scenes.stop = common.stop;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
     command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
     command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");

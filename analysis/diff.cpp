@@ -59,7 +59,8 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     diff::refuse_unknown_columns(options, names);
     std::unique_ptr<output::file::ResultFolder> owner;
     if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
-    const auto pictures = w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw);
+    const auto pictures =
+        w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw, common.stop);
     if (!sides.are_forms()) diff::print_made_differently(diff::made_differently_below(w.a, w.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
@@ -106,6 +107,7 @@ MapSides sides_of(const DiffWords& w) {
 
 Exit run(const DiffWords& w, const Common& common) {
     CompareOptions options;
+    options.stop = common.stop;
     for (const std::string& text : w.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
     options.ignored = w.ignored;
     if (common.verbose) options.most = UINT64_MAX;

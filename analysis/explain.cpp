@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
+#include "output/file/escape.hpp"
 
 namespace lostbits::analysis {
 
@@ -18,6 +19,7 @@ namespace {
 struct ExplainOptions {
     choice::RayWords words;
     std::string form, format = "f32";
+    std::vector<std::string> beside;
     bool json = false, fpcore = false, latex = false, c = false;
 };
 
@@ -45,7 +47,9 @@ Exit run(const ExplainOptions& o, const Common& common) {
     const choice::AskedRay asked = choice::find_ray(o.words, {&form, format}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
-    const measure::blame::Explanation x = measure::blame::explain(form, format, ray);
+    const auto beside = choice::select_forms(o.beside, "--beside");
+    const measure::blame::Explanation x = measure::blame::explain(form, format, ray, beside);
+    for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
     else if (o.latex) fmt::print("{}", output::blame::explain_latex(x));
@@ -67,6 +71,7 @@ void add_explain(const shell::Command& program, const Common& common) {
         program.add_command("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
     choice::RayWords& words = o->words;
+    words.stop = common.stop;
     command.add("SCENE", words.subject,
                 "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
                 "data/sweeps; none with --sphere or --box");
@@ -88,6 +93,9 @@ void add_explain(const shell::Command& program, const Common& common) {
                 shell::one_of({"own", "closed", "open"}));
     command.add("-i,--intersector", o->form, "The form").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
+    command.add_list("--beside", o->beside,
+                     "Forms of a library in the program itself that may do better on the ray, by name or glob; those "
+                     "in processes of their own (--isolate, --pipe, --shader) are asked anyway");
     command.add_set(words.set, "Change a number of the scene first: march.hit_eps=1e-6");
     auto as = command.add_group("as", "Instead of the table");
     as.add("--json", o->json, "Everything, as JSON");

@@ -117,7 +117,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = choice::scene_of(o, choice::data_folder(common.data));
     const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows);
-    JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format())};
+    JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     const std::string stem = scene::toml::result_name(o.file);
@@ -219,6 +219,7 @@ Exit run(const JudgeWords& o, const Common& common) {
 void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
     const auto o = std::make_shared<JudgeWords>();
+    o->stop = common.stop;
     command.add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t").required();
     choice::add_ray_options(command, *o, "--format,--file-format");
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");

@@ -92,7 +92,7 @@ Listing checks() {
 Listing devices(const Common& common) {
     Listing l{{"name", "renderer", "version", "dot", "arithmetic"}, {}};
     for (const std::string& kind : choice::devices_of({"all"})) {
-        const choice::DeviceTold told = choice::ask_device(kind, common.doors.seconds);
+        const choice::DeviceTold told = choice::ask_device(kind, common.doors);
         const auto fact = [&told](std::string_view key) {
             const auto found =
                 std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });

@@ -131,6 +131,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     Common common;
     common.joined = std::move(joined);
     common.doors.ends_with = shell::tell_status;
+    common.stop = common.doors.stop = shell::stop_by_signal();
     add_common(program, common);
     add_doors(program, common.doors);
     for (const auto add :

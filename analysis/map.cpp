@@ -88,13 +88,17 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Map
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{{.scene = &scene,
                     .rows = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); }),
-                    .metrics = {}},
+                    .metrics = {},
+                    .limit = {.stop = o.scenes.stop}},
                    {}};
     work.map.metrics = made.for_forms(choice::measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
                                       [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::map::order_culprits(work.map, made);
     if (o.bits_needed > 0)
-        work.needed = NeededRequest{.scene = &scene, .forms = forms_of_any_width(work.map.rows), .bits = o.bits_needed};
+        work.needed = NeededRequest{.scene = &scene,
+                                    .forms = forms_of_any_width(work.map.rows),
+                                    .bits = o.bits_needed,
+                                    .limit = work.map.limit};
     return work;
 }
 
@@ -302,6 +306,7 @@ void add_map(const shell::Command& program, const Common& common) {
     auto command =
         program.add_command("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
+    o->scenes.stop = common.stop;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes").required();
     command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
     command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");

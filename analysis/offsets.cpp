@@ -134,7 +134,10 @@ Exit run(const OffsetOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        requests.push_back({.scene = &scene, .rows = rows_for(scene, rows, o), .strategies = strategies});
+        requests.push_back({.scene = &scene,
+                            .rows = rows_for(scene, rows, o),
+                            .strategies = strategies,
+                            .limit = {.stop = common.stop}});
         units += units_of(requests.back(), o);
     }
     auto folders = own_folders(scenes, o.out, common);
@@ -163,6 +166,7 @@ void add_offsets(const shell::Command& program, const Common& common) {
         "offsets",
         "By how much the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
+    o->scenes.stop = common.stop;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
     command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "

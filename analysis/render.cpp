@@ -108,7 +108,10 @@ Exit run(const RenderOptions& o, const Common& common) {
     std::vector<RenderRequest> requests;
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
-        requests.push_back({.scene = &scene, .stages = stages_of(scene, o, common.quiet), .rows = rows});
+        requests.push_back({.scene = &scene,
+                            .stages = stages_of(scene, o, common.quiet),
+                            .rows = rows,
+                            .limit = {.stop = common.stop}});
         units += scene.pixels() * rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
@@ -136,6 +139,7 @@ void add_render(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
+    o->scenes.stop = common.stop;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; scenes of spheres").required();
     command.add_list(
         "-i,--intersector", o->forms,

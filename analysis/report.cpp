@@ -35,6 +35,7 @@ struct ReportOptions {
     std::string size, out;
     bool all = false, no_claims = false, trade = false;
     int seeds = 2;
+    intersect::process::StopToken stop = {};
 };
 
 /// What a report is about: files of scenes (some with one variant) and of sweeps.
@@ -176,7 +177,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     Work work;
     const std::vector<const Metric*> asked = choice::select_metrics(o.metrics, work.made);
     for (const scene::file::SceneName& name : subjects.scenes) {
-        scene::file::LoadOptions options{.variant = name.variant};
+        scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
         if (!o.size.empty()) options.size = choice::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
             auto fit = choice::fitting(rows_for(scene.id, rows, claims, o.forms.empty()),
@@ -198,8 +199,10 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     for (const auto& path : subjects.sweeps)
         plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
-    for (const std::string& word : o.choices) work.choices.push_back(choice_of(word, o.size, timed_rows(o), data));
-    work.offsets = offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size, data);
+    for (const std::string& word : o.choices)
+        work.choices.push_back(choice_of(word, o.size, timed_rows(o), data, o.stop));
+    work.offsets =
+        offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size, data, o.stop);
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -239,24 +242,25 @@ Exit run(const ReportOptions& o, const Common& common) {
     report.program = "lostbits " LOSTBITS_VERSION;
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
-        report.maps.push_back(map_part(map, work.made, advance));
+        report.maps.push_back(map_part(map, work.made, advance, common.stop));
         unresolved += map.unresolved;
     }
-    for (const SweepWork& sweep : work.sweeps)
-        report.sweeps.push_back(sweep_part(sweep, [&](std::uint64_t done) { advance(done * sweep_units); }));
+    for (const SweepWork& sweep : work.sweeps) {
+        report.sweeps.push_back(sweep_part(sweep, common.stop));
+        advance(sweep_units);
+    }
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
-            work.claims, {.data_dir = data, .further_draws = o.seeds, .done = stop_if_interrupted});
+            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds});
     for (const scene::file::Scene& scene : work.offsets) {
-        if (auto part = offset_part(scene, advance)) report.offsets.push_back(std::move(*part));
+        if (auto part = offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
     if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
-    for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, advance));
+    for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
     if (o.trade) {
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             const auto rows = choice::fitting(timed_rows(o), [shape](Shape form) { return form == shape; });
-            if (!rows.empty())
-                report.trades.push_back(trade_part(shape, rows, [](std::uint64_t) { stop_if_interrupted(); }));
+            if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, common.stop));
         }
     }
     progress.finish();
@@ -275,6 +279,7 @@ Exit run(const ReportOptions& o, const Common& common) {
 void add_report(const shell::Command& program, const Common& common) {
     auto command = program.add_command("report", "One HTML page of maps, sweeps and claims that opens from a file");
     const auto o = std::make_shared<ReportOptions>();
+    o->stop = common.stop;
     command.add("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
     command.add_list("-i,--intersector", o->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "

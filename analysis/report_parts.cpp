@@ -60,13 +60,14 @@ std::vector<std::string> names_of(const std::vector<const measure::metric::Metri
     return names;
 }
 
-SweepPart case_part(const SweepWork& work) {
+SweepPart case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
         .file = &file,
         .rows = {},
         .metrics = choice::measured(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
+        .limit = {.stop = stop}};
     for (MapRow row : work.rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -108,15 +109,15 @@ std::vector<output::page::Picture> line_pictures(const output::sweep::MeasuredSw
     return pictures;
 }
 
-SweepPart axes_part(const SweepWork& work, const Advance& advance) {
+SweepPart axes_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::SweepFile sweep(work.path, work.data);
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = work.rows,
         .metrics = choice::measured(
-            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows)};
+            {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
+        .limit = {.stop = stop}};
     for (MapRow& row : request.rows) row.judged = sweep.convention;
-    request.progress = [&advance](std::uint64_t) { advance(0); };
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,
@@ -149,9 +150,11 @@ SweepPart axes_part(const SweepWork& work, const Advance& advance) {
 
 }  // namespace
 
-output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, const Advance& advance) {
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
+                               const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
-    measure::map::MapRequest request{.scene = &scene, .rows = work.rows, .metrics = work.metrics};
+    measure::map::MapRequest request{
+        .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
     request.metrics = measure::map::order_culprits(request, made);
     request.progress = advance;
     const output::page::TemporaryFolder folder;
@@ -179,15 +182,13 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, 
             .metrics = names_of(work.metrics)};
 }
 
-SweepPart sweep_part(const SweepWork& work, const Advance& advance) {
-    auto part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work)
-                                                                                      : axes_part(work, advance);
-    advance(1);
-    return part;
+SweepPart sweep_part(const SweepWork& work, StopToken stop) {
+    return scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
+                                                                                 : axes_part(work, stop);
 }
 
 ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<MapRow>& rows,
-                     const std::filesystem::path& data) {
+                     const std::filesystem::path& data, StopToken stop) {
     const auto refuse = [&word](const std::string& why) {
         throw InputError("--choose " + word + ": " + why +
                          "; write a scene and the correct bits that are wanted, near-benign:18, or with the share of "
@@ -211,17 +212,17 @@ ChoiceWork choice_of(const std::string& word, const std::string& size, const std
         bits = last();
     }
     if (rest.empty()) refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
-    const auto [stop, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
-    if (trouble != std::errc{} || stop != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
+    const auto [end, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
+    if (trouble != std::errc{} || end != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
         refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
-    auto scene = choice::load_one_scene({{rest}, size, "", {}}, data);
+    auto scene = choice::load_one_scene({{rest}, size, "", {}, stop}, data);
     auto timed = choice::timed_on(scene, rows);
     return {std::move(scene), wish, std::move(timed)};
 }
 
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
-                                              const std::filesystem::path& data) {
-    auto scenes = choice::load_scenes({names, size, "", {}}, data);
+                                              const std::filesystem::path& data, StopToken stop) {
+    auto scenes = choice::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_solids(scene);
         if (!scene.meets(Shape::sphere) && !scene.meets(Shape::box))
@@ -232,11 +233,11 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& advance) {
+output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .wish = work.wish};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
-    request.progress = request.plan.progress = [&advance](std::uint64_t) { advance(0); };
+    request.limit.stop = request.plan.stop = stop;
     measure::choice::TimedRays timed;
     const auto all = measure_candidates(request, timed);
     output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
@@ -250,16 +251,16 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& adva
                                    [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
 }
 
-std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, const Advance& advance) {
+std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
-    offset::OffsetRequest request{.scene = &scene, .rows = {}, .strategies = offset::all_strategies()};
+    offset::OffsetRequest request{
+        .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto forms = choice::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
     const auto rows = choice::fitting(choice::cross(forms, choice::select_formats({std::string(offset::usual_format)})),
                                       [&scene](Shape shape) { return scene.meets(shape); });
     if (rows.empty()) return std::nullopt;
     request.rows = {{rows.front(), offset::HitPoint::computed}};
     request.quiet = false;  // no table of the page has it
-    request.progress = [&advance](std::uint64_t) { advance(0); };
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
@@ -279,7 +280,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     return part;
 }
 
-output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows, const Advance& advance) {
+output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows, StopToken stop) {
     measure::speed::TradeRequest request{
         .shape = shape,
         .kernels = measure::speed::trade_kernels(rows),
@@ -288,7 +289,7 @@ output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows,
         .plan = {}};
     request.plan.repetitions = 5;  // as `lostbits trade --quick`
     request.plan.least_seconds = 1e-4;
-    request.plan.progress = [&advance](std::uint64_t) { advance(0); };
+    request.limit.stop = request.plan.stop = stop;
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     output::page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
                                  output::page::trade_json(request, result),
@@ -300,7 +301,6 @@ output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows,
             output::page::picture(fmt::format("Time against kept bits: {}", sets[s].title),
                                   [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
     }
-    advance(1);
     return part;
 }
 

@@ -14,8 +14,7 @@
 
 namespace lostbits::analysis {
 
-/// Told of units of work done; may throw to stop.
-using Advance = std::function<void(std::uint64_t)>;
+using intersect::process::StopToken;
 
 /// A scene under rows that fit it.
 struct MapWork {
@@ -25,8 +24,9 @@ struct MapWork {
     bool own_size = true;          ///< the scene's own, not --size
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
-/// `made` keeps the metrics that are made for it.
-output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made, const Advance& advance);
+/// `made` keeps the metrics that are made for it; `advance` is told of units of work done.
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
+                               const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, under rows that fit it.
 struct SweepWork {
@@ -34,7 +34,7 @@ struct SweepWork {
     std::vector<measure::map::MapRow> rows;
     int further_draws = 0;  ///< of random rays, for the spread of onsets
 };
-output::page::SweepPart sweep_part(const SweepWork& work, const Advance& advance);
+output::page::SweepPart sweep_part(const SweepWork& work, StopToken stop);
 
 /// A scene and a wish, among rows that can be timed on it.
 struct ChoiceWork {
@@ -45,17 +45,17 @@ struct ChoiceWork {
 /// `SCENE:BITS`, or `SCENE:BITS:AT`, as the command line has it; `size` may be empty: the scene's. InputError, with
 /// what to write, for any other word.
 ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<measure::map::MapRow>& rows,
-                     const std::filesystem::path& data);
+                     const std::filesystem::path& data, StopToken stop);
 /// Short measurements, as `lostbits choose --quick`.
-output::page::ChoicePart choice_part(const ChoiceWork& work, const Advance& advance);
+output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 
 /// The scenes of these names. NothingSelected for one that offsets cannot be measured of.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
-                                              const std::filesystem::path& data);
+                                              const std::filesystem::path& data, StopToken stop);
 /// Rays that leave the points of a scene, which `usual_forms` finds in `usual_format`. Nothing where no such form fits.
-std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, const Advance& advance);
+std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Short measurements of the rows of one shape.
-output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, const Advance& advance);
+output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, StopToken stop);
 
 }  // namespace lostbits::analysis

@@ -82,10 +82,7 @@ void finish(Divided& divided, const Common& common) {
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }
 
 std::function<void(std::uint64_t)> advancing(output::file::Progress& progress) {
-    return [&progress](std::uint64_t done) {
-        progress.advance(done);
-        stop_if_interrupted();
-    };
+    return [&progress](std::uint64_t done) { progress.advance(done); };
 }
 
 std::string each(const char* before, const std::vector<std::string>& values, const char* after) {

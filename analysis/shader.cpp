@@ -109,7 +109,7 @@ Exit show_devices(bool json, const Common& common) {
     std::vector<std::string> kinds = choice::devices_of(common.doors.devices);
     if (common.doors.devices.empty()) kinds = choice::devices_of({"all"});
     for (const std::string& kind : kinds) {
-        const choice::DeviceTold told = choice::ask_device(kind, common.doors.seconds);
+        const choice::DeviceTold told = choice::ask_device(kind, common.doors);
         any = any || told.lacks.empty();
         nlohmann::ordered_json object{{"device", told.kind}};
         if (!told.lacks.empty()) object["missing"] = told.lacks;

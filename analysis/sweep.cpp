@@ -60,7 +60,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     }
 }
 
-/// Moves a bar on, says on long runs how long they will take, and ends the run where someone interrupted it.
+/// Moves a bar on, and says on long runs how long they will take.
 class Watched {
 public:
     Watched(const std::string& id, std::uint64_t units, const Common& common)
@@ -99,7 +99,7 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
     const auto rows = choice::fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
-    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
+    measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = {.stop = common.stop}};
     request.metrics =
         chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::map::forms_of(rows),
                               [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
@@ -130,7 +130,8 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = choice::fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }),
-        .metrics = {}};
+        .metrics = {},
+        .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
     if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
@@ -173,7 +174,8 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     measure::sweep::WorstRequest request{
         .search = &search,
         .rows = choice::fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
-        .metrics = {}};
+        .metrics = {},
+        .limit = {.stop = common.stop}};
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
     request.metrics =

@@ -65,6 +65,7 @@ void ExhaustiveRun::try_all(const Common& common) {
         estimate.advance(done);
         move(done);
     };
+    request_.limit.stop = common.stop;
     auto kept = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - kept < keep_every) return;

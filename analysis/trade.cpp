@@ -68,11 +68,12 @@ Exit run(const TradeOptions& o, const Common& common) {
     const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
     const auto data = choice::data_folder(common.data);
     std::optional<Scene> scene;
-    if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set}, data);
+    if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
     TradeRequest request = scene ? request_for(*scene, rows) : request_for(o.shape, rows);
     const auto fits = [&request](Shape shape) { return shape == request.shape; };
     choice::note_unmeasured(o.forms, choice::fitting(rows, fits), common.quiet);
     request.plan = plan_of(o);
+    request.limit.stop = request.plan.stop = common.stop;
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const std::string name = scene ? scene->id : o.shape;
     const auto folder = std::filesystem::path(o.out) / name;

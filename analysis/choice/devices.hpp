@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/choice/doors.hpp"
+
 namespace lostbits::analysis::choice {
 
 /// A device as its process told it.
@@ -15,7 +17,8 @@ struct DeviceTold {
     std::string lacks;  ///< why it does not compute; empty where it does
 };
 
-/// Starts a driver, asks it how it rounds, and ends it. A driver that crashes or hangs is one that is not here.
-DeviceTold ask_device(std::string_view kind, double seconds);
+/// Starts a driver, asks it how it rounds within the seconds of the words, and ends it. A driver that crashes or hangs
+/// is one that is not here.
+DeviceTold ask_device(std::string_view kind, const DoorWords& words);
 
 }  // namespace lostbits::analysis::choice

@@ -78,11 +78,11 @@ bool is_isolated(const std::filesystem::path& library, const DoorWords& words) {
     return words.isolate || (words.isolate_by_default && !has_formulas(library));
 }
 
-/// Of the forms that are not in the catalogue.
-std::vector<std::string> names_added() {
+/// Of the forms that are not in the catalogue; `harmful`: of those alone that are not isolated.
+std::vector<std::string> names_added(bool harmful = false) {
     std::vector<std::string> names;
     for (const auto& form : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        names.emplace_back(form.info->name);
+        if (!harmful || !intersect::doors::is_harmless(form)) names.emplace_back(form.info->name);
     return names;
 }
 
@@ -159,9 +159,10 @@ Behind open_each(const DoorWords& words, int threads) {
     if (!words.devices.empty() && words.shaders.empty())
         throw InputError("--device: is for shaders; name one by --shader");
     if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty()) return {};
-    intersect::doors::guard_foreign_code({words.seconds, output::file::remove_partial_files, words.ends_with});
+    intersect::doors::guard_foreign_code(
+        {words.seconds, words.stop, output::file::remove_partial_files, words.ends_with});
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-    const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes)};
+    const PipeTerms terms{.seconds = words.seconds, .processes = static_cast<unsigned>(processes), .stop = words.stop};
     Behind found;
     const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
     std::string again;
@@ -239,11 +240,12 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
 }
 
 void note_unasked(const shell::Command& command) {
-    const std::vector<std::string> names = names_added();
     const shell::Option forms = command.option("--intersector");
+    const shell::Option beside = command.option("--beside");  // without which isolated ones are asked
+    const std::vector<std::string> names = names_added(static_cast<bool>(beside));
     if (names.empty() || !forms || forms.words().empty()) return;
     std::vector<std::string> words;
-    for (const shell::Option& option : {forms, command.option("--against")}) {
+    for (const shell::Option& option : {forms, beside, command.option("--against")}) {
         for (const std::string& word : option ? option.words() : std::vector<std::string>())
             std::ranges::move(shell::items_in(word, option.name()), std::back_inserter(words));
     }

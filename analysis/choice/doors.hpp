@@ -7,6 +7,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "intersect/doors/contract.hpp"
 #include "intersect/doors/formulas.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "measure/map/map.hpp"
 
 namespace lostbits::analysis::choice {
@@ -21,6 +22,7 @@ struct DoorWords {
     bool in_process = false;           ///< none does
     bool isolate_by_default = false;   ///< those without formulas do, see `decide_where`
     double seconds = 30;               ///< that one batch may take
+    intersect::process::StopToken stop = {};  ///< ends the wait for an answer
     /// Told the status where a fault of a library ends the program; from signal handlers, too.
     void (*ends_with)(int status) = nullptr;
 };

@@ -91,7 +91,7 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
     if (o.scene.empty()) return {};
-    auto scenes = load_scenes({{o.scene}, "", "", {}}, data);
+    auto scenes = load_scenes({{o.scene}, "", "", {}, o.stop}, data);
     if (scenes.size() > 1)
         throw InputError(fmt::format("--scene {}: has {} variants; name one, such as {}", o.scene, scenes.size(),
                                      scenes.front().id));
@@ -127,7 +127,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::s
                                              bool keep) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
-    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip};
+    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
     if (!o.format.empty()) {
         const auto formats = select_formats({o.format}, o.format_option.c_str());
         if (formats.size() > 1)

@@ -23,6 +23,7 @@ struct RayFileWords {
     std::vector<std::string> spheres, boxes;
     std::string scene, miss;
     std::string direction = "any", touching = "hit", at_origin = "hit";
+    intersect::process::StopToken stop = {};
 };
 
 /// The options for all of these, `format` under that name.

@@ -65,7 +65,7 @@ void require_solids(const MapRow& row, const std::string& where, const Meets& me
 /// The scene of that name: one alone.
 Scene load_one(const RayWords& words, const std::filesystem::path& data) {
     const scene::file::SceneName name = scene::file::find_scene(words.subject, data);
-    scene::file::LoadOptions options{.variant = name.variant};
+    scene::file::LoadOptions options{.variant = name.variant, .stop = words.stop};
     if (!words.variant.empty()) options.variant = words.variant;
     if (!words.size.empty()) options.size = parse_size(words.size);
     for (const auto& s : words.set) options.overrides.push_back(scene::toml::parse_override(s));
@@ -76,7 +76,7 @@ Scene load_one(const RayWords& words, const std::filesystem::path& data) {
 
 OneRay pixel_of(const RayWords& words, const Scene& scene) {
     const auto [x, y] = pixel_named(words.pixel);
-    return {scene, x, y};
+    return {scene, x, y, {.stop = words.stop}};
 }
 
 AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
@@ -86,7 +86,8 @@ AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesyste
         throw InputError(
             "explain: name one ray: --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a file of "
             "cases");
-    return {scene, words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words))};
+    return {scene,
+            words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop})};
 }
 
 /// Ray K of a case, as its groups have them one after another.
@@ -122,9 +123,9 @@ NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) 
 }
 
 /// Where the form does worst among the rays of a case: the ray that cases.csv names.
-int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row) {
-    const auto summaries =
-        measure::map::measure_groups(std::move(groups), {row}, {measure::metric::find_metric("lost_bits")}, {});
+int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row, intersect::process::StopToken stop) {
+    const auto summaries = measure::map::measure_groups(std::move(groups), {row},
+                                                        {measure::metric::find_metric("lost_bits")}, {.stop = stop});
     const measure::map::WorstRay* const fault = summaries.front().fault();
     const measure::map::WorstRay& worst = fault ? *fault : summaries.front().worst;
     return worst.x < 0 ? 0 : worst.group * rays + static_cast<int>(worst.x);
@@ -150,7 +151,7 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
     if (asked && *asked >= count)
         throw InputError(fmt::format("--case {}: the case has {} ray{}, counted from 0", words.named_case, count,
                                      count == 1 ? "" : "s"));
-    const int k = asked ? *asked : worst_of(groups, rays, row);
+    const int k = asked ? *asked : worst_of(groups, rays, row, words.stop);
     AskedRay found{
         nullptr, OneRay(ray_of(std::move(groups), rays, k)),
         fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,

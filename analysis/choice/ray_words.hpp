@@ -20,6 +20,7 @@ struct RayWords {
     std::vector<std::string> spheres, boxes;
     std::string tmax, convention;
     std::vector<std::string> set;
+    intersect::process::StopToken stop = {};
 };
 
 /// A ray with what it is aimed at.

@@ -259,7 +259,7 @@ std::string globs_of(const std::function<bool(Shape)>& meets) {
 }
 
 std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
-    scene::file::LoadOptions options;
+    scene::file::LoadOptions options{.stop = choice.stop};
     if (!choice.size.empty()) options.size = parse_size(choice.size);
     for (const auto& s : choice.set) options.overrides.push_back(scene::toml::parse_override(s));
     std::vector<Scene> scenes;

@@ -126,6 +126,7 @@ struct SceneChoice {
     std::vector<std::string> names;  ///< files, or ids of scenes or of variants
     std::string size, variant;       ///< empty: the scene's own, all
     std::vector<std::string> set;
+    intersect::process::StopToken stop = {};
 };
 
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.

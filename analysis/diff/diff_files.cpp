@@ -102,7 +102,7 @@ std::vector<Result> compare_folders(const std::string& of_a, const std::string& 
     if (all.empty()) throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", of_a, of_b));
     std::vector<Result> results;
     for (const fs::path& file : all) {
-        stop_if_interrupted();
+        options.stop.check();
         const bool in_a = left.contains(file), in_b = right.contains(file);
         Result& result = results.emplace_back();
         result.file = ((in_a ? a : b) / file).string();

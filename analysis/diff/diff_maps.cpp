@@ -53,7 +53,7 @@ std::vector<std::string> forms_below(const fs::path& folder) {
 MapDifference compare_forms(const MapSides& sides, const CompareOptions& options) {
     MapDifference found;
     for (const fs::path& file : files_below(sides.a)) {
-        stop_if_interrupted();
+        options.stop.check();
         if (kind_of(file) != FileKind::csv) continue;
         auto rows = held_against(sides.a / file, sides, options);
         if (!rows) continue;
@@ -110,7 +110,7 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
             fmt::format("{} and {} contain no files; check the paths", sides.a.string(), sides.b.string()));
     MapDifference found;
     for (const fs::path& file : all) {
-        stop_if_interrupted();
+        options.stop.check();
         const FileKind kind = kind_of(file);
         const bool in_a = left.contains(file), in_b = right.contains(file);
         if (kind == FileKind::png && !pictures) {
@@ -163,7 +163,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     }
 }
 
-std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
+std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, intersect::process::StopToken stop) {
     auto& images = output::image::image_backend();
     std::vector<fs::path> drawn;
     for (const fs::path& file : files_below(sides.a)) {
@@ -172,7 +172,7 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out) {
         if (!output::diff::has_row_keys(table)) continue;
         const fs::path map = file.parent_path();
         for (const auto& [first, second] : drawn_rows(sides, table)) {
-            stop_if_interrupted();
+            stop.check();
             const auto a = output::diff::read_pixels(images, sides.a / map, first);
             const auto b = a ? output::diff::read_pixels(images, sides.b / map, second) : std::nullopt;
             if (!a || !b) continue;

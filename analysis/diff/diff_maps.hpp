@@ -36,6 +36,7 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
 
 /// A picture in `out` for each form and format of each map whose pixels both sides hold; their paths. InputError where
 /// there is none.
-std::vector<std::filesystem::path> draw_maps(const MapSides& sides, const std::filesystem::path& out);
+std::vector<std::filesystem::path> draw_maps(const MapSides& sides, const std::filesystem::path& out,
+                                             intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::diff

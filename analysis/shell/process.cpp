@@ -15,6 +15,8 @@
 namespace lostbits::analysis::shell {
 namespace {
 
+std::atomic<bool> asked_to_stop{false};
+
 /// A signal to the whole group comes twice where there is a supervisor, which hands it on: each way is counted.
 void ask_to_stop(int, siginfo_t* info, void*) {
     static std::atomic<bool> asked_directly{false}, asked_by_supervisor{false};
@@ -53,6 +55,8 @@ void open_standard_streams() {
         if (opened < 0) static_cast<void>(::open("/", O_RDONLY | O_DIRECTORY));
     }
 }
+
+intersect::process::StopToken stop_by_signal() { return intersect::process::StopToken(asked_to_stop); }
 
 void install_signal_handlers() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) handle(signal, ask_to_stop);

@@ -1,7 +1,6 @@
 // The ways a run can end without an answer, one type each, with the exit code a shell sees.
 #pragma once
 
-#include <atomic>
 #include <stdexcept>
 #include <string>
 
@@ -43,18 +42,9 @@ struct NothingSelected : Error {
     explicit NothingSelected(const std::string& message) : Error(Exit::nothing_selected, message) {}
 };
 
-/// A signal asked the run to stop.
+/// Somebody asked the run to stop, see intersect/process/stop_token.hpp.
 struct Interrupted : Error {
     Interrupted() : Error(Exit::interrupted, "interrupted: the files of finished scenes are kept") {}
 };
-
-/// Set by a signal; see analysis/main.cpp.
-inline std::atomic<bool> asked_to_stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-/// Throws Interrupted once the run was asked to stop. A load: what may take longer than a second calls it on the way.
-inline void stop_if_interrupted() {
-    if (asked_to_stop.load(std::memory_order_relaxed)) throw Interrupted();
-}
 
 }  // namespace lostbits

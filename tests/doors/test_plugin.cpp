@@ -201,6 +201,35 @@ TEST_CASE("plugin: an interrupt in the middle of a batch that never ends is hear
     CHECK(folder.files().empty());
 }
 
+TEST_CASE("plugin: what does better on a ray is asked of libraries that are isolated, or that are named", "[doors]") {
+    const std::string what =
+        "explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook -f f32 --json" + plugin("odd_plugin");
+    const Scratch folder;
+    const auto by = [&](const std::string& more) { return run(what + more, folder.path()); };
+    const auto lists = [](const Outcome& o, const std::string& form) { return has(o.out, "\"" + form + "\""); };
+    const Outcome isolated = by(" --isolate --time-limit 1");
+    INFO(isolated.err);
+    CHECK(isolated.code == 0);
+    CHECK(lists(isolated, "odd.right"));
+    CHECK(lists(isolated, "sphere.unified"));
+    CHECK_FALSE(lists(isolated, "odd.far_first"));  // the other root
+    for (const std::string form : {"odd.crash", "odd.hangs", "odd.exits", "odd.refuses"}) {
+        CHECK_FALSE(lists(isolated, form));
+        CHECK(has(isolated.err, form));
+    }
+    CHECK_FALSE(has(isolated.err, "not asked for"));
+    const Outcome here = by("");
+    CHECK(here.code == 0);
+    CHECK_FALSE(lists(here, "odd.right"));
+    CHECK(lists(here, "sphere.unified"));
+    const Outcome named = by(" --beside odd.right");
+    CHECK(named.code == 0);
+    CHECK(lists(named, "odd.right"));
+    CHECK_FALSE(lists(named, "odd.first"));
+    CHECK(by(" --beside odd.crash").code == 3);
+    CHECK(by(" --beside odd.rihgt").code == 2);
+}
+
 TEST_CASE("plugin: in a process of its own the same faults are errors with a name", "[doors]") {
     for (const std::string form : {"odd.crash", "odd.aborts", "odd.exits", "odd.throws", "odd.hangs", "odd.garbage",
                                    "odd.half", "odd.lazy", "odd.refuses"}) {

@@ -33,6 +33,7 @@ struct ForeignForm {
     std::string from;  ///< the library or the command, for messages
     /// Fills `near_far` and `hit` of a batch; throws an Error that names `from` where it cannot.
     std::function<void(const lb_batch&)> answer;
+    bool isolated = false;  ///< it answers from another process, and no fault of its own ends this one
 };
 
 /// `LIBRARY: form "NAME"`: who did something.
@@ -52,5 +53,8 @@ void enroll(std::vector<ForeignForm> forms);
 
 /// What an enrolled row is made of: one form, or one for each of two formats. Empty for a row of the catalogue.
 std::vector<const ForeignForm*> behind(const table::Intersector& row);
+
+/// Whether asking a row can do no harm to this process: one of the catalogue, or of forms that are isolated.
+bool is_harmless(const table::Intersector& row);
 
 }  // namespace lostbits::intersect::doors

@@ -94,4 +94,11 @@ std::vector<const ForeignForm*> behind(const table::Intersector& row) {
     return forms;
 }
 
+bool is_harmless(const table::Intersector& row) {
+    const auto own = table::catalogue();
+    if (&row >= own.data() && &row < own.data() + own.size()) return true;
+    const auto forms = behind(row);  // none for a formula of a library, which runs here
+    return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
+}
+
 }  // namespace lostbits::intersect::doors

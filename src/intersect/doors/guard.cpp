@@ -127,7 +127,7 @@ void have_signal_stack() { thread_local const SignalStack here; }
             const char* const who = slot.who.load();
             if (who == nullptr) continue;
             const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
-            if (asked_to_stop.load() && taken.count() > 1) {  // nothing in there will look whether it was asked
+            if (terms().stop.is_asked() && taken.count() > 1) {
                 clean_up();
                 say(who, "was interrupted in the middle of a batch", "finished files are kept");
                 leave(Exit::interrupted);

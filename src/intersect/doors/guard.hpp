@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "intersect/process/floating_point.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -74,6 +75,8 @@ const char* foreign_code_here() noexcept;
 
 struct GuardTerms {
     double seconds = 30;  ///< that one batch may take
+    /// Where it is asked, the program ends as soon as a batch has taken a second: nothing in there would look.
+    process::StopToken stop = {};
     /// Called before the program ends for a fault of foreign code; from a signal handler.
     void (*clean_up)() = nullptr;
     void (*ends_with)(int status) = nullptr;  ///< the same, after the words about it, where there are any
@@ -81,7 +84,7 @@ struct GuardTerms {
 
 /// From now on a signal of a crash inside of foreign code, a call of exit() there and a batch that takes too long end
 /// the program with a line that names it and what to try, and with Exit::environment. Other crashes stay what they
-/// were.
+/// were. A call cannot be ended without the process: other runs in it end with theirs, or wait for the batch.
 void guard_foreign_code(const GuardTerms& terms);
 
 }  // namespace lostbits::intersect::doors

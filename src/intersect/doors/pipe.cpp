@@ -44,7 +44,7 @@ std::span<std::byte> bytes_of(T& value) {
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
         : room(terms.ours ? std::make_unique<SharedRoom>() : nullptr),
-          child(command, terms.who, duty(terms), terms.seconds, room ? room->descriptor() : -1),
+          child(command, {terms.who, duty(terms), terms.seconds, room ? room->descriptor() : -1, terms.stop}),
           contracts(greet(child, terms)) {
         if (room && room->descriptor() < 0) room.reset();
         if (!room) return;
@@ -221,7 +221,7 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
     std::vector<ForeignForm> forms;
     std::uint32_t place = 0;
     for (const Contract& contract : pool->contracts()) {
-        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.who, {}});
+        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.who, {}, true});
         form.answer = [pool, contract, place, who = name_in_messages(form)](const lb_batch& batch) {
             pool->with_partner([&](Partner& partner) { ask(partner, place, who, contract, batch); });
         };

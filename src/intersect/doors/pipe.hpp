@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -44,9 +45,10 @@ struct BatchPlaces {
 BatchPlaces places_of(const PipeRequest& request, const Contract& contract);
 
 struct PipeTerms {
-    double seconds = 30;     ///< that an answer may take
-    unsigned processes = 1;  ///< at most, one a thread; one alone for a form that says one_thread
-    std::string who = {};    ///< begins messages; empty: the command
+    double seconds = 30;           ///< that an answer may take
+    unsigned processes = 1;        ///< at most, one a thread; one alone for a form that says one_thread
+    process::StopToken stop = {};  ///< of who opens it: ends the wait for an answer, whoever asked
+    std::string who = {};          ///< begins messages; empty: the command
     bool ours = false;  ///< the command is this program: its words of refusal stand as they are, and it shares memory
 };
 

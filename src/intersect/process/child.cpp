@@ -52,14 +52,13 @@ int end_group(int process) {
 
 }  // namespace
 
-Child::Child(std::string command, std::string who, std::string duty, double seconds, int shared)
-    : command_(std::move(command)), who_(std::move(who)), duty_(std::move(duty)), limit_(seconds) {
+Child::Child(std::string command, ChildTerms terms) : command_(std::move(command)), terms_(std::move(terms)) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
-    if (shared >= 0) posix_spawn_file_actions_adddup2(&files, shared, SharedRoom::inherited);
+    if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedRoom::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t defaults;
@@ -106,16 +105,16 @@ std::string Child::how_it_ended() {
 
 void Child::fail(const std::string& what) {
     const std::string ended = output_ended_ ? how_it_ended() : "";
-    throw EnvironmentError(who_ + ": " + (about_.empty() ? "" : about_ + " ") + what + ended);
+    throw EnvironmentError(terms_.who + ": " + (about_.empty() ? "" : about_ + " ") + what + ended);
 }
 
 void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {
     for (;;) {
-        stop_if_interrupted();
+        terms_.stop.check();
         std::array<pollfd, 2> ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
         if (left <= 0)
-            fail("has not answered within the time limit; " + (duty_.empty() ? "" : duty_ + "; ") +
+            fail("has not answered within the time limit; " + (terms_.duty.empty() ? "" : terms_.duty + "; ") +
                  "raise --time-limit SECONDS where it needs longer");
         const int ready = poll(ends.data(), ends.size(), static_cast<int>(std::min<decltype(left)>(left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
@@ -147,7 +146,8 @@ std::size_t Child::read_some(std::span<std::byte> room) {
 }
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
-    const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit_);
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
     if (!request.empty()) write_some(request);  // most fit at once, and need no poll
     for (int look = 0; look < looks_before_sleep && request.empty() && !answer.empty(); ++look) {
         answer = answer.subspan(read_some(answer));

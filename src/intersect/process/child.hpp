@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 
+#include "intersect/process/stop_token.hpp"
+
 namespace lostbits::intersect::process {
 
 /// So often the two ends of a pipe look for what is due before they sleep, and give the processor away in between. To
@@ -13,12 +15,18 @@ namespace lostbits::intersect::process {
 /// runs at once.
 inline constexpr int looks_before_sleep = 30;
 
+struct ChildTerms {
+    std::string who;      ///< begins messages
+    std::string duty;     ///< what its author may have overlooked where no answer comes, or nothing
+    double seconds = 30;  ///< that an answer may take
+    int shared = -1;      ///< the descriptor of a SharedRoom that it gets at, or -1
+    StopToken stop = {};  ///< of who started it: asked while anyone waits for an answer
+};
+
 class Child {
 public:
-    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. `who` begins messages;
-    /// `duty` says what its author may have overlooked where no answer comes, or nothing. `shared` is the descriptor of
-    /// a SharedRoom that it gets at, or -1. EnvironmentError.
-    Child(std::string command, std::string who, std::string duty, double seconds, int shared = -1);
+    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. EnvironmentError.
+    Child(std::string command, ChildTerms terms);
     /// Closes its input, which tells it to end, and ends it with a signal where it does not within a second; and what
     /// else is left in its group.
     ~Child();
@@ -35,7 +43,7 @@ public:
 
     /// What it is asked about from now on, for messages.
     void about(const std::string& what) { about_ = what; }
-    /// EnvironmentError that begins with `who`, and says how the process ended where it did.
+    /// EnvironmentError that begins with `who` of the terms, and says how the process ended where it did.
     [[noreturn]] void fail(const std::string& what);
 
 private:
@@ -47,8 +55,8 @@ private:
     void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
     [[nodiscard]] std::string how_it_ended();
 
-    std::string command_, who_, duty_, about_;
-    std::chrono::duration<double> limit_;
+    std::string command_, about_;
+    ChildTerms terms_;
     int process_ = -1, input_ = -1, output_ = -1;
     bool output_ended_ = false;
 };

@@ -17,7 +17,6 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/truth/missing.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::answer {
 
@@ -33,7 +32,7 @@ namespace {
 /// Each ray and the solid that it is paired with; neighbours with the same solid together.
 template <class S, class Kernel>
 void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
-    stop_if_interrupted();
+    in.stop.check();
     const auto same = [solids = in.solids.listed()](std::size_t a, std::size_t b) {
         return std::ranges::equal(solids[a].used(), solids[b].used());
     };
@@ -53,7 +52,7 @@ void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& 
 /// The same in one call, for kernels from outside, each call of which may cost a message to another process.
 template <class S, class Kernel>
 void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
-    stop_if_interrupted();
+    in.stop.check();
     std::vector<Solid<S>> own;
     for (std::size_t k = 0; k < chunk.count(); ++k)
         own.push_back(transformed(in.solids[chunk.begin() + k], [](double x) { return static_cast<S>(x); }));
@@ -69,7 +68,7 @@ void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& i
 template <class S, class Kernel>
 void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     for (std::size_t s = 0; s < in.solids.size(); ++s) {
-        stop_if_interrupted();
+        in.stop.check();
         const Solid<S> solid = transformed(in.solids[s], [](double x) { return static_cast<S>(x); });
         kernel(chunk.batch(), Target<S>(solid), chunk.hits());
         chunk.keep_nearest(s);
@@ -120,7 +119,7 @@ public:
             const Ray<double> ray = rays_[p];
             in_.index->find_runs(SphereIndex::UnitRay(ray), page, grain_, runs_);
             if (runs_.empty()) continue;
-            stop_if_interrupted();  // a ray may ask all of the page, in software
+            in_.stop.check();  // a ray may ask all of the page, in software
             if (!columns)
                 columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
             for (const auto& [from, to] : runs_) {
@@ -220,7 +219,7 @@ std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Sol
 template <class S, class Kernel>
 void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, const FormatInputs& in,
               Answers& answers) {
-    stop_if_interrupted();
+    in.stop.check();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
     const intersect::LiftedTarget<S> target(Target<double>(in.solids.listed(), in.march.value()),

@@ -7,7 +7,7 @@ namespace lostbits::measure::answer {
 using scene::file::Scene;
 using truth::Band;
 
-OneRay::OneRay(const Scene& scene, int x, int y) {
+OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
     if (x < 0 || y < 0 || x >= scene.width || y >= scene.height) {
         throw InputError("--pixel " + std::to_string(x) + "," + std::to_string(y) + ": scene " + scene.id +
                          " has columns 0 to " + std::to_string(scene.width - 1) + " and rows 0 to " +
@@ -15,24 +15,24 @@ OneRay::OneRay(const Scene& scene, int x, int y) {
     }
     if (scene.inputs == scene::file::Inputs::shared) {
         // Alone: beside the other rays of its row, each would be tested against many more spheres.
-        ask_among(scene, scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)]);
+        ask_among(scene, scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)], limit);
         return;
     }
-    band_ = std::make_unique<Band>(scene, y, y + 1);
+    band_ = std::make_unique<Band>(scene, y, y + 1, limit);
     index_ = static_cast<std::size_t>(x);
 }
 
-OneRay::OneRay(const Scene& scene, const Ray<Real>& ray) {
+OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
     scene::rays::IdealRayBlock one;
     one.width = one.y1 = 1;
     one.push(ray);
-    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one));
-    else ask_among(scene, scene::rays::round_rays(one, binary64)[0]);
+    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
+    else ask_among(scene, scene::rays::round_rays(one, binary64)[0], limit);
 }
 
-void OneRay::ask_among(const Scene& scene, const Ray<double>& ray) {
+void OneRay::ask_among(const Scene& scene, const Ray<double>& ray, truth::TruthLimit limit) {
     culler_ = std::make_unique<truth::Culler>(scene, ray);
-    band_ = std::make_unique<Band>(scene, ray, *culler_);
+    band_ = std::make_unique<Band>(scene, ray, *culler_, limit);
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}

@@ -15,11 +15,11 @@ namespace lostbits::measure::answer {
 class OneRay {
 public:
     /// The ray of pixel (x, y). InputError where the picture has no such pixel.
-    OneRay(const scene::file::Scene& scene, int x, int y);
+    OneRay(const scene::file::Scene& scene, int x, int y, truth::TruthLimit limit = {});
     /// A ray taken as it is given. Where the scene's inputs are shared, each of its numbers is rounded once to
     /// binary64, which most often changes none, and the solids are those of the scene's maps; where each format rounds
     /// its own, the ray is ideal as the scene is. What a format cannot hold it rounds, and that is input error.
-    OneRay(const scene::file::Scene& scene, const Ray<Real>& ray);
+    OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit = {});
     /// The first ray of a group: as it is stored, with the solids and constants it has there.
     explicit OneRay(scene::rays::RayGroup group);
     /// Judged by this convention on touching; by each form's own word unless this is called.
@@ -52,7 +52,7 @@ private:
     }
 
     /// Of a scene with shared inputs.
-    void ask_among(const scene::file::Scene& scene, const Ray<double>& ray);
+    void ask_among(const scene::file::Scene& scene, const Ray<double>& ray, truth::TruthLimit limit);
 
     std::unique_ptr<truth::Culler> culler_;
     std::unique_ptr<truth::Band> band_;

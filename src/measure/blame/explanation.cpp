@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intersect/doors/contract.hpp"
 #include "intersect/table/recording.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/operation_error.hpp"
@@ -34,17 +35,19 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
-std::vector<Standing> better_than(const Standing& mine, const Format& format, const OneRay& ray) {
-    std::vector<Standing> better;
-    // The catalogue's: one from outside that nobody asked for may hang or crash, and would take the answer with it.
-    for (const Intersector& other : intersect::table::intersectors(mine.form->shape)) {
-        if (&other == mine.form || !other.exists_in(format)) continue;
-        const Standing s = standing_of(other, format, ray);
-        const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < format.shape.precision);
-        if (s.beats(mine) && !lost_all) better.push_back(s);
+void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector* const> beside) {
+    for (const Intersector& other : intersect::table::intersectors()) {
+        if (&other == x.form || other.shape != x.form->shape || !other.exists_in(x.format)) continue;
+        if (!intersect::doors::is_harmless(other) && std::ranges::find(beside, &other) == beside.end()) continue;
+        try {
+            const Standing s = standing_of(other, x.format, ray);
+            const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.shape.precision);
+            if (s.beats(x.standing) && !lost_all) x.better.push_back(s);
+        } catch (const EnvironmentError& error) {
+            x.silent.emplace_back(error.what());
+        }
     }
-    std::ranges::stable_sort(better, [](const Standing& a, const Standing& b) { return a.beats(b); });
-    return better;
+    std::ranges::stable_sort(x.better, [](const Standing& a, const Standing& b) { return a.beats(b); });
 }
 
 /// The form asked of the solid that the ray truly meets, where its answer is on another one.
@@ -110,7 +113,8 @@ std::vector<NodeId> Explanation::turned() const {
     return all;
 }
 
-Explanation explain(const Intersector& form, const Format& format, const OneRay& ray) {
+Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
+                    std::span<const Intersector* const> beside) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
@@ -144,7 +148,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.standing.outcome = answer::Outcome::wrong_object;
         x.standing.ulps = x.standing.lost = missing;
     }
-    x.better = better_than(x.standing, format, ray);
+    find_better(x, ray, beside);
     return x;
 }
 

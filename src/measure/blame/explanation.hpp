@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,8 @@ struct Explanation {
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
     std::vector<Standing> better = {};     ///< forms of the same shape in the same format that do better, best first
+    /// Of forms from outside that were asked whether they do better: why they did not answer.
+    std::vector<std::string> silent = {};
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return standing.lost > inherent ? standing.lost - inherent : 0; }
@@ -63,6 +66,9 @@ struct Explanation {
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
 
-Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
+/// Which forms do better is asked of all whose faults cannot end this process (`doors::is_harmless`), and of those
+/// `beside` the form whatever they are: one from outside may crash or hang, and would take the answer with it.
+Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
+                    std::span<const intersect::table::Intersector* const> beside = {});
 
 }  // namespace lostbits::measure::blame

@@ -7,14 +7,15 @@
 
 namespace lostbits::measure::choice {
 
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const map::MapRow& row, int pixels) {
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const map::MapRow& row,
+                                        truth::TruthLimit limit, int pixels) {
     constexpr std::size_t most_asked = 1 << 16;
     const std::size_t solids = scene.solid_count();
     if (solids == 0 || solids > offset::most_solids || !offset::can_be_asked(*row.form)) return std::nullopt;
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / solids, 64, 65536));
     const scene::file::Scene thin = thinned(scene, std::min(pixels, affordable));
     const offset::OffsetRequest request{
-        .scene = &thin, .rows = {{row}}, .strategies = offset::all_strategies(), .quiet = false};
+        .scene = &thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
     const offset::OffsetSummary summary = std::move(offset::run_offsets(request).front());
     SafeOffsets safe;
     safe.points = summary.points;

@@ -129,8 +129,8 @@ void add_draw(ClaimResult& result, const ClaimResult& draw) {
 void measure_draws(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& request,
                    std::vector<ClaimResult>& results) {
     const auto measure = [&](int draw, std::vector<ClaimResult>& into) {
-        if (kind_of(claims[places.front()]) == Kind::sweep) measure_sweep(claims, places, request.data_dir, draw, into);
-        else measure_table(claims, places, draw, into);
+        if (kind_of(claims[places.front()]) == Kind::sweep) measure_sweep(claims, places, request, draw, into);
+        else measure_table(claims, places, request, draw, into);
     };
     measure(0, results);
     const bool any = std::ranges::any_of(places, [&](std::size_t i) { return results[i].is_drawn(); });
@@ -177,24 +177,23 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     for (const auto& [subject, places] : subjects) {
         const auto begin = std::chrono::steady_clock::now();
         switch (std::get<Kind>(subject)) {
-            case Kind::scene: measure_scene(claims, places, request.data_dir, results); break;
-            case Kind::render: measure_render(claims, places, request.data_dir, results); break;
-            case Kind::offsets: measure_offsets(claims, places, request.data_dir, results); break;
-            case Kind::consistency: measure_consistency(claims, places, request.data_dir, results); break;
-            case Kind::search: measure_search(claims, places, request.data_dir, results); break;
+            case Kind::scene: measure_scene(claims, places, request, results); break;
+            case Kind::render: measure_render(claims, places, request, results); break;
+            case Kind::offsets: measure_offsets(claims, places, request, results); break;
+            case Kind::consistency: measure_consistency(claims, places, request, results); break;
+            case Kind::search: measure_search(claims, places, request, results); break;
             case Kind::sweep:
             case Kind::table: measure_draws(claims, places, request, results); break;
             case Kind::choice:
                 for (const std::size_t i : places)
-                    results[i] = judge(claims[i], chosen_value(claims[i], request.data_dir, request.done), nullptr);
+                    results[i] = judge(claims[i], chosen_value(claims[i], request), nullptr);
                 break;
             case Kind::timing:
                 for (const std::size_t i : places)
-                    results[i] = judge(claims[i], timed_ratio(claims[i], request.done), nullptr);
+                    results[i] = judge(claims[i], timed_ratio(claims[i], request.stop), nullptr);
         }
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
         for (const std::size_t i : places) results[i].seconds = took.count() / static_cast<double>(places.size());
-        request.done();
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_drawn())

@@ -44,8 +44,8 @@ map::MapRow claim_row(const scene::claim::Claim& claim);
 
 struct ClaimRequest {
     std::filesystem::path data_dir;
-    int further_draws = 0;               ///< of every claim whose subject is random: with so many seeds after its own
-    std::function<void()> done = [] {};  ///< called after each subject
+    intersect::process::StopToken stop = {};
+    int further_draws = 0;  ///< of every claim whose subject is random: with so many seeds after its own
 };
 
 /// Measures every claim; scenes and sweeps that several claims share are run once. A claim agrees if each of its draws

@@ -42,34 +42,33 @@ std::vector<MapRow> candidates_of(const Claim& claim, const Scene& scene) {
     return rows;
 }
 
-ChoiceRequest request_for(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+ChoiceRequest request_for(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
     request.wish = {.bits = *claim.choice->bits, .wrong = claim.choice->wrong};
     request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(claim.choice->at); });
-    request.progress = request.plan.progress = [&stop](std::uint64_t) { stop(); };
+    request.limit.stop = request.plan.stop = stop;
     return request;
 }
 
-double time_ratio(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+double time_ratio(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
     Claim other = claim;
     other.form = claim.choice->over_form;
     other.format = claim.choice->over_format;
-    speed::SceneWork on_scene(scene);
+    speed::SceneWork on_scene(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
     for (const MapRow& row : {timed_row(claim, scene), timed_row(other, scene)})
         work.push_back(on_scene.on(row, intersect::simd::packed_kernels(*row.form)));
-    const auto samples = speed::sample_interleaved(
-        work, {.repetitions = 101, .least_seconds = 1e-3, .progress = [&stop](std::uint64_t) { stop(); }});
+    const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-double meets(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+double meets(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, scene, stop);
     request.rows = {timed_row(claim, scene)};
     return worth_of(request).front().meets(request.wish) ? 1 : 0;
 }
 
-double others_that_meet(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+double others_that_meet(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, scene, stop);
     request.rows = candidates_of(claim, scene);
     std::erase_if(request.rows, [&claim](const MapRow& row) { return row.form->info->name == claim.form; });
@@ -79,29 +78,29 @@ double others_that_meet(const Claim& claim, const Scene& scene, const std::funct
         std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
 }
 
-double chosen(const Claim& claim, const Scene& scene, const std::function<void()>& stop) {
+double chosen(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, scene, stop);
     request.rows = candidates_of(claim, scene);
     choice::TimedRays timed;
     return cheapest(measure_candidates(request, timed), request.wish) == std::size_t{0} ? 1 : 0;
 }
 
-constexpr std::pair<std::string_view, double (*)(const Claim&, const Scene&, const std::function<void()>&)>
+constexpr std::pair<std::string_view, double (*)(const Claim&, const Scene&, intersect::process::StopToken)>
     of_wishes[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
 
 }  // namespace
 
-double chosen_value(const Claim& claim, const std::filesystem::path& data_dir, const std::function<void()>& stop) {
-    const Scene scene = one_scene(claim, claim.choice->scene, data_dir);
+double chosen_value(const Claim& claim, const ClaimRequest& run) {
+    const Scene scene = one_scene(claim, claim.choice->scene, run);
     if (!claim.choice->bits) {
-        if (claim.metric == "time_ratio") return time_ratio(claim, scene, stop);
+        if (claim.metric == "time_ratio") return time_ratio(claim, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; beside `over` it is time_ratio");
     }
     const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
     if (named == std::end(of_wishes))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; of a wish there are meets, others_that_meet and chosen");
-    return named->second(claim, scene, stop);
+    return named->second(claim, scene, run.stop);
 }
 
 }  // namespace lostbits::measure::claim

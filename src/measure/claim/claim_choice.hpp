@@ -2,10 +2,7 @@
 // times on the scene's own rays.
 #pragma once
 
-#include <filesystem>
-#include <functional>
-
-#include "scene/claim/claims_file.hpp"
+#include "measure/claim/claim.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -14,9 +11,8 @@ namespace lostbits::measure::claim {
 /// `meets`: 1 where it meets the wish, else 0;
 /// `others_that_meet`: how many of the other forms that fit the scene do, in the choice's formats, each of them
 /// counted; `chosen`: 1 where it is the cheapest of all that do, else 0; `time_ratio`: the median over interleaved
-/// repetitions of (its seconds a ray and solid)/(those of `over`). `stop` is called now and then and may throw.
+/// repetitions of (its seconds a ray and solid)/(those of `over`).
 /// InputError, with the claim's position, for names that do not exist.
-double chosen_value(const scene::claim::Claim& claim, const std::filesystem::path& data_dir,
-                    const std::function<void()>& stop);
+double chosen_value(const scene::claim::Claim& claim, const ClaimRequest& run);
 
 }  // namespace lostbits::measure::claim

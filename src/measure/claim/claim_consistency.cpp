@@ -45,15 +45,15 @@ map::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& show
 
 }  // namespace
 
-void measure_consistency(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+void measure_consistency(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
                          std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.consistency, data_dir);
+    const scene::file::Scene scene = one_scene(first, first.consistency, run);
     find_or_blame_claim(first, [&] {
         offset::require_few_solids(scene);
         return 0;
     });
-    consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}};
+    consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const std::size_t i : places) {
         const map::MapRow row = row_for(claims[i], scene);

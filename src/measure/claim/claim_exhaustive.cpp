@@ -113,9 +113,10 @@ map::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t place) 
     return witness;
 }
 
-ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file) {
+ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::TruthLimit limit) {
     ExhaustiveRequest request;
     request.sweep = &file;
+    request.limit = limit;
     request.rows = {row_for(claim, file)};
     if (request.rows.front().format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where, claim.sweep + " tries every number of f32 alone; write format = \"f32\"");
@@ -147,12 +148,12 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file) {
 }  // namespace
 
 void measure_exhaustive(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
-                        std::vector<ClaimResult>& results) {
+                        truth::TruthLimit limit, std::vector<ClaimResult>& results) {
     for (const std::size_t i : places) {
         if (!claims[i].exhaustive)
             scene::toml::fail(claims[i].where, "sweep \"" + claims[i].sweep +
                                                    "\" tries every float; write `exhaustive = true` in claim.given");
-        results[i] = measure_one(claims[i], narrowed(claims[i], path));
+        results[i] = measure_one(claims[i], narrowed(claims[i], path), limit);
     }
 }
 

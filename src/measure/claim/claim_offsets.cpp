@@ -53,15 +53,15 @@ map::WorstRay witness_of(const offset::BadRay& bad) {
 
 }  // namespace
 
-void measure_offsets(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+void measure_offsets(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
                      std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.offsets, data_dir);
+    const scene::file::Scene scene = one_scene(first, first.offsets, run);
     find_or_blame_claim(first, [&] {
         offset::require_few_solids(scene);
         return 0;
     });
-    offset::OffsetRequest request{.scene = &scene, .rows = {}, .strategies = {}};
+    offset::OffsetRequest request{.scene = &scene, .rows = {}, .strategies = {}, .limit = {.stop = run.stop}};
     std::vector<Place> at;
     const auto place_in = [](auto& list, const auto& thing) {
         const auto found = std::ranges::find(list, thing);

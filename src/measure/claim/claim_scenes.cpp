@@ -18,11 +18,11 @@ using truth::missing;
 namespace {
 
 /// One number of one sample of a march along the scene's first pixel.
-double trace_value(const Claim& claim, const scene::file::Scene& scene) {
+double trace_value(const Claim& claim, const scene::file::Scene& scene, truth::TruthLimit limit) {
     const MapRow row = row_for(claim, scene);
     if (!row.form->log)
         scene::toml::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
-    const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0));
+    const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0, limit));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
@@ -45,26 +45,26 @@ struct SpheresAlone {
 
 }  // namespace
 
-scene::file::Scene one_scene(const Claim& claim, const std::string& called, const std::filesystem::path& data_dir) {
-    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, data_dir); });
-    auto scenes = scene::file::load_scene(name.path, {.variant = name.variant});
+scene::file::Scene one_scene(const Claim& claim, const std::string& called, const ClaimRequest& run) {
+    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, run.data_dir); });
+    auto scenes = scene::file::load_scene(name.path, {.variant = name.variant, .stop = run.stop});
     if (scenes.size() != 1)
         scene::toml::fail(claim.where,
                           "scene \"" + called + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
     return std::move(scenes.front());
 }
 
-void measure_scene(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+void measure_scene(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
                    std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.scene, data_dir);
+    const scene::file::Scene scene = one_scene(first, first.scene, run);
     Places pictures;
     for (const std::size_t i : places) {
-        if (claims[i].step) results[i] = judge(claims[i], trace_value(claims[i], scene), nullptr);
+        if (claims[i].step) results[i] = judge(claims[i], trace_value(claims[i], scene, {.stop = run.stop}), nullptr);
         else pictures.push_back(i);
     }
     if (pictures.empty()) return;
-    map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {}};
+    map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const std::size_t i : pictures) rows.push_back(place_or_added(request.rows, row_for(claims[i], scene)));
     const SettingOf setting(scene);
@@ -78,14 +78,14 @@ void measure_scene(const std::vector<Claim>& claims, const Places& places, const
 }
 
 /// The claims about one rendered scene: one run, all stages that they name.
-void measure_render(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+void measure_render(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
                     std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.render, data_dir);
+    const scene::file::Scene scene = one_scene(first, first.render, run);
     if (!scene.meets(Shape::sphere))
         scene::toml::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
     const scene::file::Appearance& look = scene.appearance;
-    picture::RenderRequest request{.scene = &scene, .stages = {}, .rows = {}};
+    picture::RenderRequest request{.scene = &scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : places) {
         const scene::file::Stage stage = claims[i].stage.value_or(look.furthest());

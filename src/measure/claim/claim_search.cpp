@@ -11,10 +11,10 @@ namespace lostbits::measure::claim {
 
 using scene::claim::Claim;
 
-void measure_search(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
+void measure_search(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
                     std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.search, data_dir); });
+    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.search, run.data_dir); });
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::search)
         scene::toml::fail(first.where, "\"" + first.search +
                                            "\" has no [search] table; write `sweep = ` for axes and cases, or name a "
@@ -27,7 +27,8 @@ void measure_search(const std::vector<Claim>& claims, const Places& places, cons
     sweep::WorstRequest request{
         .search = &file,
         .rows = {},
-        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched}};
+        .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched},
+        .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const std::size_t i : places) {
         if (claims[i].metric != "worst")

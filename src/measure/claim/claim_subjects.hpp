@@ -27,28 +27,27 @@ using Places = std::vector<std::size_t>;
 /// The claims at these places, each into its place of `results`: about a scene, a rendered scene, the respawned rays of
 /// one, its questions put in two ways, a sweep along axes or over cases, a table. `draw`: how many seeds after the
 /// subject's own.
-void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                   const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_offsets(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                     const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_consistency(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                         const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                   const std::filesystem::path& data_dir, int draw, std::vector<ClaimResult>& results);
+void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                   std::vector<ClaimResult>& results);
+void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                    std::vector<ClaimResult>& results);
+void measure_offsets(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                     std::vector<ClaimResult>& results);
+void measure_consistency(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                         std::vector<ClaimResult>& results);
+void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                   int draw, std::vector<ClaimResult>& results);
 /// About a sweep over every float.
 void measure_exhaustive(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                        const std::filesystem::path& path, std::vector<ClaimResult>& results);
+                        const std::filesystem::path& path, truth::TruthLimit limit, std::vector<ClaimResult>& results);
 /// About the worst ray that a search finds.
-void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                    const std::filesystem::path& data_dir, std::vector<ClaimResult>& results);
-void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, int draw,
-                   std::vector<ClaimResult>& results);
+void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                    std::vector<ClaimResult>& results);
+void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                   int draw, std::vector<ClaimResult>& results);
 
 /// The one scene of that name; the claim says what is wrong with it.
-scene::file::Scene one_scene(const scene::claim::Claim& claim, const std::string& called,
-                             const std::filesystem::path& data_dir);
+scene::file::Scene one_scene(const scene::claim::Claim& claim, const std::string& called, const ClaimRequest& run);
 
 /// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
 ClaimResult judge(const scene::claim::Claim& claim, double measured, const map::MapSummary* summary);

@@ -16,9 +16,9 @@ using truth::missing;
 namespace {
 
 void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
-                   std::vector<ClaimResult>& results) {
+                   truth::TruthLimit limit, std::vector<ClaimResult>& results) {
     const scene::sweep::CaseFile file(path);
-    sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}};
+    sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = limit};
     for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
     const SettingOf setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claims_at(claims, places), request.rows, setting.get());
@@ -49,15 +49,15 @@ void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
 
 }  // namespace
 
-void measure_sweep(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& data_dir,
-                   int draw, std::vector<ClaimResult>& results) {
+void measure_sweep(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run, int draw,
+                   std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
-    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.sweep, data_dir); });
+    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.sweep, run.data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
-        case SweepKind::cases: return measure_cases(claims, places, path, results);
+        case SweepKind::cases: return measure_cases(claims, places, path, {.stop = run.stop}, results);
         case SweepKind::search:
             scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
-        case SweepKind::every_float: return measure_exhaustive(claims, places, path, results);
+        case SweepKind::every_float: return measure_exhaustive(claims, places, path, {.stop = run.stop}, results);
         case SweepKind::axes: break;
     }
     for (const std::size_t i : places) {
@@ -67,8 +67,8 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
                               "sweep \"" +
                                   claims[i].sweep + "\" is none; leave it out");
     }
-    const auto sweep = scene::sweep::SweepFile(path, data_dir).drawn_again(draw);
-    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}};
+    const auto sweep = scene::sweep::SweepFile(path, run.data_dir).drawn_again(draw);
+    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     bool onsets_wanted = false;
     for (const std::size_t i : places) {

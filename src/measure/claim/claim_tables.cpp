@@ -26,20 +26,19 @@ ClaimResult judge_arithmetic(const Claim& claim, std::uint64_t seed) {
     scene::toml::fail(claim.where, "unknown row \"" + claim.row + "\"; " + scene::toml::did_you_mean(claim.row, names));
 }
 
-ClaimResult judge_closest(const Claim& claim, std::uint64_t seed) {
+ClaimResult judge_closest(const Claim& claim, std::uint64_t seed, truth::TruthLimit limit) {
     Claim form = claim;
     form.form = claim.row;
-    auto result =
-        judge(claim,
-              find_or_blame_claim(claim, [&] { return differs_with_closest(claim_row(form), claim.at.front(), seed); }),
-              nullptr);
+    const double differs = find_or_blame_claim(
+        claim, [&] { return differs_with_closest(claim_row(form), claim.at.front(), seed, limit); });
+    auto result = judge(claim, differs, nullptr);
     result.samples = scene::rays::BoxFamily{}.views;
     return result;
 }
 
 }  // namespace
 
-void measure_table(const std::vector<Claim>& claims, const Places& places, int draw,
+void measure_table(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run, int draw,
                    std::vector<ClaimResult>& results) {
     const auto seed = 1 + static_cast<std::uint64_t>(draw);
     for (const std::size_t i : places) {
@@ -52,7 +51,8 @@ void measure_table(const std::vector<Claim>& claims, const Places& places, int d
         if (claim.metric != "fraction")
             scene::toml::fail(claim.where,
                               "unknown metric \"" + claim.metric + "\"; the only metric of a table is fraction");
-        results[i] = claim.table == "arithmetic" ? judge_arithmetic(claim, seed) : judge_closest(claim, seed);
+        results[i] = claim.table == "arithmetic" ? judge_arithmetic(claim, seed)
+                                                 : judge_closest(claim, seed, {.stop = run.stop});
     }
 }
 

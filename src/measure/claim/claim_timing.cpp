@@ -47,17 +47,16 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
     return all;
 }
 
-double speed_ratio(const Claim& claim, std::size_t bytes, const std::function<void()>& stop) {
+double speed_ratio(const Claim& claim, std::size_t bytes, intersect::process::StopToken stop) {
     const Claim::Timing& t = *claim.timing;
     const auto work =
         make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
-    const auto samples = speed::sample_interleaved(work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15,
-                                                          .least_seconds = 1e-3,
-                                                          .progress = [&stop](std::uint64_t) { stop(); }});
+    const auto samples = speed::sample_interleaved(
+        work, {.repetitions = speed::stay_in_cache(bytes) ? 101 : 15, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-double speedup_per_processor(const Claim& claim, std::size_t bytes, const std::function<void()>& stop) {
+double speedup_per_processor(const Claim& claim, std::size_t bytes, intersect::process::StopToken stop) {
     const auto work = [&](std::size_t) {
         return make_work(claim, {{claim.form, claim.timing->kernel, claim.format}}, bytes).front().pass;
     };
@@ -67,7 +66,7 @@ double speedup_per_processor(const Claim& claim, std::size_t bytes, const std::f
 
 }  // namespace
 
-double timed_ratio(const Claim& claim, const std::function<void()>& stop) {
+double timed_ratio(const Claim& claim, intersect::process::StopToken stop) {
     const Claim::Timing& t = *claim.timing;
     const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
     if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; there are l1, l2 and memory");

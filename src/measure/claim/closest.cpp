@@ -17,7 +17,7 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids.listed()) {
-        FormatInputs one{.format = in.format, .rays = in.rays, .solids = std::vector{solid}};
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = std::vector{solid}, .stop = in.stop};
         if (pass_on) one.rays.tmax = best;
         const answer::Answers answers = answer::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
@@ -29,7 +29,7 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 
 }  // namespace
 
-double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed) {
+double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed, truth::TruthLimit limit) {
     if (row.form->shape != Shape::box)
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::rays::BoxFamily family;
@@ -38,7 +38,7 @@ double differs_with_closest(const map::MapRow& row, double distance, std::uint64
     family.seed = seed;
     std::size_t rays = 0, different = 0;
     for (scene::rays::RayGroup& group : scene::rays::box_family_rays(family)) {
-        const truth::Band band(std::move(group));
+        const truth::Band band(std::move(group), limit);
         const FormatInputs in = band.inputs(row.format, {});
         const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
         rays += apart.size();

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "number/error.hpp"
-
 namespace lostbits::measure::consistency {
 
 using intersect::table::HitBatch;
@@ -68,7 +66,7 @@ AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Sol
         StoredBatch<S> batch(rays);
         const std::size_t step = calls == Calls::together ? n : 1;
         for (std::size_t begin = 0; begin < n; begin += step) {
-            stop_if_interrupted();
+            asked.stop.check();
             const auto own = all.size() == 1 ? all : all.subspan(begin, step);
             kernel(batch.rays(begin, step), intersect::Target<S>(own), batch.hits(begin, step));
         }

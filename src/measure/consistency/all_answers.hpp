@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "intersect/simd/packed.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -25,12 +26,13 @@ enum class Calls : std::uint8_t { together, one_by_one };
 struct AskedForm {
     const intersect::table::Intersector& form;
     Format format;
+    intersect::process::StopToken stop;
     intersect::simd::PackedRow native;
 
     /// By the kernels of one ray, or at a register width that this machine has.
-    AskedForm(const intersect::table::Intersector& asked, const Format& in,
+    AskedForm(const intersect::table::Intersector& asked, const Format& in, intersect::process::StopToken until = {},
               intersect::simd::Isa isa = intersect::simd::Isa::scalar)
-        : form(asked), format(in), native(intersect::simd::packed_kernels(asked, isa)) {}
+        : form(asked), format(in), stop(until), native(intersect::simd::packed_kernels(asked, isa)) {}
 };
 
 /// Rays, whose numbers and ends are of the format, with one solid; or with as many as rays, to each its own, by the

@@ -9,7 +9,7 @@ RowOnBand::RowOnBand(const Scene& of, const map::MapRow& asked, const truth::Ban
     : scene(of),
       row(asked),
       band(on),
-      form(*asked.form, asked.format),
+      form(*asked.form, asked.format, on.stop()),
       inputs(on.inputs(asked.format,
                        {.unit_rays = asked.form->info->direction == intersect::Direction::unit, .own_truth = false})),
       solids(inputs.solids.all()),

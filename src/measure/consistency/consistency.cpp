@@ -60,7 +60,7 @@ std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, Consis
     std::vector<RowChecks> all(request.rows.size());
     for (RowChecks& row : all) row.resize(request.checks.size());
     for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
-        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band));
+        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
         tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             ConsistencyBand measured = measure_band(request, request.rows[r], band);
             if (sink) sink->band(r, measured);

@@ -51,6 +51,7 @@ struct ConsistencyRequest {
     const scene::file::Scene* scene = nullptr;
     std::vector<map::MapRow> rows;  ///< of forms of spheres or boxes
     std::vector<const Check*> checks;
+    truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 

@@ -29,7 +29,8 @@ void check_packs(const RowOnBand& on, AccordOfPixels& out) {
     std::vector<AskedForm> widths;
     const bool software = on.row.format.engine == Format::Engine::rounded;  // which has no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-        if (!software || isa == intersect::simd::Isa::scalar) widths.emplace_back(*on.row.form, on.row.format, isa);
+        if (!software || isa == intersect::simd::Isa::scalar)
+            widths.emplace_back(*on.row.form, on.row.format, on.form.stop, isa);
     }
     for (const Solid<double>& solid : on.solids) {
         const std::span<const Solid<double>> one(&solid, 1);

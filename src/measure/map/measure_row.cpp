@@ -15,7 +15,6 @@
 #include "measure/map/row_columns.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::map {
 
@@ -145,7 +144,7 @@ private:
         const bool faults = (needs_ & metric::needs_attribution) != 0;
         if (!marches && !every && !hits && !faults) return;
         for (std::size_t i = 0; i < measured_.size(); ++i) {
-            stop_if_interrupted();  // blaming the operations of a band takes seconds
+            result_.inputs->stop.check();  // blaming the operations of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
             const bool fault =
                 outcome == Outcome::false_hit || outcome == Outcome::false_miss || outcome == Outcome::wrong_object;

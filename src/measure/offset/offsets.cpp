@@ -48,7 +48,7 @@ public:
         const std::size_t m = out_.strategies;
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                stop_if_interrupted();
+                request_.limit.stop.check();
                 if (!meets_the_true_solid(i)) continue;
                 const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
                 if (!work_.measure(met(i), out_.sides[i], by_strategy, request_.quiet)) continue;
@@ -174,7 +174,7 @@ std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink*
         for (SideSummary& side : s.sides) side.strategies.resize(request.strategies.size());
     }
     for (int y0 = 0; y0 < scene.height; y0 += lines_together) {
-        const Band band(scene, y0, std::min(scene.height, y0 + lines_together));
+        const Band band(scene, y0, std::min(scene.height, y0 + lines_together), request.limit);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             RowBand row(request, request.rows[r], band);
             const OffsetBand& measured = row.measure();

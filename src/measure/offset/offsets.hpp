@@ -96,6 +96,7 @@ struct OffsetRequest {
     const scene::file::Scene* scene = nullptr;
     std::vector<OffsetRow> rows;  ///< of forms of spheres or boxes that tell t
     std::vector<const Strategy*> strategies;
+    truth::TruthLimit limit{};
     bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };

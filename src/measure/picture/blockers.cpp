@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "intersect/simd/packed.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::picture {
 namespace {
@@ -64,17 +63,16 @@ void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, do
 }
 
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
-                                        const ShadowRays& shadow, std::span<const Solid<double>> solids,
-                                        bool own_counts) {
+                                        const ShadowRays& shadow, const truth::FormatInputs& among, bool own_counts) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
     const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk = 4096;
     const std::size_t chunks = (blocked.size() + chunk - 1) / chunk;
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
-        stop_if_interrupted();
+        among.stop.check();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            hold_against<S>(kernel, shadow, solids, {begin, count, own_counts}, blocked);
+            hold_against<S>(kernel, shadow, among.solids.listed(), {begin, count, own_counts}, blocked);
         });
     });
     return blocked;

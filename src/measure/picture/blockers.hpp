@@ -21,10 +21,10 @@ struct ShadowRays {
 /// Bits of what `find_blockers` found of a ray.
 enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, blocked_by_own = 2 };
 
-/// A solid blocks a ray where the form decides on a hit at 0 < t < reach. A hit at NaN blocks nothing: every comparison
-/// with it is false. `own_counts`: whether a ray is also tested against the sphere that it leaves.
+/// One of the solids of `among`, which are those of a format, blocks a ray where the form decides on a hit at 0 < t <
+/// reach. A hit at NaN blocks nothing: every comparison with it is false. `own_counts`: whether a ray is also tested
+/// against the sphere that it leaves.
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
-                                        const ShadowRays& shadow, std::span<const Solid<double>> solids,
-                                        bool own_counts);
+                                        const ShadowRays& shadow, const truth::FormatInputs& among, bool own_counts);
 
 }  // namespace lostbits::measure::picture

@@ -9,7 +9,6 @@
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/error.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::measure::picture {
@@ -38,11 +37,11 @@ Vec<T> lift_number(const Vec<double>& v) {
 
 /// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
 template <class Work>
-void for_each_pixel_in(const Format& format, std::size_t count, const Work& work) {
+void for_each_pixel_in(const Format& format, std::size_t count, intersect::process::StopToken stop, const Work& work) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         with_number(format, [&]<class T>() {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                stop_if_interrupted();
+                stop.check();
                 work.template operator()<T>(i);
             }
         });
@@ -137,7 +136,7 @@ private:
     /// The point and the normal as the format computes them, and how far they are off.
     void see() {
         const metric::Metric& residual = *metric::find_metric("residual");
-        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
             const Truth& truth = band_.truth(i, intersect::Touching::hit);
             out_.truth_object[i] = truth.is_hit() ? truth.object : -1;
             out_.seen[i] = seen_of(truth, hit(i), answers_.t[i], answers_.object[i]);
@@ -183,7 +182,7 @@ private:
     void cast() {
         std::vector<Cast> casts(n_);
         const auto is_cast = [&](std::size_t i) { return hit(i) ? !std::isnan(answers_.t[i]) : !in_.points.empty(); };
-        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
             if (is_cast(i)) casts[i] = towards_light<T>(i);
         });
         ShadowRays shadow;
@@ -193,8 +192,7 @@ private:
             shadow.add(casts[i].origin, casts[i].direction, casts[i].reach, hit(i) ? answers_.object[i] : -1);
             pixel.push_back(i);
         }
-        const auto blocked =
-            find_blockers(*row_.form, row_.format, shadow, in_.geometry.solids.listed(), appearance_.shadows->own);
+        const auto blocked = find_blockers(*row_.form, row_.format, shadow, in_.geometry, appearance_.shadows->own);
         for (std::size_t k = 0; k < pixel.size(); ++k) blocked_[pixel[k]] = blocked[k];
 
         out_.shadow.assign(n_, Shadow::not_compared);
@@ -209,7 +207,7 @@ private:
     void paint(Stage stage) {
         const ShadeRule rule = shade_rule(appearance_, stage);
         auto& picture = out_.painted.emplace_back(n_);
-        for_each_pixel_in(row_.format, n_, [&]<class T>(std::size_t i) {
+        for_each_pixel_in(row_.format, n_, request_.limit.stop, [&]<class T>(std::size_t i) {
             Painted& p = picture[i];
             if (hit(i) && std::isnan(answers_.t[i])) p.colour = Vec<double>(missing, missing, missing);
             else p.colour = drop(hit(i) ? surface<T>(rule, i) : background<T>(rule, i));
@@ -288,7 +286,8 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
     }
     const StoredAppearance<double> look = input_appearance(scene, binary64);
     for (int y0 = 0; y0 < scene.height; y0 += map::band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)));
+        const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)),
+                        {.stop = request.limit.stop});
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
         if (sink) sink->reference(band.y0(), band.rows(), truth);
         const auto inputs = inputs_of(request, band);

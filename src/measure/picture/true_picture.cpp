@@ -7,7 +7,6 @@
 
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/enclose.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -189,11 +188,11 @@ private:
 };
 
 template <class S>
-std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count) {
+std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count, intersect::process::StopToken stop) {
     std::vector<TruePixel> pixels(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            stop_if_interrupted();
+            stop.check();
             pixels[i] = reference.find(i);
         }
     });
@@ -205,8 +204,8 @@ std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count
 std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band,
                                          std::span<const Stage> stages, PictureLimit limit) {
     if (scene.inputs == scene::file::Inputs::own)
-        return find_all(Reference<Real>(scene, band, stages, limit), band.pixels());
-    return find_all(Reference<double>(scene, band, stages, limit), band.pixels());
+        return find_all(Reference<Real>(scene, band, stages, limit), band.pixels(), limit.stop);
+    return find_all(Reference<double>(scene, band, stages, limit), band.pixels(), limit.stop);
 }
 
 }  // namespace lostbits::measure::picture

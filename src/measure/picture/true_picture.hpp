@@ -17,6 +17,7 @@ namespace lostbits::measure::picture {
 /// counted.
 struct PictureLimit {
     int bits = 3072;
+    intersect::process::StopToken stop = {};  ///< as in `TruthLimit`
 };
 
 /// A value to within 2^-72, absolutely: 2^-64 of an 8-bit step, for channels and components of normals.

@@ -112,8 +112,8 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
     const PinnedThread pinned;
     std::vector<std::uint64_t> passes;
     for (const TimedWork& w : work) {
+        plan.stop.check();
         passes.push_back(passes_for(w, plan.least_seconds));
-        plan.progress(0);
     }
     std::vector<std::vector<double>> samples(work.size());
     std::vector<std::size_t> order(work.size());
@@ -122,6 +122,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
     for (int round = 0; round < plan.repetitions; ++round) {
         for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
         for (const std::size_t i : order) {
+            plan.stop.check();
             if (work[i].warm) work[i].pass();
             samples[i].push_back(seconds_of(work[i], passes[i]) / static_cast<double>(passes[i] * work[i].items));
             plan.progress(1);

@@ -47,8 +47,9 @@ struct TimingPlan {
     int repetitions = 25;
     double least_seconds = 4e-4;  ///< of a measurement: passes are repeated until it lasts so long; less than the time
                                   ///< slice of a busy machine
-    std::uint64_t seed = 1;       ///< of the order of the work, which is another in each round
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done; may throw to stop
+    intersect::process::StopToken stop = {};
+    std::uint64_t seed = 1;  ///< of the order of the work, which is another in each round
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< units done
 };
 
 /// Seconds an item: median and quartiles of the repetitions.

@@ -85,7 +85,7 @@ std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& 
     }
     std::vector<double> quotients;
     for (int round = 0; round < plan.repetitions; ++round) {
-        plan.stop();
+        plan.stop.check();
         const std::size_t one = static_cast<std::size_t>(round) % count;
         const double alone = rate_together({passes[one]}, {processors[one]}, plan.least_seconds);
         quotients.push_back(rate_together(passes, processors, plan.least_seconds) / alone);

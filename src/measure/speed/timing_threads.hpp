@@ -5,6 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
+
 namespace lostbits::measure::speed {
 
 /// The processors that the calling thread may use; {0} where the system does not say.
@@ -12,9 +14,9 @@ std::vector<int> allowed_processors();
 
 struct ThreadPlan {
     int repetitions = 15;
-    double least_seconds = 0.02;         ///< of a measurement: long against the start of a thread
-    std::size_t threads = 0;             ///< together; 0: one on each allowed processor
-    std::function<void()> stop = [] {};  ///< once a repetition; may throw
+    double least_seconds = 0.02;  ///< of a measurement: long against the start of a thread
+    std::size_t threads = 0;      ///< together; 0: one on each allowed processor
+    intersect::process::StopToken stop = {};
 };
 
 /// The work of thread `i`: what it returns is called over and over on that thread, on memory of its own.

@@ -83,18 +83,13 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
         if (same == rows.end()) rows.push_back(k.measured);
     }
     if (request.scene) {
-        const map::MapRequest asked{.scene = request.scene,
-                                    .rows = rows,
-                                    .metrics = request.metrics,
-                                    .limit = request.limit,
-                                    .progress = [&request](std::uint64_t) { request.plan.progress(0); }};
+        const map::MapRequest asked{
+            .scene = request.scene, .rows = rows, .metrics = request.metrics, .limit = request.limit};
         result.rows.push_back(map::run_map(asked, {}));
         return;
     }
-    for (const RaySet& set : ray_sets(request.shape)) {
+    for (const RaySet& set : ray_sets(request.shape))
         result.rows.push_back(map::measure_groups(set.groups(), rows, request.metrics, request.limit));
-        request.plan.progress(0);
-    }
 }
 
 void count_all(const TradeRequest& request, TradeResult& result) {

@@ -152,12 +152,12 @@ std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCoun
     std::vector<FloatTally> tallies(request.rows.size());
     std::vector<std::size_t> left(request.rows.size(), most_refined);
     for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
-        stop_if_interrupted();
         const std::uint64_t n = std::min<std::uint64_t>(chunk_size, request.floats.size() - begin);
         const scene::sweep::FloatRange chunk{request.floats.at(begin), request.floats.at(begin + n - 1)};
         for (std::size_t i = 0; i < n; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
         columns.set(std::span(values).first(n));
         for (std::size_t g = 0; g < ulps.size(); ++g) {
+            request.truths[g].terms.limit.stop.check();
             find_truth_columns(columns.problems(), request.truths[g].terms, truths);
             stages += truths.stages;
             for (const std::size_t row : request.truths[g].rows) {

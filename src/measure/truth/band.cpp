@@ -10,7 +10,6 @@
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 
 namespace lostbits::measure::truth {
@@ -24,10 +23,10 @@ using scene::rays::SolidList;
 namespace {
 
 template <class Function>
-void for_each_pixel(std::size_t count, Function&& function) {
+void for_each_pixel(std::size_t count, intersect::process::StopToken stop, Function&& function) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            stop_if_interrupted();
+            stop.check();
             function(i);
         }
     });
@@ -48,10 +47,10 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
     return fits;
 }
 
-RayBlock normalised(const RayBlock& rays, const FloatFormat& format) {
+RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::process::StopToken stop) {
     RayBlock unit = rays;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
-        stop_if_interrupted();
+        stop.check();
         const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
         make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);
     });
@@ -110,9 +109,10 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     find_truth_of_all();
 }
 
-Band::Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler)
+Band::Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler, TruthLimit limit)
     : culler_(&culler),
       rows_(1),
+      limit_(limit),
       in_binary32_(fits_binary32(scene::rays::group_of(ray))),
       shared_(scene::rays::group_of(ray).rays),
       shared_solids_(culler.shared()) {
@@ -213,8 +213,9 @@ void Band::find_condition() {
         });
     };
     condition_.resize(pixels());
-    for_each_pixel(
-        pixels(), [&](std::size_t i) { condition_[i] = of(i, truths_.decision[i], truths_.object[i], AtOrigin::hit); });
+    for_each_pixel(pixels(), limit_.stop, [&](std::size_t i) {
+        condition_[i] = of(i, truths_.decision[i], truths_.object[i], AtOrigin::hit);
+    });
     for (auto& [key, apart] : apart_)
         apart.condition =
             of(key / 4, apart.truth.decision, apart.truth.object, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
@@ -226,7 +227,7 @@ double Band::condition(std::size_t i, Convention convention) const {
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
-    FormatInputs in{.format = format, .paired = paired_};
+    FormatInputs in{.format = format, .paired = paired_, .stop = limit_.stop};
     const FloatFormat& shape = format.shape;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
@@ -244,7 +245,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
-    if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape);
+    if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape, limit_.stop);
     if (culler_) in.index = culler_->for_forms(shape, in.solids);
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;

@@ -30,7 +30,7 @@ public:
     Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit = {});
     /// One ray, which is a stored number, among the solids of a scene with shared inputs, which `culler` is of; it
     /// outlives the band.
-    Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler);
+    Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler, TruthLimit limit = {});
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
@@ -48,6 +48,7 @@ public:
 
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
+    [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }
     [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
     /// Which stages settled the rays, each with each solid that it could meet.
     [[nodiscard]] const StageCounts& stages() const { return stages_; }

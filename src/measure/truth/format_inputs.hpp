@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/truth/culling.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -29,6 +30,7 @@ struct FormatInputs {
     bool ideal = false;                             ///< the inputs are exactly those of the truth
     bool paired = false;                            ///< ray i is aimed at solid i alone
     std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
+    intersect::process::StopToken stop = {};        ///< of the band, for whoever asks forms about them
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const {
         const Truth closed = own_truth[i];

@@ -11,7 +11,6 @@
 #include "measure/truth/gathered.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -104,7 +103,7 @@ private:
 
     /// Every ray against one solid, kept where it comes first.
     void meet(std::size_t s) {
-        stop_if_interrupted();
+        limit_.stop.check();
         const Solid<S> solid = problems_.solids[s];
         const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
         const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
@@ -120,7 +119,7 @@ private:
 
     /// Every ray against the solid that it is paired with.
     void meet_own() {
-        stop_if_interrupted();
+        limit_.stop.check();
         const Shape shape = problems_.solids[begin_].shape;
         const std::size_t numbers = number_names(shape).size();
         std::array<std::vector<double>, 12> room;
@@ -196,7 +195,7 @@ private:
         for (const Shape shape : {Shape::sphere, Shape::box}) gathered(shape).size = 0;
         for (std::size_t i = 0; i < count_; ++i) {
             if (!wanted(i)) continue;
-            stop_if_interrupted();
+            limit_.stop.check();
             add_pairs(i);
             if (pairs_.size() >= settled_together) join_pairs();
         }

@@ -8,6 +8,7 @@
 
 #include "geometry/solid.hpp"
 #include "intersect/info.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "measure/truth/certified.hpp"
 
 namespace lostbits::measure::truth {
@@ -41,9 +42,11 @@ inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
 /// of a dyadic polynomial of degree four in the inputs, so an interval of enough bits has zero width: for doubles that
 /// is at most 4·(1024 + 1074) + 64 < 8500 bits (the tests' worst needed 6144). The last precision tried is 24576,
-/// nearly three times that; what it does not settle is `unresolved`.
+/// nearly three times that; what it does not settle is `unresolved`. Whoever looks for many truths asks `stop` on the
+/// way, and so does whoever asks forms about the same rays.
 struct TruthLimit {
     int bits = 32768;
+    intersect::process::StopToken stop = {};
 };
 
 /// `tmax` ends the ray where the solids are boxes (it may be infinite; NaN or negative leaves no ray).

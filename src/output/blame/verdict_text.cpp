@@ -136,7 +136,7 @@ std::string better_sentence(const Explanation& x) {
                         s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "a correct miss");
     }
     if (told == 0)
-        return fmt::format("No other form of the catalogue does better on this ray in this format{}.\n",
+        return fmt::format("No other form that was asked does better on this ray in this format{}.\n",
                            x.better.empty() ? "" : ", by a bit or more");
     return "Better on this ray:" + text + (left > 0 ? fmt::format(" and {} more.\n", left) : ".\n");
 }

@@ -25,6 +25,7 @@
 namespace lostbits::output::claim {
 
 using intersect::Touching;
+using measure::claim::ClaimRequest;
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
 using scene::claim::Claim;
@@ -77,11 +78,12 @@ std::string picture_link(const std::string& title, const std::string& file) {
 }
 
 std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
-                          const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(name, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
-    const measure::map::MapRequest request{
-        .scene = &scene, .rows = rows, .metrics = {measure::metric::find_metric("lost_bits")}};
+                          const ClaimRequest& run) {
+    const scene::file::Scene scene = shown_scene(name, run);
+    const measure::map::MapRequest request{.scene = &scene,
+                                           .rows = rows,
+                                           .metrics = {measure::metric::find_metric("lost_bits")},
+                                           .limit = {.stop = run.stop}};
     const std::string file = scene.id + ".png";
     map::SceneSheet sheet(request, folder / "pictures" / file);
     sheet.finish(measure::map::run_map(request, sheet.sinks()));
@@ -89,10 +91,8 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
 }
 
 /// The marches along a scene's first pixel, sample by sample.
-std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
-                       const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(name, data_dir);
-    const measure::answer::OneRay ray(scene::file::load_scene(found.path, {.variant = found.variant}).front(), 0, 0);
+std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const ClaimRequest& run) {
+    const measure::answer::OneRay ray(shown_scene(name, run), 0, 0, {.stop = run.stop});
     std::string text;
     for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
     return text;
@@ -100,12 +100,12 @@ std::string trace_text(const std::vector<MapRow>& rows, const std::string& name,
 
 /// The pictures of a rendered scene, of all stages that its claims name.
 std::string picture_render(const std::filesystem::path& folder, const ClaimSubject& subject,
-                           const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(claims[subject.claims.front()].render, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
+                           const std::vector<Claim>& claims, const ClaimRequest& run) {
+    const scene::file::Scene scene = shown_scene(claims[subject.claims.front()].render, run);
     std::set<scene::file::Stage> stages;
     for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
-    measure::picture::RenderRequest request{.scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}};
+    measure::picture::RenderRequest request{
+        .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = run.stop}};
     // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
     // lacks.
     const std::vector<MapRow> claimed = rows_of(subject, claims);
@@ -124,11 +124,13 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
 
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
 std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubject& subject,
-                            const std::vector<Claim>& claims, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(claims[subject.claims.front()].offsets, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
-    measure::offset::OffsetRequest request{
-        .scene = &scene, .rows = {}, .strategies = measure::offset::all_strategies(), .quiet = false};
+                            const std::vector<Claim>& claims, const ClaimRequest& run) {
+    const scene::file::Scene scene = shown_scene(claims[subject.claims.front()].offsets, run);
+    measure::offset::OffsetRequest request{.scene = &scene,
+                                           .rows = {},
+                                           .strategies = measure::offset::all_strategies(),
+                                           .limit = {.stop = run.stop},
+                                           .quiet = false};
     for (const std::size_t i : subject.claims) {
         for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
             const measure::offset::OffsetRow row{measure::claim::claim_row(claims[i]), point};
@@ -164,13 +166,14 @@ Shown shown_of(const ClaimSubject& subject, const std::vector<Claim>& claims) {
 
 /// The pictures of a sweep, as Markdown.
 std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
-                          Shown shown, const std::filesystem::path& data_dir) {
-    const auto path = scene::sweep::find_sweep(name, data_dir);
+                          Shown shown, const ClaimRequest& run) {
+    const auto path = scene::sweep::find_sweep(name, run.data_dir);
     // The claims are about small ranges; a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        const measure::sweep::CaseRequest request{.file = &file, .rows = rows, .metrics = drawn_metrics()};
+        const measure::sweep::CaseRequest request{
+            .file = &file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> judged :
@@ -183,8 +186,9 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         }
         return text;
     }
-    const scene::sweep::SweepFile sweep(path, data_dir);
-    measure::sweep::SweepRequest request{.sweep = &sweep, .rows = rows, .metrics = drawn_metrics()};
+    const scene::sweep::SweepFile sweep(path, run.data_dir);
+    measure::sweep::SweepRequest request{
+        .sweep = &sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
     for (MapRow& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;
@@ -291,7 +295,7 @@ std::string screenshots_in(const std::filesystem::path& folder) {
 }  // namespace
 
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
-                        const std::vector<ClaimResult>& results, const std::filesystem::path& data_dir) {
+                        const std::vector<ClaimResult>& results, const ClaimRequest& run) {
     file::AtomicFile readme(folder / "README.md");
     std::size_t held = 0, refuted = 0, other = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -312,16 +316,16 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
         const bool traced =
             std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
-        if (traced) text += trace_text(rows_of(subject, claims), subject.name, data_dir) + "\n";
+        if (traced) text += trace_text(rows_of(subject, claims), subject.name, run) + "\n";
         else if (!first.scene.empty())
-            text += picture_scene(folder, rows_of(subject, claims), subject.name, data_dir) + "\n";
-        else if (!first.render.empty()) text += picture_render(folder, subject, claims, data_dir) + "\n";
-        else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, data_dir) + "\n";
+            text += picture_scene(folder, rows_of(subject, claims), subject.name, run) + "\n";
+        else if (!first.render.empty()) text += picture_render(folder, subject, claims, run) + "\n";
+        else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, run) + "\n";
         else if (!first.consistency.empty())
-            text += picture_consistency(folder, rows_of(subject, claims), first.consistency, data_dir) + "\n";
+            text += picture_consistency(folder, rows_of(subject, claims), first.consistency, run) + "\n";
         else if (!first.sweep.empty())
-            text += picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), data_dir) +
-                    "\n";
+            text +=
+                picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), run) + "\n";
         text += samples_text(subject, results);
         std::string source;
         for (const std::size_t i : subject.claims) {

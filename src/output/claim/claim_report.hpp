@@ -20,6 +20,7 @@ struct ClaimSubject {
 /// Writes `README.md`, `claims.csv` and `pictures/` into a folder; the same claims and results give the same bytes. A
 /// scene is shown as a contact sheet, a sweep as its plots, cases as their matrix: of the forms that are claimed about.
 void write_claim_report(const std::filesystem::path& folder, const std::vector<scene::claim::Claim>& claims,
-                        const std::vector<measure::claim::ClaimResult>& results, const std::filesystem::path& data_dir);
+                        const std::vector<measure::claim::ClaimResult>& results,
+                        const measure::claim::ClaimRequest& run);
 
 }  // namespace lostbits::output::claim

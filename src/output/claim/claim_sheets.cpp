@@ -7,12 +7,18 @@
 
 namespace lostbits::output::claim {
 
+scene::file::Scene shown_scene(const std::string& name, const measure::claim::ClaimRequest& run) {
+    const auto found = scene::file::find_scene(name, run.data_dir);
+    return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
+}
+
 std::string picture_consistency(const std::filesystem::path& folder, const std::vector<measure::map::MapRow>& rows,
-                                const std::string& name, const std::filesystem::path& data_dir) {
-    const auto found = scene::file::find_scene(name, data_dir);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.variant = found.variant}).front();
-    const measure::consistency::ConsistencyRequest request{
-        .scene = &scene, .rows = rows, .checks = measure::consistency::checks_for(scene, rows)};
+                                const std::string& name, const measure::claim::ClaimRequest& run) {
+    const scene::file::Scene scene = shown_scene(name, run);
+    const measure::consistency::ConsistencyRequest request{.scene = &scene,
+                                                           .rows = rows,
+                                                           .checks = measure::consistency::checks_for(scene, rows),
+                                                           .limit = {.stop = run.stop}};
     const std::string file = scene.id + ".consistency.png";
     consistency::ConsistencySheet sheet(image::image_backend(), folder / "pictures" / file, request);
     sheet.finish(measure::consistency::run_consistency(request, &sheet));

@@ -5,13 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/claim/claim.hpp"
+#include "scene/file/scene.hpp"
 
 namespace lostbits::output::claim {
+
+/// The scene of that name that claims are about; the first of its variants where none is named.
+scene::file::Scene shown_scene(const std::string& name, const measure::claim::ClaimRequest& run);
 
 /// All checks of consistency of a scene, by the rows that claims name, into `folder`/pictures; the Markdown that shows
 /// it.
 std::string picture_consistency(const std::filesystem::path& folder, const std::vector<measure::map::MapRow>& rows,
-                                const std::string& name, const std::filesystem::path& data_dir);
+                                const std::string& name, const measure::claim::ClaimRequest& run);
 
 }  // namespace lostbits::output::claim

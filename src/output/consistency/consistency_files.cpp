@@ -55,7 +55,10 @@ class ConsistencyRowFiles {
 public:
     ConsistencyRowFiles(const ConsistencyRequest& request, const MapRow& row, const ConsistencyFilesOptions& options)
         : request_(request), scale_(excess_scale(image::image_backend())) {
-        for (const Check* check : request.checks) open(*check, row, options.folder);
+        for (const Check* check : request.checks) {
+            request.limit.stop.check();
+            open(*check, row, options.folder);
+        }
         if (options.pixels_csv) pixels_.emplace(options.folder / (map::row_name(row) + ".csv"), pixel_columns(request));
     }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/image.hpp"
 
@@ -31,6 +32,7 @@ struct CompareOptions {
     std::vector<Tolerance> tolerances;  ///< the last that matches a column counts
     std::vector<std::string> ignored;   ///< columns and channels, by name or glob, that are as good as not there
     std::uint64_t most = 20;            ///< differences that are written out; the others are counted
+    intersect::process::StopToken stop = {};
 };
 
 /// One difference, as a line for people.

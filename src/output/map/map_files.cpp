@@ -221,7 +221,7 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
         p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
     p.sheets = sheets_of(request, options);
     for (const MapRow& row : request.rows) {
-        stop_if_interrupted();
+        request.limit.stop.check();
         p.rows.push_back(std::make_unique<RowFiles>(request, row, p.options, image::image_backend(), p.sheets));
     }
 }

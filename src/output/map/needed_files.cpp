@@ -179,9 +179,11 @@ struct NeededFiles::Parts {
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options, {}, {}}) {
     if (!options.keep) parts_->table.emplace(options.folder / "needed.csv", table_columns());
-    for (std::size_t form = 0; form < request.forms.size(); ++form)
+    for (std::size_t form = 0; form < request.forms.size(); ++form) {
+        request.limit.stop.check();
         parts_->forms.push_back(
             std::make_unique<NeededFormFiles>(request, form, parts_->options, image::image_backend()));
+    }
 }
 
 NeededFiles::~NeededFiles() = default;

@@ -108,7 +108,10 @@ public:
     OffsetRowFiles(const OffsetRequest& request, const OffsetRow& row, const OffsetFilesOptions& options)
         : request_(request), row_(row), scale_(safe_scale(image::image_backend())) {
         for (const Side side : both_sides) {
-            for (std::size_t k = 0; k <= request.strategies.size(); ++k) open(side, k, options.folder);
+            for (std::size_t k = 0; k <= request.strategies.size(); ++k) {
+                request.limit.stop.check();  // sixty pictures of a large scene take twenty seconds to open
+                open(side, k, options.folder);
+            }
         }
         if (options.pixels_csv) pixels_.emplace(options.folder / (row_name(row) + ".csv"), pixel_columns(request));
     }

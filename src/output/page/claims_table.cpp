@@ -136,7 +136,6 @@ std::string breakable(std::string text) {
 /// The number, and how it varies from draw to draw.
 std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
-    if (r.floats > 0) return fmt::format("{}<br><small>{}</small>", shown(r.measured), claim::floats_text(r));
     if (!r.is_drawn()) return shown(r.measured);
     const auto s = r.spread();
     const std::string draws = r.further.empty() ? ""
@@ -186,12 +185,19 @@ std::string sort_keys(const Word& word, const ClaimResult& r) {
     return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", grave, measured ? file::decimal(r.measured) : "");
 }
 
+/// `holds: of what was measured, a sample`; empty where nobody says what the verdict rests on.
+std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
+    const std::string text = claim::floats_text(r) + (r.state == State::agrees ? claim::evidence_text(c, r) : "");
+    return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", word.text, html(text));
+}
+
 std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report) {
     const Word word = word_of(c, r);
     std::string text = fmt::format(
         "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
         word.style, sort_keys(word, r), html(claim::reproduce(c)), word.text, html(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
+    text += rests_on(c, r, word);
     text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
                         c.source == "-" ? "" : " &middot; ", html(c.id));
     return text + fmt::format(

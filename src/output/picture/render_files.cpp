@@ -80,6 +80,7 @@ public:
                 {d, stage, scale, std::make_unique<HeatmapWriter>(backend, options.folder / name, std::move(spec))});
         };
         for (std::size_t s = 0; s < request.stages.size(); ++s) {
+            request.limit.stop.check();
             const std::string stage(name_of(request.stages[s]));
             pictures_.push_back(backend.open_png(options.folder / fmt::format("{}.{}.png", stage, row_name(row)),
                                                  request.scene->width, request.scene->height));

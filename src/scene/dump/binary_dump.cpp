@@ -75,7 +75,6 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     records.bytes.clear();
     if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
     if (most == 0) return false;
-    stop_if_interrupted();
     std::size_t got = 0;
     if (lie_.apart) {
         for (const BinaryColumn& c : lie_.columns)

@@ -25,7 +25,8 @@ public:
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 protected:
-    explicit BinaryDump(const std::filesystem::path& path) : Dump(path), source_(path) {}
+    BinaryDump(const std::filesystem::path& path, const DumpOptions& options)
+        : Dump(path), source_(path, options.stop) {}
     /// What a header told.
     struct Lie {
         std::vector<BinaryColumn> columns;

@@ -13,7 +13,8 @@
 
 namespace lostbits::scene::dump {
 
-ByteSource::ByteSource(const std::filesystem::path& path) : name_(path.string()) {
+ByteSource::ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop)
+    : name_(path.string()), stop_(stop) {
     toml::note_read(path);
     fd_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd_ < 0) {
@@ -42,12 +43,10 @@ std::size_t ByteSource::fill(std::string& to, std::size_t most, const ReadSome& 
     to.resize(begin + static_cast<std::size_t>(std::min<std::uint64_t>(most, size_.value_or(most) + 1)));
     std::size_t got = 0;
     while (got < most) {
+        stop_.check();
         if (begin + got == to.size()) to.resize(begin + most);
         const ssize_t n = read_some(to.data() + begin + got, to.size() - begin - got, got);
-        if (n < 0 && errno == EINTR) {
-            stop_if_interrupted();
-            continue;
-        }
+        if (n < 0 && errno == EINTR) continue;
         if (n < 0) fail(std::string("cannot read: ") + std::strerror(errno));
         if (n == 0) break;
         got += static_cast<std::size_t>(n);

@@ -6,13 +6,15 @@
 #include <optional>
 #include <string>
 
+#include "intersect/process/stop_token.hpp"
+
 namespace lostbits::scene::dump {
 
 /// Open while it lives. Throws InputError where there is no such file or it is a folder, EnvironmentError where the
 /// machine does not let us read it.
 class ByteSource {
 public:
-    explicit ByteSource(const std::filesystem::path& path);
+    ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop);
     ~ByteSource();
     ByteSource(const ByteSource&) = delete;
     ByteSource& operator=(const ByteSource&) = delete;
@@ -32,6 +34,7 @@ private:
     std::size_t fill(std::string& to, std::size_t most, const ReadSome& read_some) const;
 
     std::string name_;
+    intersect::process::StopToken stop_;
     int fd_ = -1;
     std::optional<std::uint64_t> size_;
 };

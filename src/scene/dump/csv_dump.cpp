@@ -85,7 +85,8 @@ std::string_view line_in(std::string_view text) {
 
 }  // namespace
 
-CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options) : Dump(path), source_(path) {
+CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
+    : Dump(path), source_(path, options.stop) {
     read_header(options);
     settle(options, *layout_, *find_format("f64"));
     words_.emplace(terms().format);
@@ -172,7 +173,6 @@ bool CsvDump::next(std::size_t most, Records& records) {
     records.line = line_;
     std::size_t end = 0;
     while (records.count < most) {
-        stop_if_interrupted();
         const std::size_t after = find_end(end);
         if (after == 0) break;
         const std::string_view line(buffer_.data() + end, after - end);

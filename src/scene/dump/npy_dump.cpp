@@ -87,7 +87,7 @@ std::vector<std::string> names_in(const std::string& columns) {
 
 }  // namespace
 
-NpyDump::NpyDump(const std::filesystem::path& path, const DumpOptions& options) : BinaryDump(path) {
+NpyDump::NpyDump(const std::filesystem::path& path, const DumpOptions& options) : BinaryDump(path, options) {
     const auto [text, begin] = header_text(source());
     const std::string& file = source().name();
     const NpyHeader header = read_npy_header(text, file);

@@ -41,7 +41,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
     return columns;
 }
 
-RawDump::RawDump(const std::filesystem::path& path, const DumpOptions& options) : BinaryDump(path) {
+RawDump::RawDump(const std::filesystem::path& path, const DumpOptions& options) : BinaryDump(path, options) {
     if (options.columns.empty())
         throw InputError(path.string() +
                          ": raw numbers say nothing of themselves; name them and their types with "

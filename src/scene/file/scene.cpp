@@ -126,6 +126,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
     if (auto flake = file.optional_table("sphereflake")) scene.flake = read_sphereflake(*flake);
+    if (scene.flake) scene.flake->stop = options.stop;
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
     if (scene.shapes().empty())

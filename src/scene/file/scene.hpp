@@ -76,6 +76,7 @@ struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
     std::vector<toml::Override> overrides = {};              ///< applied after the variant's own, in order
+    intersect::process::StopToken stop = {};                 ///< of `Sphereflake`
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.

@@ -99,8 +99,8 @@ void require_room_for(const Sphereflake& flake) {
 }
 
 void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {
-    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&take](const Sphere<double>& s) {
-        stop_if_interrupted();
+    grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&](const Sphere<double>& s) {
+        flake.stop.check();
         take(s);
     });
 }

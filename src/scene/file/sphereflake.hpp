@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "geometry/solid.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::file {
@@ -16,7 +17,8 @@ struct Sphereflake {
     int levels = 0;
     Vec<double> centre{0, 0, 0};
     double radius = 1;
-    Vec<double> axis{0, 0, 1};  ///< of the largest sphere; of any length but zero
+    Vec<double> axis{0, 0, 1};                ///< of the largest sphere; of any length but zero
+    intersect::process::StopToken stop = {};  ///< of who loaded it: asked at every sphere that grows
 
     [[nodiscard]] std::size_t size() const;
 };

@@ -1,28 +1,149 @@
-// A run that is asked to stop in the middle of a band.
+// Work that is asked to stop in the middle, each by its own request and no other.
+#include <atomic>
+#include <functional>
+
 #include "catch.hpp"
-#include "measure/map/map.hpp"
+#include "measure/choice/candidates.hpp"
+#include "measure/claim/claim.hpp"
+#include "measure/consistency/consistency.hpp"
+#include "measure/judge/judge.hpp"
+#include "measure/map/needed.hpp"
+#include "measure/offset/offsets.hpp"
+#include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
+#include "measure/speed/timing.hpp"
+#include "measure/speed/timing_threads.hpp"
+#include "measure/sweep/cases.hpp"
+#include "measure/sweep/exhaustive.hpp"
+#include "measure/sweep/sweep.hpp"
+#include "measure/sweep/worst.hpp"
 #include "number/error.hpp"
+#include "scene/claim/claims_file.hpp"
+#include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_interrupted {
 
-TEST_CASE("a map stops at the ray that it was asked to stop at", "[measure][map]") {
-    const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
-    const auto scene =
-        scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{16, 16}}).front();
-    static int measured;
-    measured = 0;
-    const measure::metric::Metric asks{.name = "asks", .value = [](const measure::metric::Sample&) {
-                                           ++measured;
-                                           asked_to_stop = true;
-                                           return 0.0;
-                                       }};
-    const measure::map::MapRequest request{
-        .scene = &scene, .rows = {testing::row("sphere.schoolbook", "f32")}, .metrics = {&asks}};
-    CHECK_THROWS_AS(measure::map::run_map(request, {}), Interrupted);
-    asked_to_stop = false;
+using intersect::process::StopToken;
+using measure::map::MapSummary;
+using measure::metric::Metric;
+using measure::metric::Sample;
+
+namespace {
+
+scene::file::Scene scene_named(const std::string& name, StopToken stop = {}) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{16, 16}, .stop = stop})
+        .front();
+}
+
+std::vector<MapSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
+    return measure::map::run_map({.scene = &scene,
+                                  .rows = {testing::row("sphere.schoolbook", "f32")},
+                                  .metrics = {&metric},
+                                  .limit = {.stop = stop}},
+                                 {});
+}
+
+}  // namespace
+
+TEST_CASE("of two maps under way in one process one is stopped at the ray where it is asked, and the other goes on",
+          "[measure][map]") {
+    static std::atomic<bool> first_asked;
+    static int measured, others;
+    static const scene::file::Scene* scene;
+    static std::atomic<bool> second_asked;
+    static std::vector<MapSummary> other;
+    first_asked = second_asked = false;
+    measured = others = 0;
+    const auto loaded = scene_named("near-benign");
+    scene = &loaded;
+    const Metric asks{.name = "asks", .value = [](const Sample&) {
+                          ++measured;
+                          first_asked = true;
+                          const Metric goes_on{.name = "goes_on", .value = [](const Sample&) {
+                                                   ++others;
+                                                   return 0.0;
+                                               }};
+                          other = mapped(*scene, goes_on, StopToken(second_asked));
+                          return 0.0;
+                      }};
+    CHECK_THROWS_AS(mapped(loaded, asks, StopToken(first_asked)), Interrupted);
     CHECK(measured == 1);
+    REQUIRE(other.size() == 1);
+    CHECK(other.front().rays == 256);
+    CHECK(others > 1);
+    CHECK(static_cast<std::uint64_t>(others) == other.front().count(measure::answer::Outcome::agree_hit));
+}
+
+TEST_CASE("whatever is asked for stops where its own request says so") {
+    const std::atomic<bool> flag{true};
+    const StopToken stop(flag);
+    const measure::truth::TruthLimit limit{.stop = stop};
+    const std::filesystem::path data = LOSTBITS_DATA_DIR, sweeps = data / "sweeps";
+    const auto scene = scene_named("raycast-acne");
+    const measure::map::MapRow row = testing::row("sphere.half_b", "f32");
+    const std::vector<measure::map::MapRow> rows{row};
+    const auto& metrics = testing::case_metrics;
+    const scene::sweep::SweepFile sweep(sweeps / "sphere-distance.toml", data);
+    const scene::sweep::CaseFile cases(sweeps / "extremes/contact.toml");
+    const scene::sweep::ExhaustiveFile floats(sweeps / "exhaustive-distance.toml");
+    const scene::sweep::SearchFile search(sweeps / "worst/near.toml");
+    measure::sweep::ExhaustiveState state;
+    const testing::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
+    const auto open = [&](StopToken token) {
+        return scene::dump::open_dump(
+            file.path(), {.container = scene::dump::Container::csv, .solid = Shape::sphere, .stop = token});
+    };
+    const auto rays = open({});
+    std::vector<scene::claim::Claim> claims{scene::claim::read_claims(data / "claims/sphere.toml").front()};
+    measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warm = false};
+    namespace m = measure;
+    const std::pair<const char*, std::function<void()>> all[] = {
+        {"map", [&] { m::map::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
+        {"needed", [&] { m::map::run_needed({.scene = &scene, .forms = {row.form}, .limit = limit}, {}); }},
+        {"render",
+         [&] {
+             m::picture::run_render(
+                 {.scene = &scene, .stages = {scene::file::Stage::visible}, .rows = rows, .limit = {.stop = stop}});
+         }},
+        {"offsets",
+         [&] {
+             m::offset::run_offsets({.scene = &scene,
+                                     .rows = {{row, m::offset::HitPoint::computed}},
+                                     .strategies = m::offset::all_strategies(),
+                                     .limit = limit});
+         }},
+        {"consistency",
+         [&] {
+             m::consistency::run_consistency(
+                 {.scene = &scene, .rows = rows, .checks = m::consistency::all_checks(), .limit = limit});
+         }},
+        {"sweep", [&] { m::sweep::run_sweep({.sweep = &sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"cases", [&] { m::sweep::run_cases({.file = &cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"every float", [&] { m::sweep::run_exhaustive({.sweep = &floats, .rows = rows, .limit = limit}, state); }},
+        {"search",
+         [&] { m::sweep::find_worst({.search = &search, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"judge",
+         [&] {
+             m::judge::run_judge(
+                 *rays, {.solids = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit},
+                 {});
+         }},
+        {"a file of rays", [&] { open(stop); }},
+        {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).solids()); }},
+        {"choice", [&] { m::choice::worth_of({.scene = &scene, .rows = rows, .limit = limit}); }},
+        {"claims", [&] { m::claim::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
+        {"times",
+         [&] {
+             m::speed::sample_interleaved({&pass, 1}, {.stop = stop});
+         }},
+        {"times of threads", [&] { m::speed::thread_speedups([](std::size_t) { return [] {}; }, {.stop = stop}); }}};
+    for (const auto& [what, ask] : all) {
+        INFO(what);
+        CHECK_THROWS_AS(ask(), Interrupted);
+    }
+    CHECK(state.tried == 0);
 }
 
 }  // namespace lostbits::test::test_interrupted

@@ -156,10 +156,11 @@ TEST_CASE(
             const Format format = *find_format(name);
             if (!f.exists_in(format)) continue;
             CAPTURE(f.info->name, name);
-            const auto skipped = measure::picture::find_blockers(f, format, rays, solids, false);
+            const measure::truth::FormatInputs among{.format = format, .solids = solids};
+            const auto skipped = measure::picture::find_blockers(f, format, rays, among, false);
             CHECK(skipped == std::vector<std::uint8_t>{measure::picture::blocked_by_other, 0, 0,
                                                        measure::picture::blocked_by_other, 0, 0, 0});
-            const auto held = measure::picture::find_blockers(f, format, rays, solids, true);
+            const auto held = measure::picture::find_blockers(f, format, rays, among, true);
             CHECK((held[0] & measure::picture::blocked_by_other) != 0);
             CHECK((held[3] & measure::picture::blocked_by_other) != 0);
             CHECK(held[5] == 0);
@@ -167,10 +168,9 @@ TEST_CASE(
     }
     // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
     // the first root is 0 and no obstacle.
-    const auto unified =
-        measure::picture::find_blockers(form("sphere.unified"), *find_format("f64"), rays, solids, true);
-    const auto expanded =
-        measure::picture::find_blockers(form("sphere.expanded"), *find_format("f64"), rays, solids, true);
+    const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .solids = solids};
+    const auto unified = measure::picture::find_blockers(form("sphere.unified"), in_f64.format, rays, in_f64, true);
+    const auto expanded = measure::picture::find_blockers(form("sphere.expanded"), in_f64.format, rays, in_f64, true);
     CHECK(unified[6] == measure::picture::blocked_by_own);
     CHECK(expanded[6] == measure::picture::blocked_by_nothing);
     CHECK(unified[4] == measure::picture::blocked_by_nothing);

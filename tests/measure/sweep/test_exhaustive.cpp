@@ -2,6 +2,7 @@
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -236,14 +237,16 @@ TEST_CASE("a run that is stopped goes on from its state and finds the same") {
     const auto identity = output::sweep::identity_of(request, "1.2");
     sweep::ExhaustiveState state;
     int stops = 0;
-    request.keep = [](const sweep::ExhaustiveState&) { asked_to_stop = true; };
+    std::atomic<bool> asked{false};
+    request.limit.stop = intersect::process::StopToken(asked);
+    request.keep = [&asked](const sweep::ExhaustiveState&) { asked = true; };
     while (state.tried < file.floats()) {
         try {
             sweep::run_exhaustive(request, state);
         } catch (const Interrupted&) {
             ++stops;
         }
-        asked_to_stop = false;
+        asked = false;
         output::sweep::write_state(state_file, identity, state);
         state = output::sweep::read_state(state_file, identity, request);
     }
