@@ -12,6 +12,7 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "measure/map/map.hpp"
 #include "measure/map/needed.hpp"
 #include "measure/truth/truth_columns.hpp"

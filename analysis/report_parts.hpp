@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "output/page/page.hpp"

@@ -10,6 +10,7 @@
 
 #include "analysis/shell/command_line.hpp"
 #include "intersect/info.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 

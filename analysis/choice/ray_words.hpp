@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/map/map.hpp"
 

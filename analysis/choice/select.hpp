@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/map/map.hpp"

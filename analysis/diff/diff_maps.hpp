@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/diff/diff_files.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "output/diff/row_changes.hpp"
 
 namespace lostbits::analysis::diff {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/metric/spread.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "scene/claim/claims_file.hpp"

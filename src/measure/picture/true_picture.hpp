@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/truth/band.hpp"
 #include "scene/file/appearance.hpp"
 

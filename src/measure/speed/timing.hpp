@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
+
 namespace lostbits::measure::speed {
 
 /// Keeps the calling thread on the processor that it runs on, and lets it go where it could before. Does nothing where

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/file/scene.hpp"

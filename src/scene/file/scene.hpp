@@ -9,6 +9,7 @@
 
 #include "geometry/solid.hpp"
 #include "intersect/march.hpp"
+#include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
 #include "scene/file/appearance.hpp"
 #include "scene/file/sphereflake.hpp"
