@@ -11,7 +11,7 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
     for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         INFO(form.info->name);
         if (form.info->touching == intersect::Touching::hit)
-            CHECK(measure::claim::differs_with_closest({&form, *find_format("f32")}, 8, 1) == 0);
+            CHECK(measure::claim::differs_with_closest({&form, *find_format("f32")}, 8, 1, {}) == 0);
     }
     // A form that ignores where the ray ends would still agree; one that hits nothing once it is told does not.
     static const intersect::Info info{.name = "box.shy", .title = "-", .source = "-"};
@@ -24,9 +24,9 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
             hits.t[i] = hits.near[i] = hits.far[i] = -target.solids.front().numbers[0];
         }
     };
-    CHECK(measure::claim::differs_with_closest({&shy, *find_format("f32")}, 8, 1) > 0.5);
+    CHECK(measure::claim::differs_with_closest({&shy, *find_format("f32")}, 8, 1, {}) > 0.5);
     CHECK_THROWS_AS(measure::claim::differs_with_closest(
-                        {&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8, 1),
+                        {&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8, 1, {}),
                     InputError);
 }
 

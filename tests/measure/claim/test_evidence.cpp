@@ -56,7 +56,7 @@ TEST_CASE("words of all cases are found as words") {
 }
 
 TEST_CASE("a counterexample refutes") {
-    const scene::test::Folder folder;
+    const lostbits::test::Scratch folder;
     const auto claim = [&](const std::string& verdict) {
         return folder.write("claims.toml", R"(schema = "lostbits-claims/1"
 [[claim]]
