@@ -298,7 +298,8 @@ Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& 
         return joined(wide, in_words<W, T>(ray, sphere));
     } else {
         const mask_t<T> fit = fits(ray, sphere);
-        const Settled<T> known = any_of(!wide.proved && fit) ? joined(wide, exactly<T>(ray, sphere, fit)) : wide;
+        Settled<T> known = wide;
+        if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, sphere, fit));
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
         return known;
