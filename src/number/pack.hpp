@@ -198,6 +198,7 @@ public:
 
     WidePack() = default;
     explicit WidePack(int x) : low_(x), high_(x) {}
+    explicit WidePack(double x) : low_(x), high_(x) {}
     WidePack(const Half& low, const Half& high) : low_(low), high_(high) {}
     explicit WidePack(const Narrow& x) {
         if constexpr (has_pack_registers) {

@@ -1,25 +1,12 @@
 // The steps of `box.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
-#include "intersect/box/slab.hpp"
+#include "intersect/box/filtered_words.hpp"
 #include "intersect/way.hpp"
 #include "number/wide/dyadic_slabs.hpp"
-#include "number/wide/exact_sum.hpp"
-#include "number/wide/ladder.hpp"
 
 namespace lostbits::intersect::box {
 namespace filtered {
-
-/// What a step says of a ray: the decision where it is proved, nothing where not.
-template <Number T>
-struct SlabDecision {
-    mask_t<T> proved, hit;
-
-    /// `first` where it is proved, `second` where not.
-    friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
-        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
-    }
-};
 
 /// The first step's decision, and whether its tmin and tmax are good.
 template <Number T>
@@ -58,12 +45,6 @@ Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
     return {{hit || missed, hit}, in_range};
 }
 
-/// A box's planes in the order in which the line meets them, and whether the line runs down the axis.
-template <Number T>
-struct OrderedSlabs {
-    std::array<Planes<T>, 3> of;
-};
-
 template <Number T, class B>
 OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
     const auto of = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
@@ -90,19 +71,6 @@ T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     return way;
 }
 
-/// Beyond every t that floats or numbers in the range of `fits` can have.
-template <Number W>
-W far_away() {
-    return W(1) / number::wide::power_of_two<W>(-960);
-}
-
-/// x, or what is as far as infinity where products are made of it: beyond all that `fits`.
-template <Number W>
-W without_infinity(const W& x) {
-    const W most = W(1) / number::wide::power_of_two<W>(-510);
-    return max(-most, min(most, x));
-}
-
 /// Whether every number is 0 or within 2^-450 and 2^500, so that the products of two, and those of their last places,
 /// are doubles. Of floats all are.
 template <Number T>
@@ -123,21 +91,6 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         }
         const mask_t<B> endless = number::wide::taken_to<B>(limit) >= far_away<B>();
         add(select(endless, T(0), limit));
-    }
-    return all;
-}
-
-/// n_i/m_i ≤ f_j/m_j for each pair of axes, as n_i m_j ≤ f_j m_i, where n and f are the ways to the first and the
-/// second plane and m = |d|, all with the sign of d taken out: that stays true of m = 0, where it says n_i ≤ 0 ≤ f_i,
-/// so that a ray in a plane is inside. Of one axis n ≤ f holds in any case. And the ray's own ends: f_j ≥ 0, n_i ≤
-/// limit m_i.
-///
-/// `below(n, m, f, g)` answers n m ≤ f g in whatever way; `join` puts answers together.
-template <class V, class Below, class Join>
-V every_pair(const Below& below, const Join& join, V all) {
-    for (int i = 0; i < 3; ++i) {
-        all = join(all, below(i, (i + 1) % 3));
-        all = join(all, below(i, (i + 2) % 3));
     }
     return all;
 }
@@ -180,52 +133,6 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
         [](const W& a, const W& b) { return min(a, b); }, least);
     const T told = taken_back<T>(least);
     return {told > T(0) || told < T(0), told >= T(0)};
-}
-
-/// Exactly where the numbers fit (`fit`), as signs of sums of words: 1 where every comparison holds, −1 where one
-/// fails.
-template <Number T>
-[[gnu::noinline]] static SlabDecision<T> exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit,
-                                                 const mask_t<T>& fit) {
-    using B = number::wide::OneWord<T>;
-    using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
-    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
-    const TwoWords<B> none(0);
-    std::array<B, 3> m{B(0), B(0), B(0)};
-    std::array<TwoWords<B>, 3> n{none, none, none}, f = n;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto at = static_cast<std::size_t>(axis);
-        const B d = word(ray.direction[axis]), o = word(ray.origin[axis]), sign = copysign(B(1), d);
-        const TwoWords<B> first = sum_of<B>(without_infinity(word(slabs.of[at].bmin)), -o),
-                          second = sum_of<B>(without_infinity(word(slabs.of[at].bmax)), -o);
-        m[at] = abs(d);
-        n[at] = {sign * first.hi, sign * first.lo};
-        f[at] = {sign * second.hi, sign * second.lo};
-    }
-    const B end = word(limit);
-    const mask_t<B> endless = end >= far_away<B>();
-    const auto yes = [](const B& x) { return select(x >= B(0), B(1), B(-1)); };
-    B all = yes(end);
-    for (std::size_t i = 0; i < 3; ++i) {
-        all = min(all, yes(f[i].hi));
-        ExactSum<B, 4> before_end;
-        const mask_t<B> any_way = endless && m[i] > B(0);
-        before_end.add_product(select(endless, B(0), end), m[i]);
-        before_end.add(select(any_way, none, -n[i]));
-        all = min(all, yes(before_end.value()));
-    }
-    all = every_pair<B>(
-        [&](int i, int j) {
-            const auto at = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
-            ExactSum<B, 8> apart;
-            apart.add_product(f[to].hi, m[at]);
-            apart.add_product(f[to].lo, m[at]);
-            apart.add_product(-n[at].hi, m[to]);
-            apart.add_product(-n[at].lo, m[to]);
-            return yes(apart.value());
-        },
-        [](const B& a, const B& b) { return min(a, b); }, all);
-    return {fit, number::wide::taken_back<T>(all) > T(0)};
 }
 
 /// tmin and tmax in W, where neither over- nor underflows: good to u when they are brought back.
@@ -289,7 +196,13 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
             if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }
         watch(Way::exact);
-        if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ray, slabs, found.limit, fit));
+        if (any_of(!known.proved && fit)) {
+            const Ways<B> ways = ways_of<T>(ray, slabs, found.limit);
+            SlabDecision<T> products = by_products<T>(ways);
+            products.proved = products.proved && fit;
+            known = joined(known, products);
+            if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
+        }
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known);
         return entered<T>(known.hit, found.segment);

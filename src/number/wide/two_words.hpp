@@ -1,16 +1,24 @@
 // Double-double over any number: the operations of `Ball` on its midpoint, in the same order, so the same bits.
 #pragma once
 
+#include <bit>
+#include <concepts>
+#include <cstdint>
+
 #include "number/concept.hpp"
 
 namespace lostbits::number::wide {
 
-/// 2^k in P, k ≤ 0, exactly.
+/// 2^k in P, k ≤ 0 and normal, exactly: a constant of floats, doubles and packs of them.
 template <class P>
 P power_of_two(int k) {
-    P x(1);
-    for (; k <= -16; k += 16) x *= P(1) / P(1 << 16);
-    return x / P(1 << -k);
+    if constexpr (std::floating_point<P> || requires { typename P::Lanes; }) {
+        return P(std::bit_cast<double>(static_cast<std::uint64_t>(1023 + k) << 52));
+    } else {
+        P x(1);
+        for (; k <= -16; k += 16) x *= P(1) / P(1 << 16);
+        return x / P(1 << -k);
+    }
 }
 
 /// hi + lo with |lo| ≤ ulp(hi)/2. Every operation is off by less than `word_error` of its result while nothing
