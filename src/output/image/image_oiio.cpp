@@ -103,19 +103,18 @@ public:
 
     TextBitmap render_text(std::string_view ascii, int size, bool bold) override {
         const std::string text = plain_ascii(ascii);
-        // A map draws the same titles and ticks on dozens of pictures, and drawing them costs more than a small field.
-        const std::lock_guard lock(text_mutex_);
-        if (drawn_.size() > 4096) drawn_.clear();
-        const auto [place, fresh] = drawn_.try_emplace({text, size, bold});
-        if (fresh) {
-            try {
-                place->second = draw_text(text, size, bold);
-            } catch (...) {
-                drawn_.erase(place);
-                throw;
-            }
+        const std::lock_guard lock(glyphs_mutex_);
+        TextBitmap out = empty_line(size);
+        for (const char c : text) out.width += glyph(c, size, bold).advance;
+        out.width = std::max(out.width, 0);
+        out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
+        int pen = 0;
+        for (const char c : text) {
+            const Glyph& drawn = glyph(c, size, bold);
+            add_ink(out, pen, size, drawn);
+            pen += drawn.advance;
         }
-        return place->second;
+        return out;
     }
 
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override;
@@ -145,41 +144,70 @@ private:
         return place->second;
     }
 
-    static TextBitmap draw_text(const std::string& text, int size, bool bold) {
-        const KeepsFloatingPoint same;
-        const std::string& font = font_named(bold ? "DejaVuSans-Bold" : "DejaVuSans");
+    /// A letter as the library draws it at its pen, `size` pixels from the left edge of a box three times as wide.
+    struct Glyph {
+        int advance = 0;  ///< to the next letter's pen
+        std::vector<std::uint8_t> coverage;
+    };
+
+    static TextBitmap empty_line(int size) {
         // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
         TextBitmap out;
         out.baseline = static_cast<int>(std::ceil(0.93 * size));
         out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
-        // A leading or trailing space has no ink, and text_size measures ink: frame it with two bars.
-        const OIIO::ROI bar = OIIO::ImageBufAlgo::text_size("||", size, font);
-        const OIIO::ROI framed = OIIO::ImageBufAlgo::text_size("|" + text + "|", size, font);
-        if (!bar.defined() || !framed.defined()) {
+        return out;
+    }
+
+    static void add_ink(TextBitmap& line, int pen, int size, const Glyph& glyph) {
+        const int first = std::max(0, size - pen), end = std::min(3 * size, line.width + size - pen);
+        for (int y = 0; y < line.height; ++y) {
+            for (int x = first; x < end; ++x) {
+                auto& ink = line.coverage[static_cast<std::size_t>(y * line.width + pen - size + x)];
+                ink = std::max(ink, glyph.coverage[static_cast<std::size_t>(3 * size * y + x)]);
+            }
+        }
+    }
+
+    /// The library opens the font and hints each letter anew, several times a call. Letter by letter, once each, a map
+    /// of all forms takes two thirds of the time.
+    const Glyph& glyph(char c, int size, bool bold) {
+        const auto place = glyphs_.find({c, size, bold});
+        if (place != glyphs_.end()) return place->second;
+        return glyphs_.emplace(std::tuple(c, size, bold), draw_glyph(c, size, bold)).first->second;
+    }
+
+    static Glyph draw_glyph(char c, int size, bool bold) {
+        const KeepsFloatingPoint same;
+        const std::string& font = font_named(bold ? "DejaVuSans-Bold" : "DejaVuSans");
+        const auto width_of = [&](const std::string& text) {
+            const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(text, size, font);
+            if (box.defined()) return box.width();
             // The library says nothing of why; it is as silent where it can open or hold no more.
             throw EnvironmentError("cannot draw text: the font " + font +
                                    " cannot be read; install the package fonts-dejavu-core, or where it is, select "
                                    "fewer forms, or raise `ulimit -n` and `ulimit -v`");
-        }
-        out.width = std::max(framed.width() - bar.width(), 0);
-        out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
-        if (out.width == 0) return out;
-        OIIO::ImageBuf ink(OIIO::ImageSpec(out.width, out.height, 1, OIIO::TypeDesc::FLOAT));
+        };
+        Glyph out;
+        // A space has no ink, and text_size measures ink: frame it with two bars.
+        out.advance = width_of(std::string{'|', c, '|'}) - width_of("||");
+        const TextBitmap line = empty_line(size);
+        OIIO::ImageBuf ink(OIIO::ImageSpec(3 * size, line.height, 1, OIIO::TypeDesc::FLOAT));
         OIIO::ImageBufAlgo::zero(ink);
-        if (!OIIO::ImageBufAlgo::render_text(ink, 0, out.baseline, text, size, font, 1.0f)) {
+        std::vector<float> coverage(static_cast<std::size_t>(3 * size) * static_cast<std::size_t>(line.height));
+        if ((c != ' ' &&
+             !OIIO::ImageBufAlgo::render_text(ink, size, line.baseline, std::string(1, c), size, font, 1.0f)) ||
+            !ink.get_pixels(ink.roi(), OIIO::TypeDesc::FLOAT, coverage.data())) {
             throw EnvironmentError("cannot draw text: " + ink.geterror());
         }
-        std::vector<float> coverage(out.coverage.size());
-        if (!ink.get_pixels(ink.roi(), OIIO::TypeDesc::FLOAT, coverage.data()))
-            throw EnvironmentError("cannot draw text: " + ink.geterror());
-        std::ranges::transform(coverage, out.coverage.begin(), [](float c) {
-            return static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255.0f));
+        out.coverage.resize(coverage.size());
+        std::ranges::transform(coverage, out.coverage.begin(), [](float share) {
+            return static_cast<std::uint8_t>(std::lround(std::clamp(share, 0.0f, 1.0f) * 255.0f));
         });
         return out;
     }
 
-    std::mutex text_mutex_;
-    std::map<std::tuple<std::string, int, bool>, TextBitmap> drawn_;
+    std::mutex glyphs_mutex_;
+    std::map<std::tuple<char, int, bool>, Glyph> glyphs_;
 };
 
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
