@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -52,7 +53,7 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     const auto profile = o.timing()                 ? Claim::Profile::timing
                          : o.profile == "libraries" ? Claim::Profile::libraries
                                                     : Claim::Profile::results;
-    std::size_t others = 0;
+    std::set<std::string> others;
     const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
     for (const std::string& word : given) {
         for (const auto& path : scene::claim::claim_files(word)) {
@@ -61,15 +62,15 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
                                                        "\" is used in another file too; each id may be used once");
                 const bool chosen = o.selects(claim.id);
-                if (chosen && claim.profile != profile) ++others;
+                if (chosen && claim.profile != profile) others.emplace(name_of(claim.profile));
                 else if (chosen) claims.push_back(std::move(claim));
             }
         }
     }
-    if (claims.empty() && others > 0)
+    if (claims.empty() && !others.empty())
         throw NothingSelected(
-            "no claim is selected: the claims that match have another profile; try --profile timing, libraries or "
-            "results");
+            fmt::format("no claim is selected: the claims that match have another profile; try --profile {}",
+                        fmt::join(others, ", ")));
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -211,8 +212,18 @@ std::map<std::string, std::string> show_moves(const CheckOptions& o, const outpu
     return words;
 }
 
-/// InputError where two options name one file, of which the later would overwrite the earlier. A baseline may be
-/// compared with and replaced.
+/// Where a file lies. (Of a relative path none of whose folders is there, weakly_canonical alone makes no absolute
+/// one.)
+std::filesystem::path place_of(const std::string& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
+}
+
+bool replaces_its_baseline(const CheckOptions& o) {
+    return !o.save.empty() && !o.against.empty() && place_of(o.save) == place_of(o.against);
+}
+
+/// InputError where two options name one file, of which the later would overwrite the earlier, or one lies among those
+/// of --report, whose names it may come to bear. A baseline may be compared with and replaced.
 void require_different_files(const CheckOptions& o) {
     const std::array<std::pair<const char*, const std::string*>, 6> named{{{"--against", &o.against},
                                                                            {"--save", &o.save},
@@ -220,10 +231,16 @@ void require_different_files(const CheckOptions& o) {
                                                                            {"--export-csv", &o.csv},
                                                                            {"--export-json", &o.json},
                                                                            {"--moves", &o.moves}}};
+    const auto report = o.report.empty() ? std::filesystem::path() : place_of(o.report);
     std::map<std::filesystem::path, const char*> taken;
     for (const auto& [option, file] : named) {
-        if (file->empty() || (file == &o.save && o.save == o.against)) continue;
-        const auto [place, fresh] = taken.emplace(std::filesystem::weakly_canonical(*file), option);
+        if (file->empty()) continue;
+        const auto at = place_of(*file);
+        if (!report.empty() && at.parent_path() == report)
+            throw InputError(
+                fmt::format("{} {}: lies among the files of --report {}; put it elsewhere", option, *file, o.report));
+        if (file == &o.save && replaces_its_baseline(o)) continue;
+        const auto [place, fresh] = taken.emplace(at, option);
         if (!fresh)
             throw InputError(fmt::format("{} {}: {} names the same file; give each a file of its own", option, *file,
                                          place->second));
@@ -237,7 +254,7 @@ Exit run(const CheckOptions& o, const Common& common) {
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");
     std::optional<output::claim::ClaimBaseline> before;
-    if (!o.against.empty() && o.against != o.save) scene::toml::note_read(o.against);
+    if (!o.against.empty() && !replaces_its_baseline(o)) scene::toml::note_read(o.against);
     if (!o.against.empty()) before = output::claim::read_baseline(o.against);
     if (o.timing() && (o.strict || !o.junit.empty() || !o.save.empty() || !o.against.empty() || !o.csv.empty() ||
                        !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
@@ -306,6 +323,11 @@ Exit run(const CheckOptions& o, const Common& common) {
         fmt::print("{} verdict{} confirmed, {} failed{}{}\n", agreed, agreed == 1 ? "" : "s",
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped),
                    sentences_text(agreed - refuted, refuted));
+    }
+    if (skipped > 0 && skipped == claims.size()) {
+        fmt::print(stderr, "lostbits: every claim was skipped, so nothing is known; the first: {}\n",
+                   terminal_line(results.front().trouble));
+        return Exit::nothing_selected;
     }
     return failed == 0 ? Exit::done : Exit::answer_is_no;
 }

@@ -20,6 +20,7 @@
 #include "commands.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/process/floating_point.hpp"
+#include "intersect/process/own_state.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -148,10 +149,8 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     try {
         if (!program.parse(words)) return Exit::done;
     } catch (const shell::Misread& error) {
-        const auto given = program.given();
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   output::file::terminal_text(shell::what_is_wrong(program, error)),
-                   given.size() == 1 ? "lostbits" : "lostbits " + given.back().name());
+                   output::file::terminal_text(shell::what_is_wrong(program, error)), program.given_words());
         return Exit::bad_input;
     }
     common.typed = choice::typed(program);
@@ -188,22 +187,27 @@ namespace {
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    if (const char* const who = lostbits::intersect::doors::foreign_code_here())
-        std::fprintf(stderr, "lostbits: %s: threw an exception where nobody can catch it; catch it there\n", who);
-    else
-        std::fputs(
-            "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
-            "smaller --size, or -j 1\n",
-            stderr);
+    // Of code of ours alone an exception that nobody catches is a fault of ours.
+    const char* const who = lostbits::intersect::doors::foreign_code_here();
+    const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
     try {
         if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
     } catch (const std::system_error&) {  // no more threads
     } catch (...) {
-        code = lostbits::Exit::internal;
+        if (!is_foreign) code = lostbits::Exit::internal;
     }
-    lostbits::analysis::shell::tell_status(static_cast<int>(code));
+    if (who != nullptr)
+        std::fprintf(stderr, "lostbits: %s: threw an exception where nobody can catch it; catch it there\n", who);
+    else if (!is_foreign)
+        std::fputs(
+            "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
+            "smaller --size, or -j 1\n",
+            stderr);
+    if (who != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
+    else if (!lostbits::analysis::shell::tell_broken(static_cast<int>(code)) && is_foreign)
+        std::fputs("lostbits: an exception that nobody caught ended the program\n", stderr);
     std::_Exit(static_cast<int>(code));
 }
 

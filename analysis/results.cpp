@@ -40,7 +40,7 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
 
 void add_shard(const shell::Command& command, std::string& word) {
     command.add("--shard", word,
-                "Do part K of N alone, into the folder shard-K-of-N of -o; `lostbits merge` joins all N: K/N",
+                "Do part K of N alone, into shard-K-of-N in the folder of results; `lostbits merge` joins all N: K/N",
                 {[](const std::string& option, const std::string& given) {
                      return given.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
                  },

@@ -7,7 +7,7 @@ install(TARGETS lostbits RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS lostbits_image LIBRARY DESTINATION lib/lostbits)
 install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lostbits_form.hpp
     ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml")
+install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml" PATTERN "dumps/*")
 
 set(layers number geometry intersect scene measure)
 foreach(room IN LISTS layers)

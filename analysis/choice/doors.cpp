@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,6 +18,7 @@
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/process/own_state.hpp"
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
@@ -125,7 +125,7 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words) {
 }
 
 void decide_where(DoorWords& words, bool is_gate) {
-    const char* const ci = std::getenv("CI");
+    const char* const ci = intersect::process::own_environment("CI");
     words.isolate_by_default = !words.isolate && !words.in_process && (is_gate || (ci != nullptr && *ci != '\0'));
 }
 

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <iterator>
 #include <set>
 #include <thread>
 
+#include "intersect/process/own_state.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
@@ -322,7 +322,7 @@ std::pair<int, int> parse_size(const std::string& text) {
 std::filesystem::path data_folder(const std::string& given) {
     namespace fs = std::filesystem;
     if (!given.empty()) return given;
-    if (const char* variable = std::getenv("LOSTBITS_DATA")) return variable;
+    if (const char* variable = intersect::process::own_environment("LOSTBITS_DATA")) return variable;
     if (fs::is_directory("data/scenes")) return "data";
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();

@@ -236,6 +236,12 @@ std::vector<Command> Command::given() const {
     return all;
 }
 
+std::string Command::given_words() const {
+    std::string words;
+    for (const Command& command : given()) words += (words.empty() ? "" : " ") + command.name();
+    return words;
+}
+
 CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help,
                          const std::string& footer)
     : Command(nullptr, &run_), parser_(std::make_unique<CLI::App>(help, name)) {

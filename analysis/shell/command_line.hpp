@@ -94,6 +94,7 @@ public:
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
     [[nodiscard]] std::vector<std::string> names_of_commands() const;
     [[nodiscard]] std::vector<Command> given() const;  ///< itself, the command of it that was given, and so on
+    [[nodiscard]] std::string given_words() const;     ///< the names of these: `lostbits plugin check`
 
 protected:
     Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}

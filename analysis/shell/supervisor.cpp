@@ -35,7 +35,7 @@ using Clock = std::chrono::steady_clock;
 /// What goes through the pipe, with the path of a file behind it where it is about one. No longer than PIPE_BUF, so
 /// that two threads' messages do not mix.
 struct Message {
-    enum Kind : std::uint32_t { status, partial_file };
+    enum Kind : std::uint32_t { status, broken, partial_file };
     std::uint64_t token;
     Kind kind;
     std::uint32_t value;  ///< the status, or how long the path is
@@ -127,7 +127,9 @@ private:
             if (message.token != token_ || path > longest_path) return unread_.clear();
             if (unread_.size() - at < sizeof message + path) break;
             if (path > 0) partial_.emplace_back(unread_, at + sizeof message, path);
-            else if (!status_) status_ = static_cast<int>(message.value), told_at_ = Clock::now();
+            else if (!status_ || message.kind == Message::broken)
+                status_ = static_cast<int>(message.value), told_at_ = Clock::now(),
+                is_broken_ = message.kind == Message::broken;
             at += sizeof message + path;
         }
         unread_.erase(0, at);
@@ -146,7 +148,7 @@ private:
     }
 
     [[noreturn]] void end() {
-        if (status_ && WIFEXITED(how_)) _exit(*status_);
+        if (status_ && WIFEXITED(how_) && !is_broken_) _exit(*status_);
         for (const std::string& path : partial_) unlink(path.c_str());
         const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
         if (!status_ && heard_.contains(signal)) {  // somebody ended it, from outside
@@ -163,11 +165,14 @@ private:
             libraries_, what_happened(signal));
         const std::string safe = output::file::terminal_text(text);
         static_cast<void>(write(STDERR_FILENO, safe.data(), safe.size()));
-        _exit(static_cast<int>(Exit::environment));
+        _exit(is_broken_ ? *status_ : static_cast<int>(Exit::environment));
     }
 
     [[nodiscard]] std::string what_happened(int signal) const {
         const char* const named = signal != 0 ? strsignal(signal) : "";
+        if (is_broken_)
+            return "an exception that nobody caught ended the program: in a thread that the library started, or while "
+                   "it was loaded or left";
         if (was_slow_) return "hangs while the program ends: its destructors, or what it told atexit() to call";
         if (status_)
             return fmt::format(
@@ -195,7 +200,7 @@ private:
     std::optional<int> status_;
     std::vector<std::string> partial_;  ///< many have got their final names since
     std::set<int> heard_;
-    bool was_slow_ = false;
+    bool was_slow_ = false, is_broken_ = false;
 };
 
 std::uint64_t drawn_token() {
@@ -233,6 +238,11 @@ void supervise(const std::string& libraries, double seconds) {
     if (getppid() != ours.supervisor) _exit(static_cast<int>(Exit::environment));
     output::file::listen_to_partial_files(tell_partial);
     sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+bool tell_broken(int status) noexcept {
+    tell(Message::broken, static_cast<std::uint32_t>(status));
+    return told.pipe >= 0;
 }
 
 void tell_status(int status) noexcept { tell(Message::status, static_cast<std::uint32_t>(status)); }

@@ -15,6 +15,8 @@ void supervise(const std::string& libraries, double seconds);
 /// To the waiting process, where there is one: the work ends now with this status, and what there was to say is said.
 /// Async-signal-safe.
 void tell_status(int status) noexcept;
+/// An exception that nobody catches: the status, whatever was told before. The other process says so, if there is one.
+bool tell_broken(int status) noexcept;
 
 /// Whether a signal was handed on by the waiting process. One that was sent to both comes twice.
 [[nodiscard]] bool is_from_supervisor(int sender) noexcept;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -88,9 +89,18 @@ void TableOnStdout::write() {
     ::close(stdout_);
     const fs::path file = table();
     std::ifstream in(file, std::ios::binary);
+    // A reader that has gone (`| head`) ends the program with SIGPIPE, but not before its folder is removed.
+    const auto usual = std::signal(SIGPIPE, SIG_IGN);
     std::array<char, 65536> bytes{};
     while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
         std::fwrite(bytes.data(), 1, static_cast<std::size_t>(in.gcount()), stdout);
+    const bool is_gone = std::fflush(stdout) != 0 && errno == EPIPE;
+    std::signal(SIGPIPE, usual);
+    if (!is_gone || usual == SIG_IGN) return;
+    std::error_code ignored;
+    fs::remove_all(scratch_, ignored);
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
 }
 
 }  // namespace lostbits::analysis::shell

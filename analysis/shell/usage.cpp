@@ -17,12 +17,14 @@ namespace {
 std::string unknown_option(const Command& program, const std::string& word) {
     const Command command = program.given().back();
     std::vector<std::string> names;
-    for (const Command& one : {command, program}) {
+    std::vector<Command> asked = command.groups();
+    asked.insert(asked.end(), {command, program});
+    for (const Command& one : asked) {
         for (const Option& option : one.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
     }
     const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
     const auto near = scene::toml::closest(bare, names);
-    return fmt::format("{}: is not an option of `{}`{}", word, command.name(),
+    return fmt::format("{}: is not an option of `{}`{}", word, program.given_words(),
                        near ? "; did you mean --" + *near + "?" : "");
 }
 
@@ -35,16 +37,18 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
     const std::string& word = words.front();
     if (word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != std::string::npos)
         return unknown_option(program, word);
-    if (word == "help")
-        return fmt::format("help is not a command; write `lostbits {}--help`", is_program ? "" : command.name() + " ");
+    if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.given_words());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
     const std::vector<std::string> inner = command.names_of_commands();
     if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
-    if (!inner.empty()) return fmt::format("{} {}: is not one of {}", command.name(), word, fmt::join(inner, ", "));
+    const auto near = scene::toml::closest(word, inner);
+    if (!inner.empty())
+        return fmt::format("{} {}: is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
+                           near ? "; did you mean " + *near + "?" : "");
     return fmt::format(
-        "{}: `lostbits {}` takes no such word; an option takes one value where it stands: repeat it, or "
+        "{}: `{}` takes no such word; an option takes one value where it stands: repeat it, or "
         "write commas (-i A,B)",
-        word, command.name());
+        word, program.given_words());
 }
 
 }  // namespace

@@ -123,9 +123,14 @@ TEST_CASE("two options of check that name one file are refused") {
         CHECK(has(r.err, "names the same file; give each a file of its own"));
         CHECK(scratch.files().empty());
     }
-    const std::string check = "check --filter 'float.*' --save" + in("b.json");
-    CHECK(run(check).code == 0);
-    CHECK(run(check + " --against" + in("b.json")).code == 0);
+    const auto relative = run("check --filter 'float.*' --export-csv ./x --export-json x", scratch.path());
+    CHECK(relative.code == 2);
+    const auto among = run("check --filter 'float.*' --report r --junit ./r/README.md", scratch.path());
+    CHECK(has(among.err, "--junit ./r/README.md: lies among the files of --report r"));
+    CHECK(scratch.files().empty());
+    const std::string check = "check --filter 'float.*' --save b.json";
+    CHECK(run(check, scratch.path()).code == 0);
+    CHECK(run(check + " --against ./b.json", scratch.path()).code == 0);
 }
 
 }  // namespace test_history

@@ -1,5 +1,7 @@
 // The schoolbook formula in a library that changes how the processor computes: CHANGES says what, and WHEN whether it
 // does so when it is loaded, when it is asked for its forms, in every call, or in a thread of its own.
+#include <sys/syscall.h>
+#include <unistd.h>
 #include <xmmintrin.h>
 
 #include <array>
@@ -46,6 +48,12 @@ const char* run_and_change(const lb_batch* batch) {
 }
 
 }  // namespace
+
+// What a thread pool calls while it waits, where this library is preloaded.
+extern "C" __attribute__((visibility("default"))) int sched_yield() noexcept {
+    if (is("WHEN", "yield")) change();
+    return static_cast<int>(syscall(SYS_sched_yield));
+}
 
 extern "C" __attribute__((visibility("default"))) const lb_form* lostbits_forms(int abi, std::size_t* count) {
     right_forms = schoolbook_forms(abi, count);

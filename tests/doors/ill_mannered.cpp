@@ -51,6 +51,14 @@ void behave(const char* when) {
     if (deed == "chdir" && chdir("/") != 0) std::abort();
     if (deed == "close") close(STDOUT_FILENO);
     if (deed == "umask") umask(0777);
+    if (deed == "setenv") setenv("LOSTBITS_DATA", "/nowhere", 1);
+    if (deed == "throw") throw 1;
+    if (deed == "throw in a thread") std::thread([] { throw 1; }).join();
+    if (deed == "fork and setsid")
+        make_copy([] {
+            setsid();
+            stay();
+        });
 }
 
 struct Loaded {

@@ -97,8 +97,9 @@ const std::vector<Way> ways{{"map", "", false},
 }  // namespace
 
 TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a name", "[doors]") {
-    for (const std::string manner : {"load _exit", "load quick_exit", "load exit", "load crash in a thread",
-                                     "call _exit", "call quick_exit", "call exit", "call crash in a thread"}) {
+    for (const std::string manner :
+         {"load _exit", "load quick_exit", "load exit", "load crash in a thread", "call _exit", "call quick_exit",
+          "call exit", "call crash in a thread", "load throw in a thread", "call throw in a thread"}) {
         for (const Way& way : ways) {
             const Ran ran = run_with(manner, way.words, way.before);
             INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
@@ -106,6 +107,17 @@ TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a
             CHECK(has(ran.outcome.err, "ill_mannered.so"));
             CHECK_FALSE(ran.has_results);
             CHECK_FALSE(has(ran.outcome.out, "confirmed"));
+        }
+    }
+}
+
+TEST_CASE("manners: a library's environment does not decide where the data lie", "[doors]") {
+    for (const std::string manner : {"load setenv", "call setenv"}) {
+        for (const Way& way : ways) {
+            const Ran ran = run_with(manner, way.words, way.before);
+            INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
+            CHECK(ran.outcome.code == 0);
+            CHECK(ran.has_results);
         }
     }
 }
@@ -120,6 +132,10 @@ TEST_CASE("manners: what happens after the results changes neither them nor the 
             if (!way.isolated) CHECK(has(ran.outcome.err, "ill_mannered.so: crashed while the program ended"));
         }
     }
+    for (const char* words : {"check", "check --in-process"}) {
+        INFO("unload throw | " << words);
+        CHECK(run_with("unload throw", words).outcome.code == (std::string(words) == "check" ? 0 : 3));
+    }
     for (const std::string manner : {"load _exit at exit", "call _exit at exit", "unload _exit", "unload quick_exit"}) {
         for (const char* words : {"check", "check --in-process"}) {
             INFO(manner << " | " << words);
@@ -130,8 +146,9 @@ TEST_CASE("manners: what happens after the results changes neither them nor the 
 }
 
 TEST_CASE("manners: a copy of the program that comes back does not go on as the program", "[doors]") {
-    for (const std::string manner : {"load fork", "call fork", "load fork and exit", "call fork and exit",
-                                     "load fork and stay", "call fork and stay"}) {
+    for (const std::string manner :
+         {"load fork", "call fork", "load fork and exit", "call fork and exit", "load fork and stay",
+          "call fork and stay", "load fork and setsid", "call fork and setsid"}) {
         for (const Way& way : ways) {
             const Ran ran = run_with(manner, way.words, way.before);
             INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);

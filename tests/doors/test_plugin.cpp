@@ -260,7 +260,11 @@ TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[
     };
     refused("no-such-library", "no such library; looked here");
     refused("./no-such-library.so", "there is no such library");
-    refused(folder.write("text.so", "hello"), "cannot be loaded");
+    refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++");
+    refused(folder.write("cut.so",
+                         "\x7f"
+                         "ELF"),
+            "cannot be loaded");
     refused(library("no_forms"), "exports no lostbits_forms");
     refused("''", "no such library");
     const Outcome twice = run("list intersectors" + plugin("odd_plugin") + plugin("odd_plugin"), folder.path());

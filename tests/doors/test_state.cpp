@@ -116,8 +116,10 @@ TEST_CASE("state: whatever a library does to the processor, and when, no other r
     }
     // Where the loader runs it before the program begins.
     for (const std::string what : {"rounding", "flush", "denormals", "x87"}) {
-        INFO(what << " by LD_PRELOAD");
-        CHECK(rows_left("", environment("load", what) + "export LD_PRELOAD=" + library + ";") == right);
+        for (const std::string when : {"load", "yield"}) {
+            INFO(what << " by LD_PRELOAD, " << when);
+            CHECK(rows_left("", environment(when, what) + "export LD_PRELOAD=" + library + ";") == right);
+        }
     }
 }
 

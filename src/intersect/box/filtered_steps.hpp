@@ -150,10 +150,11 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     return {taken_back<T>(tmin), taken_back<T>(tmax)};
 }
 
-/// `known`, and where it proves nothing the decision and t in the whole range.
+/// `known`, and where it proves nothing the decision in the whole range; and t, where `good` does not say that what was
+/// found is.
 template <Number T>
 Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
-                      const SlabDecision<T>& known) {
+                      const SlabDecision<T>& known, const mask_t<T>& good) {
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto& [x, y, z] = slabs.of;
     const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
@@ -161,7 +162,8 @@ Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Fou
     const std::array<T, 3> all = number::wide::asked_lanes<T, 13, 3>(
         select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
         number::wide::meet_slabs<T>);
-    return entered<T>(all[0] > T(0), {all[1], all[2]});
+    const Segment<T>& own = found.segment;
+    return entered<T>(all[0] > T(0), {select(good, own.tmin, all[1]), select(good, own.tmax, all[2])});
 }
 
 /// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
@@ -204,7 +206,7 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
             if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
         }
         if constexpr (number::wide::has_whole_range<T>)
-            if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known);
+            if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known, first.in_range);
         return entered<T>(known.hit, found.segment);
     }
 }

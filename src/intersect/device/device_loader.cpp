@@ -1,11 +1,11 @@
 #include <dlfcn.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 
 #include "intersect/device/device.hpp"
 #include "intersect/device/temporary_folder.hpp"
+#include "intersect/process/own_state.hpp"
 
 namespace lostbits::intersect::device {
 
@@ -18,7 +18,7 @@ fs::path module_of(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;
     const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-    const char* const named = std::getenv("LOSTBITS_DEVICE_MODULES");
+    const char* const named = process::own_environment("LOSTBITS_DEVICE_MODULES");
     for (const fs::path& folder : {fs::path(named != nullptr ? named : ""), here, here / "../lib/lostbits"}) {
         if (!folder.empty() && fs::exists(folder / name, error)) return folder / name;
     }

@@ -4,13 +4,12 @@
 #include <sys/resource.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <system_error>
 
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::device {
@@ -18,14 +17,12 @@ namespace lostbits::intersect::device {
 /// `NAME-` and six letters, in the system's folder for such; whoever asked removes it. EnvironmentError, which names
 /// TMPDIR.
 [[nodiscard]] inline std::filesystem::path make_temporary_folder(std::string_view name) {
-    std::error_code error;
-    const auto place = std::filesystem::temp_directory_path(error);
-    const char* const wanted = std::getenv("TMPDIR");
+    const char* const wanted = process::own_environment("TMPDIR");
+    const std::filesystem::path place = wanted != nullptr ? wanted : "/tmp";
     const std::string where = wanted != nullptr ? "TMPDIR=" + std::string(wanted) : "TMPDIR is not set, and /tmp";
     std::string path = (place / name).string() + "-XXXXXX";
-    if (error || mkdtemp(path.data()) == nullptr)
-        throw EnvironmentError(where +
-                               ": no folder can be made there: " + (error ? error.message() : std::strerror(errno)) +
+    if (mkdtemp(path.data()) == nullptr)
+        throw EnvironmentError(where + ": no folder can be made there: " + std::strerror(errno) +
                                "; set TMPDIR to a folder that you may write to");
     return path;
 }

@@ -3,13 +3,16 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include <cstdlib>
+#include <array>
+#include <fstream>
 #include <map>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe_header.hpp"
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
@@ -20,7 +23,7 @@ namespace {
 
 std::vector<fs::path> search_path() {
     std::vector<fs::path> folders;
-    if (const char* const path = std::getenv("LOSTBITS_PLUGIN_PATH")) {
+    if (const char* const path = process::own_environment("LOSTBITS_PLUGIN_PATH")) {
         std::string rest = path;
         for (std::size_t colon = 0; colon != std::string::npos;) {
             colon = rest.find(':');
@@ -81,10 +84,25 @@ fs::path find_plugin(const std::string& named) {
 
 const char* lasting_text(const std::string& text) { return (new std::string(text))->c_str(); }
 
+namespace {
+
+bool is_machine_code(const fs::path& file) {
+    std::array<char, 4> first{};
+    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
+    return std::string_view(first.data(), first.size()) ==
+           "\x7f"
+           "ELF";
+}
+
+}  // namespace
+
 Library load_library(const fs::path& library) {
     static std::map<void*, process::FloatingPoint> left;  // a library that is loaded a second time does nothing anew
     const std::string from = library.string();
     const char* const who = lasting_text(from);
+    if (!is_machine_code(library))
+        throw InputError(from + ": is not a library; compile it first: c++ -O2 -shared -fPIC " +
+                         library.filename().string() + " -o " + library.stem().string() + ".so");
     // Without a slash the loader would look for it in folders of its own.
     const auto [loaded, now] = call_of(who, [&] {
         const LoadsForeignCode here(who);

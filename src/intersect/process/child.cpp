@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,7 +13,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <set>
 #include <thread>
+#include <vector>
 
 #include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
@@ -42,11 +48,60 @@ bool ends_within(int process, std::chrono::milliseconds time) {
     return false;
 }
 
+/// The processes whose parent is this one.
+std::vector<int> children() {
+    std::vector<int> all;
+    std::error_code error;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
+        std::ifstream list(thread.path() / "children");
+        for (int child = 0; list >> child;) all.push_back(child);
+    }
+    return all;
+}
+
+/// What has left the group of its process (setsid) is adopted by this one when that process ends, and ended.
+class Adopted {
+public:
+    /// What a shell left to this process before is not ours to end.
+    Adopted() {
+        for (const int child : children()) own_.insert(child);
+        prctl(PR_SET_CHILD_SUBREAPER, 1);
+    }
+    /// `start` answers the process that it started.
+    template <class Start>
+    int own(const Start& start) {
+        const std::scoped_lock lock(mutex_);
+        const int child = start();
+        own_.insert(child);
+        return child;
+    }
+    void end() {
+        const std::scoped_lock lock(mutex_);
+        for (bool any = true; any;) {  // what it started comes next
+            any = false;
+            for (const int child : children()) {
+                // One that a library in this very process started is in its group.
+                if (own_.contains(child) || getpgid(child) == getpgrp()) continue;
+                any = kill(child, SIGKILL) == 0 && waitpid(child, nullptr, 0) == child;
+            }
+        }
+    }
+
+private:
+    std::mutex mutex_;
+    std::set<int> own_;
+};
+Adopted& adopted() {
+    static auto* all = new Adopted;
+    return *all;
+}
+
 /// Ends it and whatever it started, copies of itself among them. How it ended.
 int end_group(int process) {
     int status = 0;
     kill(-process, SIGKILL);
     waitpid(process, &status, 0);
+    adopted().end();
     return status;
 }
 
@@ -68,7 +123,11 @@ Child::Child(std::string command, ChildTerms terms) : command_(std::move(command
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
     std::string shell = "/bin/sh", flag = "-c";
     const std::array<char*, 4> arguments{shell.data(), flag.data(), command_.data(), nullptr};
-    const int error = posix_spawn(&process_, shell.c_str(), &files, &attributes, arguments.data(), environ);
+    int error = 0;
+    adopted().own([&] {
+        error = posix_spawn(&process_, shell.c_str(), &files, &attributes, arguments.data(), environ);
+        return process_;
+    });
     posix_spawn_file_actions_destroy(&files);
     posix_spawnattr_destroy(&attributes);
     close(to_child[0]);

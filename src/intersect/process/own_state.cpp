@@ -10,7 +10,12 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdlib>
 #include <cstring>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
 
 #include "number/error.hpp"
 
@@ -27,6 +32,11 @@ struct OwnState {
     std::array<struct sigaction, stopping.size()> actions{};
 };
 OwnState kept;
+/// Never destroyed: what runs at the end asks, too.
+std::map<std::string, std::string, std::less<>>& kept_environment() {
+    static auto* all = new std::map<std::string, std::string, std::less<>>;
+    return *all;
+}
 std::atomic<bool> is_kept{false}, is_forked{false};
 
 }  // namespace
@@ -39,8 +49,22 @@ void keep_own_state() {
     umask(kept.umask);
     pthread_sigmask(SIG_SETMASK, nullptr, &kept.mask);
     for (std::size_t i = 0; i < stopping.size(); ++i) sigaction(stopping[i], nullptr, &kept.actions[i]);
+    for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
+        const std::string_view text = *entry;
+        const auto equals = text.find('=');
+        if (equals != std::string_view::npos)
+            kept_environment().emplace(text.substr(0, equals), text.substr(equals + 1));
+    }
     pthread_atfork(nullptr, nullptr, [] { is_forked.store(true); });
     is_kept.store(true);
+}
+
+bool has_foreign_code() noexcept { return is_kept.load(); }
+
+const char* own_environment(const char* name) {
+    if (!is_kept.load()) return std::getenv(name);
+    const auto place = kept_environment().find(std::string_view(name));
+    return place == kept_environment().end() ? nullptr : place->second.c_str();
 }
 
 bool is_a_copy() noexcept { return is_kept.load() && getpid() != kept.process; }

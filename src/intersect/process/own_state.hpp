@@ -3,9 +3,16 @@
 
 namespace lostbits::intersect::process {
 
-/// Remembers the process, its working folder, its umask and what it does about signals that ask it to stop. Before
-/// anything foreign is loaded; later calls change nothing.
+/// Remembers the process, its working folder, its environment, its umask and what it does about signals that ask it to
+/// stop. Before anything foreign is loaded; later calls change nothing.
 void keep_own_state();
+
+/// Whether it was called: whatever is odd from then on may be a library's doing.
+[[nodiscard]] bool has_foreign_code() noexcept;
+
+/// getenv of the environment that `keep_own_state` remembers, of the present one before: what a library sets decides
+/// neither where the data lie nor what the picture module is.
+[[nodiscard]] const char* own_environment(const char* name);
 
 /// Whether this process is a copy (fork) of the one that `keep_own_state` remembers.
 [[nodiscard]] bool is_a_copy() noexcept;

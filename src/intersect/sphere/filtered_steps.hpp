@@ -284,7 +284,7 @@ Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Sett
 }
 
 /// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
-/// double-double is the end, and its decision stands.
+/// double-double is the end, and `in_words` answers what it leaves open.
 template <Number T, class Watch>
 Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
     using B = number::wide::OneWord<T>;

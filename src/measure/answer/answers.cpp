@@ -1,7 +1,5 @@
 #include "measure/answer/answers.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/simd/packed_many.hpp"
@@ -163,7 +162,7 @@ template <class S>
 void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
     constexpr std::size_t together = 4096;
     const std::size_t parts = (rays.size() + together - 1) / together;
-    tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PageOfSpheres<S> spheres(kernel, rays, in, answers);
         for (std::size_t page = 0; page < in.index->pages(); ++page)
             spheres.meet(page, part * together, std::min((part + 1) * together, rays.size()));

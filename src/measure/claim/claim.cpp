@@ -1,7 +1,5 @@
 #include "measure/claim/claim.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/claim/claim_choice.hpp"
 #include "measure/claim/claim_columns.hpp"
@@ -136,7 +135,8 @@ void measure_draws(const std::vector<Claim>& claims, const Places& places, const
     const bool any = std::ranges::any_of(places, [&](std::size_t i) { return results[i].is_drawn(); });
     const auto further = static_cast<std::size_t>(any ? request.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
-    tbb::parallel_for(std::size_t{0}, further, [&](std::size_t d) { measure(static_cast<int>(d) + 1, draws[d]); });
+    intersect::process::in_parallel(std::size_t{0}, further,
+                                    [&](std::size_t d) { measure(static_cast<int>(d) + 1, draws[d]); });
     for (const auto& draw : draws) {
         for (const std::size_t i : places) {
             if (results[i].is_drawn()) add_draw(results[i], draw[i]);

@@ -1,12 +1,11 @@
 #include "measure/columns/columns.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <initializer_list>
 
+#include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -111,7 +110,7 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     columns.decision = truths.decision;
     columns.object = truths.object;
     for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
         put_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
     for (const auto& [i, closed] : truths.whole) columns.put(i, band_->truth(i, convention), unit_of);

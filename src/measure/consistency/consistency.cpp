@@ -1,11 +1,10 @@
 #include "measure/consistency/consistency.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/offset/offsets.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -61,7 +60,7 @@ std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, Consis
     for (RowChecks& row : all) row.resize(request.checks.size());
     for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
         const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
-        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             ConsistencyBand measured = measure_band(request, request.rows[r], band);
             if (sink) sink->band(r, measured);
             for (std::size_t c = 0; c < measured.checks.size(); ++c)

@@ -1,6 +1,5 @@
 #include "measure/judge/judge.hpp"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/map/measure_row.hpp"
@@ -89,14 +89,21 @@ public:
         // Few pieces at a time: each is measured in parallel by itself.
         constexpr std::size_t at_once = 4;
         const auto read = tbb::make_filter<void, std::shared_ptr<Piece>>(
-            tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) { return next(flow); });
+            tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
+                intersect::process::FloatingPoint::standard().set();
+                return next(flow);
+            });
         const auto find = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
             tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
+                intersect::process::FloatingPoint::standard().set();
                 prepare(*piece);
                 return piece;
             });
         const auto take = tbb::make_filter<std::shared_ptr<Piece>, void>(
-            tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) { measure(*piece); });
+            tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) {
+                intersect::process::FloatingPoint::standard().set();
+                measure(*piece);
+            });
         tbb::parallel_pipeline(at_once, read & find & take);
         if (!request_.pieces) check_whole(dump_, request_, result_);
         return std::move(result_);
@@ -199,7 +206,7 @@ private:
             refuse_size("has");
         if (request_.stages) *request_.stages += piece.band->stages();
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
-        tbb::parallel_for(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
+        intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const MapRow& row = request_.rows[r];
             const bool answered = r == 0 && request_.answered;
             std::optional<PieceSink> sink;

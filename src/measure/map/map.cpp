@@ -1,11 +1,10 @@
 #include "measure/map/map.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/map/measure_row.hpp"
 
 namespace lostbits::measure::map {
@@ -139,7 +138,7 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         const columns::BandColumns columns = columns_of(band, request.rows);
-        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             const MapRow& row = request.rows[r];
             measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr},
                         {band, inputs.at(row.format.name), columns}, summaries[r]);

@@ -1,12 +1,11 @@
 #include "measure/map/needed.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/map/map.hpp"
@@ -169,7 +168,7 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
         if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
             const FormatInputs inputs =
                 band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
-            tbb::parallel_for(std::size_t{0}, scans.size(), [&](std::size_t s) {
+            intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
                 step(scans[s], *request.forms[scans[s].form], inputs, request.bits, results[scans[s].form]);
             });
         }
@@ -187,7 +186,7 @@ std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::v
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
         const std::vector<NeededBand> results = measure_needed(request, band);
-        tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t f) {
+        intersect::process::in_parallel(std::size_t{0}, results.size(), [&](std::size_t f) {
             for (std::size_t i = 0; i < results[f].needed.size(); ++i)
                 summaries[f].add(results[f].truth(i), results[f].needed[i]);
             if (f < sinks.size() && sinks[f]) sinks[f]->band(results[f]);

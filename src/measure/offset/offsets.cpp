@@ -1,11 +1,11 @@
 #include "measure/offset/offsets.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "number/error.hpp"
@@ -46,17 +46,18 @@ public:
 
     const OffsetBand& measure() {
         const std::size_t m = out_.strategies;
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                request_.limit.stop.check();
-                if (!meets_the_true_solid(i)) continue;
-                const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
-                if (!work_.measure(met(i), out_.sides[i], by_strategy, request_.quiet)) continue;
-                out_.is_point[i] = 1;
-                out_.object[i] = answers_.object[i];
-                out_.ulp[i] = ulp_of(work_.start(met(i))->p);
-            }
-        });
+        intersect::process::in_parallel(
+            tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
+                for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                    request_.limit.stop.check();
+                    if (!meets_the_true_solid(i)) continue;
+                    const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
+                    if (!work_.measure(met(i), out_.sides[i], by_strategy, request_.quiet)) continue;
+                    out_.is_point[i] = 1;
+                    out_.object[i] = answers_.object[i];
+                    out_.ulp[i] = ulp_of(work_.start(met(i))->p);
+                }
+            });
         return out_;
     }
 

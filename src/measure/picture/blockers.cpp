@@ -1,9 +1,8 @@
 #include "measure/picture/blockers.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
 
 namespace lostbits::measure::picture {
@@ -68,7 +67,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
     const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk = 4096;
     const std::size_t chunks = (blocked.size() + chunk - 1) / chunk;
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
+    intersect::process::in_parallel(std::size_t{0}, chunks, [&](std::size_t c) {
         among.stop.check();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {

@@ -1,11 +1,10 @@
 #include "measure/picture/render.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -38,7 +37,7 @@ Vec<T> lift_number(const Vec<double>& v) {
 /// Calls `work.operator()<T>(i)` for every pixel, T the number that the format is evaluated in.
 template <class Work>
 void for_each_pixel_in(const Format& format, std::size_t count, intersect::process::StopToken stop, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         with_number(format, [&]<class T>() {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 stop.check();
@@ -291,7 +290,7 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
         if (sink) sink->reference(band.y0(), band.rows(), truth);
         const auto inputs = inputs_of(request, band);
-        tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
             RowRenderer renderer(request, request.rows[r], band, inputs.at(request.rows[r].format.name), truth);
             const RenderBand& result = renderer.render();
             for (std::size_t s = 0; s < stages; ++s) add_to_summary(result, s, look, summaries[r * stages + s]);

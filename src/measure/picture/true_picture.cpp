@@ -1,10 +1,9 @@
 #include "measure/picture/true_picture.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/enclose.hpp"
 
@@ -190,7 +189,7 @@ private:
 template <class S>
 std::vector<TruePixel> find_all(const Reference<S>& reference, std::size_t count, intersect::process::StopToken stop) {
     std::vector<TruePixel> pixels(count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             stop.check();
             pixels[i] = reference.find(i);

@@ -1,8 +1,8 @@
 #include "measure/sweep/cases.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <map>
+
+#include "intersect/process/parallel.hpp"
 
 namespace lostbits::measure::sweep {
 
@@ -24,7 +24,7 @@ std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
     for (std::size_t row = 0; row < request.rows.size(); ++row) by_format[request.rows[row].format.name].push_back(row);
     const auto units = request.share.of_units(request.file->size());
     std::vector<std::vector<MapSummary>> cases(units.size());
-    tbb::parallel_for(std::size_t{0}, cases.size(), [&](std::size_t i) {
+    intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
         for (const auto& [name, places] : by_format) {
             std::vector<map::MapRow> rows;

@@ -1,9 +1,8 @@
 #include "measure/sweep/exhaustive.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/sweep/exhaustive_block.hpp"
 
 namespace lostbits::measure::sweep {
@@ -100,7 +99,7 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
         if (blocks.empty()) return;
         std::vector<std::vector<FloatTally>> found(blocks.size() * rays);
         std::vector<truth::StageCounts> stages(found.size());
-        tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
+        intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t k) {
             const Block& block = blocks[k / rays];
             found[k] = try_floats({*request.sweep, request.rows, truths, k % rays, block.floats}, stages[k]);
             request.progress(block.floats.size() * rows);

@@ -1,13 +1,12 @@
 #include "measure/sweep/sweep.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <stdexcept>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::sweep {
@@ -149,7 +148,7 @@ Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, s
 /// The onsets of the rays of one draw.
 std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     std::vector<std::vector<Onset>> found(request.rows.size());
-    tbb::parallel_for(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
+    intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
         StepsBetween between(request, row);
         for (const Event& event : events_of(request.rows[row], request.metrics))
             found[row].push_back(locate(request, steps, row, event, between));
@@ -175,7 +174,7 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
     const auto units = request.share.of_units(steps.size());
     steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(units.last), steps.end());
     steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(units.first));
-    tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t i) {
+    intersect::process::in_parallel(std::size_t{0}, steps.size(), [&](std::size_t i) {
         steps[i].rows = run_step(request, request.rows, steps[i].values);
         request.progress(request.rows.size());
     });

@@ -1,12 +1,11 @@
 #include "measure/sweep/worst.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -292,7 +291,7 @@ private:
 std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request) {
     const auto units = request.share.of_units(request.rows.size());
     std::vector<std::optional<WorstFound>> found(units.size());
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t i) {
         found[i] = Search(request, request.rows[units.first + i]).run();
         request.progress(1);
     });

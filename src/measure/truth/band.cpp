@@ -1,10 +1,9 @@
 #include "measure/truth/band.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/missing.hpp"
@@ -24,7 +23,7 @@ namespace {
 
 template <class Function>
 void for_each_pixel(std::size_t count, intersect::process::StopToken stop, Function&& function) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             stop.check();
             function(i);
@@ -49,7 +48,7 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
 
 RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::process::StopToken stop) {
     RayBlock unit = rays;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
         stop.check();
         const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
         make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);

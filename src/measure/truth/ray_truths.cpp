@@ -1,13 +1,13 @@
 // Rays among solids: each solid against whole columns of rays, or pairs of one ray and one solid where a ray can meet
 // only a few, or where columns do not tell which comes first.
 #include <tbb/combinable.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "intersect/process/floating_point.hpp"
+#include "intersect/process/parallel.hpp"
 #include "measure/truth/gathered.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -306,9 +306,9 @@ StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTrut
     if (n <= settled_together) {
         find(0, n);
     } else {
-        tbb::parallel_for(std::size_t{0}, (n + settled_together - 1) / settled_together, [&](std::size_t block) {
-            find(block * settled_together, std::min(n, (block + 1) * settled_together));
-        });
+        intersect::process::in_parallel(
+            std::size_t{0}, (n + settled_together - 1) / settled_together,
+            [&](std::size_t block) { find(block * settled_together, std::min(n, (block + 1) * settled_together)); });
     }
     StageCounts counts;
     out.whole.clear();

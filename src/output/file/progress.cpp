@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+
+#include "intersect/process/own_state.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -15,12 +16,12 @@ constexpr std::int64_t first_draw_ms = 200;  // a run shorter than this shows no
 constexpr std::int64_t redraw_ms = 100;
 
 bool environment_set(const char* name) {
-    const char* value = std::getenv(name);
+    const char* value = intersect::process::own_environment(name);
     return value != nullptr && *value != '\0';
 }
 
 bool is_terminal(int fd) {
-    const char* term = std::getenv("TERM");
+    const char* term = intersect::process::own_environment("TERM");
     return ::isatty(fd) == 1 && !(term != nullptr && std::string_view(term) == "dumb");
 }
 

@@ -1,6 +1,5 @@
 #include <dlfcn.h>
 
-#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -8,6 +7,7 @@
 
 #include "intersect/device/temporary_folder.hpp"
 #include "intersect/process/floating_point.hpp"
+#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "output/image/image.hpp"
@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 constexpr const char* module_name = "lostbits_image.so";
 
 fs::path find_module() {
-    if (const char* named = std::getenv("LOSTBITS_IMAGE_MODULE"); named != nullptr && *named != '\0') return named;
+    if (const char* named = intersect::process::own_environment("LOSTBITS_IMAGE_MODULE");
+        named != nullptr && *named != '\0')
+        return named;
     std::error_code error;
     const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
     std::string tried;

@@ -1,10 +1,10 @@
 #include "output/map/map_files.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <optional>
 
+#include "intersect/process/parallel.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
@@ -240,7 +240,8 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
     Parts& p = *parts_;
     std::uint64_t inside = 0;
     // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
-    tbb::parallel_for(std::size_t{0}, p.rows.size(), [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
+    intersect::process::in_parallel(std::size_t{0}, p.rows.size(),
+                                    [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
     for (const auto& row : p.rows) inside += row->inside();
     for (MapSheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());

@@ -17,6 +17,22 @@ int most_edits(std::size_t letters) {
 
 std::string quoted(const std::string& word) { return '"' + word + '"'; }
 
+/// The candidate that `fits`, if one alone does.
+template <class Fits>
+std::optional<std::string> only_one(const std::vector<std::string>& candidates, const Fits& fits) {
+    const auto found = std::ranges::find_if(candidates, fits);
+    if (found == candidates.end() || std::find_if(found + 1, candidates.end(), fits) != candidates.end()) return {};
+    return *found;
+}
+
+/// Whether the letters of `part` stand in `whole` in their order, from the first on.
+bool is_left_of(std::string_view part, std::string_view whole) {
+    if (part.size() < 3 || part.front() != whole.front()) return false;
+    std::size_t at = 0;
+    for (const char c : whole) at += at < part.size() && part[at] == c;
+    return at == part.size();
+}
+
 }  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
@@ -52,6 +68,12 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
         best = candidate;
     };
     for (const std::string& candidate : candidates) consider(candidate, candidate);
+    // A name that was not ended, or that ends otherwise: `sphere-dist`, `ulps`.
+    if (fewest > 1 && word.size() >= 3) {
+        const std::string_view begin = word.substr(0, std::max<std::size_t>(3, word.size() - 1));
+        for (const std::string_view start : {word, begin})
+            if (auto one = only_one(candidates, [&](const std::string& c) { return c.starts_with(start); })) return one;
+    }
     // Where no whole name is near, the last part of one will do: `unified` is `sphere.unified`.
     if (best || word.find_first_of("./") != std::string_view::npos) return best;
     for (const std::string& candidate : candidates) {
@@ -59,6 +81,7 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
         const std::string_view part = std::string_view(candidate).substr(dot == std::string::npos ? 0 : dot + 1);
         if (part.size() > 2) consider(part, candidate);
     }
+    if (!best) best = only_one(candidates, [&](const std::string& c) { return is_left_of(c, word); });  // `ouput`: out
     return best;
 }
 

@@ -35,6 +35,11 @@ TEST_CASE("the closest name is one that a slip explains") {
     CHECK_FALSE(closest("sphere", forms));
     CHECK_FALSE(closest("x", {"far-2.5"}));
     CHECK_FALSE(closest("word", {}));
+    CHECK(closest("sphere-dist", {"sphere-tilt", "sphere-distance"}) == "sphere-distance");
+    CHECK(closest("ulps", {"lost_bits", "ulp_error"}) == "ulp_error");
+    CHECK_FALSE(closest("ulps", {"ulp_error", "ulp_bound"}));
+    CHECK(closest("ouput", {"set", "out", "size"}) == "out");
+    CHECK(closest("output", {"set", "out", "size"}) == "out");
 }
 
 TEST_CASE("an error ends in what to try") {

@@ -1,0 +1,32 @@
+// Loops over the threads of the pool, each step of which begins as IEEE 754 asks: between two steps a thread runs what
+// is not ours (the pool waits with sched_yield, which a preloaded library may have replaced).
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "intersect/process/floating_point.hpp"
+
+namespace lostbits::intersect::process {
+
+/// `body(i)` for first ≤ i < last, in any order and on several threads.
+template <class Body>
+void in_parallel(std::size_t first, std::size_t last, const Body& body) {
+    tbb::parallel_for(first, last, [&body](std::size_t i) {
+        FloatingPoint::standard().set();
+        body(i);
+    });
+    FloatingPoint::standard().set();
+}
+
+/// The same of ranges.
+template <class Body>
+void in_parallel(const tbb::blocked_range<std::size_t>& all, const Body& body) {
+    tbb::parallel_for(all, [&body](const tbb::blocked_range<std::size_t>& range) {
+        FloatingPoint::standard().set();
+        body(range);
+    });
+    FloatingPoint::standard().set();
+}
+
+}  // namespace lostbits::intersect::process
