@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "different_files.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
@@ -212,44 +212,19 @@ std::map<std::string, std::string> show_moves(const CheckOptions& o, const outpu
     return words;
 }
 
-/// Where a file lies. (Of a relative path none of whose folders is there, weakly_canonical alone makes no absolute
-/// one.)
-std::filesystem::path place_of(const std::string& file) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
-}
-
 bool replaces_its_baseline(const CheckOptions& o) {
     return !o.save.empty() && !o.against.empty() && place_of(o.save) == place_of(o.against);
 }
 
-/// InputError where two options name one file, of which the later would overwrite the earlier, or one lies among those
-/// of --report, whose names it may come to bear. A baseline may be compared with and replaced.
-void require_different_files(const CheckOptions& o) {
-    const std::array<std::pair<const char*, const std::string*>, 6> named{{{"--against", &o.against},
-                                                                           {"--save", &o.save},
-                                                                           {"--junit", &o.junit},
-                                                                           {"--export-csv", &o.csv},
-                                                                           {"--export-json", &o.json},
-                                                                           {"--moves", &o.moves}}};
-    const auto report = o.report.empty() ? std::filesystem::path() : place_of(o.report);
-    std::map<std::filesystem::path, const char*> taken;
-    for (const auto& [option, file] : named) {
-        if (file->empty()) continue;
-        const auto at = place_of(*file);
-        if (!report.empty() && at.parent_path() == report)
-            throw InputError(
-                fmt::format("{} {}: lies among the files of --report {}; put it elsewhere", option, *file, o.report));
-        if (file == &o.save && replaces_its_baseline(o)) continue;
-        const auto [place, fresh] = taken.emplace(at, option);
-        if (!fresh)
-            throw InputError(fmt::format("{} {}: {} names the same file; give each a file of its own", option, *file,
-                                         place->second));
-    }
-}
-
 Exit run(const CheckOptions& o, const Common& common) {
     check_shard_options(o);
-    require_different_files(o);
+    require_different_files({{"--against", o.against},
+                             {"--save", replaces_its_baseline(o) ? "" : o.save},
+                             {"--junit", o.junit},
+                             {"--export-csv", o.csv},
+                             {"--export-json", o.json},
+                             {"--moves", o.moves}},
+                            {"--report", o.report});
     if (!o.moves.empty() && o.against.empty())
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");
