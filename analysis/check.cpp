@@ -10,8 +10,8 @@
 
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/shell/different_files.hpp"
 #include "commands.hpp"
-#include "different_files.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
@@ -213,18 +213,18 @@ std::map<std::string, std::string> show_moves(const CheckOptions& o, const outpu
 }
 
 bool replaces_its_baseline(const CheckOptions& o) {
-    return !o.save.empty() && !o.against.empty() && place_of(o.save) == place_of(o.against);
+    return !o.save.empty() && !o.against.empty() && shell::place_of(o.save) == shell::place_of(o.against);
 }
 
 Exit run(const CheckOptions& o, const Common& common) {
     check_shard_options(o);
-    require_different_files({{"--against", o.against},
-                             {"--save", replaces_its_baseline(o) ? "" : o.save},
-                             {"--junit", o.junit},
-                             {"--export-csv", o.csv},
-                             {"--export-json", o.json},
-                             {"--moves", o.moves}},
-                            {"--report", o.report});
+    shell::require_different_files({{"--against", o.against},
+                                    {"--save", replaces_its_baseline(o) ? "" : o.save},
+                                    {"--junit", o.junit},
+                                    {"--export-csv", o.csv},
+                                    {"--export-json", o.json},
+                                    {"--moves", o.moves}},
+                                   {"--report", o.report});
     if (!o.moves.empty() && o.against.empty())
         throw InputError("--moves " + o.moves +
                          ": says how values moved since a baseline; add --against BASELINE.json");

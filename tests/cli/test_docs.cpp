@@ -190,6 +190,10 @@ void lay_out(const Scratch& scratch, const std::string& page) {
 void hold(const std::string& page) {
     const auto commands = commands_of(page);
     if (commands.empty()) return;
+    // `diff` reads pictures again.
+    if (std::ranges::any_of(commands, [](const Command& c) { return c.arguments.starts_with("diff "); }))
+        setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    else unsetenv("LOSTBITS_IMAGE_MODULE");
     const Scratch scratch;
     lay_out(scratch, page);
     std::set<std::string_view> used;

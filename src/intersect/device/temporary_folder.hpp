@@ -4,12 +4,12 @@
 #include <sys/resource.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-#include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::device {
@@ -17,7 +17,7 @@ namespace lostbits::intersect::device {
 /// `NAME-` and six letters, in the system's folder for such; whoever asked removes it. EnvironmentError, which names
 /// TMPDIR.
 [[nodiscard]] inline std::filesystem::path make_temporary_folder(std::string_view name) {
-    const char* const wanted = process::own_environment("TMPDIR");
+    const char* const wanted = std::getenv("TMPDIR");
     const std::filesystem::path place = wanted != nullptr ? wanted : "/tmp";
     const std::string where = wanted != nullptr ? "TMPDIR=" + std::string(wanted) : "TMPDIR is not set, and /tmp";
     std::string path = (place / name).string() + "-XXXXXX";

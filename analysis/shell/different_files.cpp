@@ -1,4 +1,4 @@
-#include "different_files.hpp"
+#include "analysis/shell/different_files.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::shell {
 
 std::filesystem::path place_of(const std::string& file) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
@@ -28,4 +28,4 @@ void require_different_files(const std::vector<NamedFile>& files, const NamedFil
     }
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::shell

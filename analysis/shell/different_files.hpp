@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::shell {
 
 /// The path of a file, whether it is there or not. (Where none of its folders is, weakly_canonical alone leaves a
 /// relative path as it is.)
@@ -21,4 +21,4 @@ struct NamedFile {
 /// among whose files it may come to be.
 void require_different_files(const std::vector<NamedFile>& files, const NamedFile& folder);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::shell
