@@ -31,7 +31,7 @@ enum {
     /* One call at a time. */
     LB_ONE_THREAD = 4,
     /* The interval is cut to the ray: near is 0 where the line enters behind the origin. Needs LB_BOTH, and of a sphere
-     * at_origin = LB_EXIT, since near = 0 then tells no entry at the origin from one behind. */
+     * at_origin = LB_EXIT or LB_MISS: near = 0 tells no entry at the origin from one behind. */
     LB_CLIPPED = 8,
     /* The answer from inside, one of these. Without: the exit of a sphere, 0 of a box; of LB_NEAR a miss. */
     LB_INSIDE_EXIT = 16, /* where the ray leaves */

@@ -229,7 +229,8 @@ struct Form : lb_form {
     constexpr Form inside_zero() const { return inside(LB_INSIDE_ZERO); }
     constexpr Form inside_near() const { return inside(LB_INSIDE_NEAR); }
     constexpr Form inside_misses() const { return inside(LB_INSIDE_MISS); }
-    /// Of a sphere an entry at the origin cannot be told from one behind it: `origin_exits` goes with it.
+    /// Of a sphere an entry at the origin cannot be told from one behind it: `origin_exits` goes with it, or, said
+    /// after it, `origin_misses`.
     constexpr Form clipped() const {
         const Form made = with(&lb_form::flags, flags | LB_CLIPPED);
         return shape == LB_SPHERE ? made.origin_exits() : made;

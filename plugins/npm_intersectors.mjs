@@ -74,7 +74,7 @@ const offered = [
         'three.box_test': ['521, intersectsBox', 'roots=none'] }],
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
         'cesium.sphere': ['349, raySphere', 'roots=both', 'at_origin=exit'],
-        'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=exit'],
+        'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=miss'],
         'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'] }],
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
@@ -89,7 +89,7 @@ for (const [load, name, file, contracts] of offered) {
         const made = await load();
         for (const [form, [where, ...words]] of Object.entries(contracts)) {
             const shape = form.includes('box') ? 'box' : 'sphere';
-            const clipped = words.includes('at_origin=exit') ? ',clipped' : '';
+            const clipped = words.some((word) => word.startsWith('at_origin')) ? ',clipped' : '';
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
                 `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`, 'format=f64', 'direction=unit',
                 ...words, `flags=no_end${clipped}`].join('\n') + '\n';

@@ -55,8 +55,8 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
         return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
     };
     for (const std::string form :
-         {"clipped", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists", "box_exit",
-          "box_clipped", "box_near", "endless", "segment", "centre", "at_origin", "thickness", "points"}) {
+         {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
+          "box_exit", "box_clipped", "box_near", "endless", "segment", "centre", "at_origin", "thickness", "points"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
     }
@@ -65,6 +65,7 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
              {"touch", "is answered with t = 0; 5 is right"},
              {"tmin", "a surface 3.051758e-05 ahead is answered with t = 4.00003"},
              {"clipped", "near is clipped to 0; say LB_CLIPPED and LB_EXIT"},
+             {"clipped_ahead", "goes out misses; say LB_MISS (origin_misses, at_origin=miss)"},
              {"zero", "say LB_INSIDE_ZERO (inside_zero, inside=zero)"},
              {"misses", "say LB_INSIDE_MISS (inside_misses, inside=miss)"},
              {"exit_at_origin", "say LB_EXIT (origin_exits, at_origin=exit)"},
@@ -100,8 +101,9 @@ TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
     INFO(map.err);
     REQUIRE(map.code == 0);
     const auto summary = folder.path() / "out/camera-inside/summary.csv";
-    for (const std::string form : {"clipped", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line",
-                                   "insists", "segment", "at_origin", "thickness", "points"}) {
+    for (const std::string form :
+         {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
+          "segment", "at_origin", "thickness", "points"}) {
         auto row = row_of(summary, "word." + form);
         INFO(form << ' ' << row["lost_bits_max"]);
         CHECK(row["false_hit"] == "0");

@@ -69,6 +69,11 @@ Answer<float> clipped(const Ray<float>& ray, const Solid& s) {
     if (!r.hit || r.far < 0) return miss;
     return {static_cast<float>(std::max(r.near, 0.0)), static_cast<float>(r.far)};
 }
+/// The same, but nothing of a surface that it leaves from.
+Answer<float> clipped_ahead(const Ray<float>& ray, const Sphere<float>& s) {
+    const Answer<float> interval = clipped(ray, s);
+    return interval.hit && interval.far > 0 ? interval : miss;
+}
 template <class Solid>
 Answer<float> zero_inside(const Ray<float>& ray, const Solid& s) {
     const Roots r = roots(ray, s);
@@ -147,7 +152,9 @@ using B = Box<float>;
 
 }  // namespace
 
-LOSTBITS_FORMS(form<clipped<S>>("word.clipped").clipped(),                                      //
+LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses(),
+               form<clipped_ahead>("bad.clipped_ahead").clipped(),
+               form<clipped<S>>("word.clipped").clipped(),                                      //
                form<zero_inside<S>>("word.zero").first_root().inside_zero(),                    //
                form<misses_inside<S>>("word.misses").first_root().inside_misses(),              //
                form<exit_at_origin>("word.exit_at_origin").first_root().origin_exits(),         //

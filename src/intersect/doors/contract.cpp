@@ -46,10 +46,10 @@ void require_roots(const Contract& c, const std::string& from) {
     if ((c.flags & LB_CLIPPED) != 0 && !both)
         throw InputError(from + ": clipped is said of an interval; it needs both roots");
     const bool exits = c.shape == Shape::sphere || c.inside == Inside::exit;
-    if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin != AtOrigin::exit)
+    if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
         throw InputError(from +
                          ": a near root that is clipped to 0 tells no surface at the origin from one behind it; say "
-                         "at_origin = exit as well");
+                         "at_origin = exit as well, or miss");
     if (c.inside == Inside::near && !near)
         throw InputError(from + ": inside = near is said of a form of the near root alone (roots = near)");
     if (c.inside == Inside::exit && near)

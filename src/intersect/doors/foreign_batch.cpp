@@ -71,7 +71,8 @@ Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S 
     const bool at_0 = inside == Inside::zero || (inside == Inside::usual && contract.shape == Shape::box);
     const S t = ahead ? near : at_0 ? S(0) : far;
     bool hit = ahead || inside != Inside::miss;
-    if ((contract.flags & LB_LINE) != 0) hit = hit && (std::isnan(far) || (passes_0 ? far > 0 : far >= 0));
+    if (passes_0 && far <= 0) hit = false;
+    if ((contract.flags & LB_LINE) != 0 && far < 0) hit = false;
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
     return {hit, t, near, far};
 }

@@ -146,6 +146,10 @@ void try_at_origin(Trial& trial) {
     const Reply in = trial.ask(along(trial.shape, -2, 1)), out = trial.ask(along(trial.shape, -2, -1));
     if (c.roots == Roots::both) {  // the table takes the one that counts
         if (in.hit != 1) trial.broken("a ray that starts on the surface and goes in misses");
+        else if (trial.says(LB_CLIPPED) && trial.shape == Shape::sphere)
+            trial.hold(out.hit == 1 || c.at_origin == AtOrigin::miss, "an entry at the origin is passed over",
+                       "a ray that starts on the surface and goes out misses; say LB_MISS (origin_misses, "
+                       "at_origin=miss)");
         return;
     }
     if (!trial.tells_t) {
