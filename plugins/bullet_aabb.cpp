@@ -32,5 +32,5 @@ Answer<float> aabb2(const Ray<float>& ray, const Box<float>& b) {
 constexpr auto at = "Bullet 3.24, LinearMath/btAabbUtil2.h:117, btRayAabb";
 constexpr auto at2 = "Bullet 3.24, LinearMath/btAabbUtil2.h:82, btRayAabb2";
 
-LOSTBITS_FORMS(form<aabb>("bullet.aabb").first_root().from(at),
-               form<aabb2>("bullet.aabb2").unit_direction().first_root().from(at2))
+LOSTBITS_FORMS(form<aabb>("bullet.aabb").first_root().inside_zero().from(at),
+               form<aabb2>("bullet.aabb2").unit_direction().first_root().inside_zero().from(at2))

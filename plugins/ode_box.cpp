@@ -10,14 +10,14 @@
 
 using namespace lostbits_plugin;
 
-Answer<double> box(const Ray<double>& r, const Box<double>& b) {
+Answer<double> box(const Ray<double>& r, const CentreBox<double>& b) {
     static const bool ready = dInitODE2(0) != 0;
     static thread_local const bool here = ready && dAllocateODEDataForThread(dAllocateMaskAll) != 0;
     static thread_local const dGeomID ray = here ? dCreateRay(nullptr, 1) : nullptr, box = dCreateBox(nullptr, 1, 1, 1);
     const double d = std::fabs(r.direction[0]) + std::fabs(r.direction[1]) + std::fabs(r.direction[2]);
     if (!(d >= 1e-300 && d < 1e300)) return miss;
-    dGeomBoxSetLengths(box, b.hi[0] - b.lo[0], b.hi[1] - b.lo[1], b.hi[2] - b.lo[2]);
-    dGeomSetPosition(box, (b.lo[0] + b.hi[0]) / 2, (b.lo[1] + b.hi[1]) / 2, (b.lo[2] + b.hi[2]) / 2);
+    dGeomBoxSetLengths(box, 2 * b.half[0], 2 * b.half[1], 2 * b.half[2]);
+    dGeomSetPosition(box, b.centre[0], b.centre[1], b.centre[2]);
     if (dGeomBoxPointDepth(box, r.origin[0], r.origin[1], r.origin[2]) >= 0) return {0.0};
     dGeomRaySetLength(ray, std::min(r.end, std::numeric_limits<double>::max()));
     dGeomRaySet(ray, r.origin[0], r.origin[1], r.origin[2], r.direction[0], r.direction[1], r.direction[2]);
