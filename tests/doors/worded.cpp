@@ -1,6 +1,7 @@
 // Forms as public code has them, each with the words that fit it, and some with words that do not.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 
 #include <lostbits_plugin.hpp>
@@ -146,6 +147,12 @@ Points<float> points(const Ray<float>& ray, const Sphere<float>& s) {
     }
     return {near, far};
 }
+
+// What a library of the first version of the header was compiled to: it is read so for good.
+static_assert(sizeof(lb_form) == 72 && offsetof(lb_form, shape) == 24 && offsetof(lb_form, at_origin) == 44);
+static_assert(offsetof(lb_form, flags) == 48 && offsetof(lb_form, own) == 56 && offsetof(lb_form, run) == 64);
+static_assert(sizeof(lb_batch) == 64 && offsetof(lb_batch, near_far) == 40 && offsetof(lb_batch, own) == 56);
+static_assert(LOSTBITS_PLUGIN_ABI == 1 && LB_LINE == 1 && LB_NO_END == 2 && LB_ONE_THREAD == 4 && LB_MISS == 1);
 
 using S = Sphere<float>;
 using B = Box<float>;
