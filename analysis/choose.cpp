@@ -61,7 +61,8 @@ void refuse_others(const ChooseOptions& o, bool files) {
                                                      {"--miss", !o.miss.empty()},
                                                      {"--direction", o.direction != "any"},
                                                      {"--touching", o.touching != "hit"},
-                                                     {"--at-origin", o.at_origin != "hit"}};
+                                                     {"--at-origin", o.at_origin != "hit"},
+                                                     {"--inside", o.inside != "usual"}};
     const std::pair<const char*, bool> of_scenes[] = {
         {"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}};
     const auto refuse = [](const auto& options, const std::string& why) {

@@ -44,8 +44,10 @@ Listing intersectors() {
         l.rows.push_back({std::string(info.name), std::string(info.title),
                           info.direction == intersect::Direction::unit ? "unit" : "any", roots,
                           info.touching == intersect::Touching::hit ? "hits" : "misses",
-                          info.at_origin == intersect::AtOrigin::hit ? "hits" : "misses", choice::formats_of(i),
-                          std::string(info.source)});
+                          info.at_origin == intersect::AtOrigin::hit    ? "hits"
+                          : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                                                                        : "exit",
+                          choice::formats_of(i), std::string(info.source)});
     }
     return l;
 }

@@ -9,9 +9,8 @@
 using namespace lostbits_plugin;
 
 template <class T>
-Answer<T> sphere(const Ray<T>& ray, const Sphere<T>& s) {
-    const T f[3] = {ray.origin[0] - s.centre[0], ray.origin[1] - s.centre[1], ray.origin[2] - s.centre[2]};
-    const T* const d = ray.direction;
+Answer<T> sphere(const Ray<T>& ray, const SphereAtOrigin<T>& s) {
+    const T *const f = ray.origin, *const d = ray.direction;
     const T a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     const T b = 2 * (f[0] * d[0] + f[1] * d[1] + f[2] * d[2]);
     const T c = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - s.radius * s.radius;

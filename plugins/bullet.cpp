@@ -1,9 +1,7 @@
 // Bullet 3.24 in float: btCollisionWorld::rayTestSingle against a btSphereShape (btCollisionWorld.cpp:276). It casts a
 // point through btSubsimplexConvexCast (btSubSimplexConvexCast.cpp:32), iterations instead of a formula: "GJK based ray
-// cast ... objects should not start in overlap, otherwise results are not defined". A ray of Bullet is a segment; one
-// that does not end is given an end behind the sphere.
-#include <algorithm>
-
+// cast ... objects should not start in overlap, otherwise results are not defined". A ray of Bullet is a segment, and
+// the answer a fraction of it.
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
@@ -13,21 +11,20 @@ using namespace lostbits_plugin;
 
 btVector3 vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-Answer<float> sphere(const Ray<float>& ray, const Sphere<float>& s) {
+Answer<float> sphere(const Segment<float>& ray, const Sphere<float>& s) {
     btSphereShape shape(s.radius);
     btCollisionObject object;
     object.setCollisionShape(&shape);
     const btTransform none(btQuaternion::getIdentity()), at(btQuaternion::getIdentity(), vec(s.centre));
-    const float length = std::min(ray.end, (vec(s.centre) - vec(ray.origin)).length() + 2 * s.radius);
     btTransform from(none), to(none);
-    from.setOrigin(vec(ray.origin)), to.setOrigin(vec(ray.origin) + length * vec(ray.direction));
+    from.setOrigin(vec(ray.from)), to.setOrigin(vec(ray.to));
     btCollisionWorld::ClosestRayResultCallback result(from.getOrigin(), to.getOrigin());
     btCollisionWorld::rayTestSingle(from, to, &object, &shape, at, result);
-    return result.hasHit() ? Answer<float>(result.m_closestHitFraction * length) : miss;
+    return result.hasHit() ? Answer<float>(result.m_closestHitFraction) : miss;
 }
 
 LOSTBITS_FORMS(form<sphere>("bullet.sphere")
-                   .unit_direction()
                    .near_root()
+                   .origin_misses()
                    .titled("rayTestSingle of Bullet")
                    .from("Bullet 3.24, btCollisionWorld.cpp:276, btSubSimplexConvexCast.cpp:32"))

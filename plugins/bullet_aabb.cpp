@@ -1,5 +1,5 @@
 // Bullet 3.24 in float, LinearMath/btAabbUtil2.h:117, btRayAabb, and :82, btRayAabb2, without words of promise.
-// btRayAabb takes a segment; a ray that does not end is given an end behind the box. btRayAabb2 takes 1/d, made here as
+// btRayAabb takes a segment and answers a fraction of it. btRayAabb2 takes 1/d, made here as
 // btCollisionWorld.cpp:815 makes it, with 1e18 for 1/0.
 #include <algorithm>
 
@@ -10,13 +10,11 @@ using namespace lostbits_plugin;
 
 btVector3 vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-Answer<float> aabb(const Ray<float>& ray, const Box<float>& b) {
-    const btVector3 from = vec(ray.origin), middle = 0.5F * (vec(b.lo) + vec(b.hi));
-    const float length = std::min(ray.end, (middle - from).length() + (vec(b.hi) - vec(b.lo)).length());
+Answer<float> aabb(const Segment<float>& ray, const Box<float>& b) {
     btVector3 normal;
     float part = 1;
-    if (!btRayAabb(from, from + length * vec(ray.direction), vec(b.lo), vec(b.hi), part, normal)) return miss;
-    return {part * length};
+    if (!btRayAabb(vec(ray.from), vec(ray.to), vec(b.lo), vec(b.hi), part, normal)) return miss;
+    return {part};
 }
 Answer<float> aabb2(const Ray<float>& ray, const Box<float>& b) {
     btVector3 over;
@@ -34,5 +32,5 @@ Answer<float> aabb2(const Ray<float>& ray, const Box<float>& b) {
 constexpr auto at = "Bullet 3.24, LinearMath/btAabbUtil2.h:117, btRayAabb";
 constexpr auto at2 = "Bullet 3.24, LinearMath/btAabbUtil2.h:82, btRayAabb2";
 
-LOSTBITS_FORMS(form<aabb>("bullet.aabb").unit_direction().first_root().from(at),
-               form<aabb2>("bullet.aabb2").unit_direction().first_root().from(at2))
+LOSTBITS_FORMS(form<aabb>("bullet.aabb").first_root().inside_zero().from(at),
+               form<aabb2>("bullet.aabb2").unit_direction().first_root().inside_zero().from(at2))

@@ -16,50 +16,60 @@
 extern "C" {
 #endif
 
-enum { LB_SPHERE = 0, LB_BOX = 1 };                                  /* lb_form.shape */
-enum { LB_F32 = 32, LB_F64 = 64 };                                   /* lb_form.format: `float` or `double` */
-enum { LB_ANY = 0, LB_UNIT = 1 };                                    /* lb_form.direction */
-enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 };    /* lb_form.roots */
-enum { LB_HIT = 0, LB_MISS = 1 };                                    /* lb_form.touching, lb_form.at_origin */
+enum { LB_SPHERE = 0, LB_BOX = 1 };                               /* lb_form.shape */
+enum { LB_F32 = 32, LB_F64 = 64 };                                /* lb_form.format: `float` or `double` */
+enum { LB_ANY = 0, LB_UNIT = 1 };                                 /* lb_form.direction */
+enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 }; /* lb_form.roots */
+enum { LB_HIT = 0, LB_MISS = 1, LB_EXIT = 2 };                    /* lb_form.touching, lb_form.at_origin */
 
 enum {
     /* `hit` says that the whole line meets the solid, in front of the origin or behind: the first t >= 0 of near and
-     * far is taken from it. Needs LB_BOTH. */
+     * far is taken from it. Needs LB_BOTH, or LB_NEAR, whose t < 0 is a miss. */
     LB_LINE = 1,
-    /* `ends` is not looked at: what lies beyond is taken away afterwards. */
+    /* `ends` is not looked at: what lies beyond is taken away afterwards. Of LB_HIT_ONLY: the ray has no end. */
     LB_NO_END = 2,
     /* One call at a time. */
-    LB_ONE_THREAD = 4
+    LB_ONE_THREAD = 4,
+    /* The interval is cut to the ray: near is 0 where the line enters behind the origin. Needs LB_BOTH, and of a sphere
+     * at_origin = LB_EXIT or LB_MISS: near = 0 tells no entry at the origin from one behind. */
+    LB_CLIPPED = 8,
+    /* The answer from inside, one of these. Without: the exit of a sphere, 0 of a box; of LB_NEAR a miss. */
+    LB_INSIDE_EXIT = 16, /* where the ray leaves */
+    LB_INSIDE_ZERO = 32, /* t = 0 */
+    LB_INSIDE_NEAR = 48, /* the near root, t < 0, which the caller looks at; needs LB_NEAR */
+    LB_INSIDE_MISS = 64,
+    LB_INSIDE = 112 /* the bits of these */
 };
 
 /* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */
 typedef struct lb_batch {
-    size_t size;          /* rays */
-    const void *rays;     /* size x 6: origin x y z, direction x y z */
-    const void *ends;     /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
-    const void *solids;   /* centre x y z, radius; or lo x y z, hi x y z */
-    size_t solid_stride;  /* numbers from the solid of one ray to that of the next; 0: one for all */
-    void *near_far;       /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
-                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */
-    unsigned char *hit;   /* out, size: 1 or 0 */
-    void *own;            /* lb_form.own */
+    size_t size;         /* rays */
+    const void* rays;    /* size x 6: origin x y z, direction x y z */
+    const void* ends;    /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
+    const void* solids;  /* centre x y z, radius; or lo x y z, hi x y z */
+    size_t solid_stride; /* numbers from the solid of one ray to that of the next; 0: one for all */
+    void* near_far;      /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
+                            the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */
+    unsigned char* hit;  /* out, size: 1 or 0 */
+    void* own;           /* lb_form.own */
 } lb_batch;
 
 typedef struct lb_form {
-    const char *name;   /* of letters, digits and . _ -, such as "mylib.sphere". Two forms may share one, a format each,
+    const char* name;   /* of letters, digits and . _ -, such as "mylib.sphere". Two forms may share one, a format each,
                            where all else that they promise is the same */
-    const char *title;  /* a line; or NULL */
-    const char *source; /* where the code is: library, version, file, function; or NULL */
+    const char* title;  /* a line; or NULL */
+    const char* source; /* where the code is: library, version, file, function; or NULL */
     int shape, format;
-    int direction;      /* LB_UNIT: directions come normalised and rounded to the format, so t is a distance */
-    int roots;          /* LB_NEAR: the smaller root alone, no answer from inside. LB_FIRST: the first t >= 0 */
-    int touching;       /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed */
-    int at_origin;      /* LB_MISS: a surface exactly at the origin (t = 0) is passed over */
+    int direction; /* LB_UNIT: directions come normalised and rounded to the format, so t is a distance */
+    int roots;     /* LB_NEAR: the smaller root alone, t < 0 is a miss. LB_FIRST: the first t >= 0 */
+    int touching;  /* LB_HIT: a ray that touches in one point hits. Of a box: the box is closed */
+    int at_origin; /* LB_MISS: a surface exactly at the origin (t = 0) is passed over, where the ray goes in and
+                      where it goes out. LB_EXIT: where it goes in alone; where it goes out, t = 0 is its exit */
     unsigned flags;
-    void *own;
+    void* own;
     /* Writes near_far and hit of every ray. NULL, or why it could not: a text that lives until the next call. Called
      * from several threads at once unless LB_ONE_THREAD. */
-    const char *(*run)(const lb_batch *batch);
+    const char* (*run)(const lb_batch* batch);
 } lb_form;
 
 /* What the library exports. The forms live as long as it is loaded. NULL where `abi` is not LOSTBITS_PLUGIN_ABI. */
@@ -68,7 +78,7 @@ __declspec(dllexport)
 #elif defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const lb_form *lostbits_forms(int abi, size_t *count);
+    const lb_form* lostbits_forms(int abi, size_t* count);
 
 #ifdef __cplusplus
 }

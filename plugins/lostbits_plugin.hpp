@@ -10,28 +10,47 @@
 //   }
 //   LOSTBITS_FORMS(form<mine>("mylib.sphere").first_root().unit_direction())
 //
-// Shape and format follow from the function's arguments. What it throws is caught and told.
+// Shape and format follow from the function's arguments, which may also be a `Segment`, a `CentreBox`, a
+// `SphereAtOrigin`; the answer may be `bool`, `Thickness`, `Points`. What it throws is caught and told.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <exception>
+#include <type_traits>
 
 #include "lostbits_plugin.h"
 
 namespace lostbits_plugin {
 
+/// What a function may take of a ray: the ray, or the segment from its origin to a point behind the solid (or to the
+/// ray's end), from + length direction, where directions have unit length. Of a segment the answer is a fraction.
 template <class T>
 struct Ray {
     T origin[3], direction[3];
     T end;  ///< infinity where the ray does not end
 };
 template <class T>
+struct Segment {
+    T from[3], to[3];
+};
+
+/// What it may take of a solid. The numbers of a batch are those of `Sphere` and of `Box`; the others are made of them.
+template <class T>
 struct Sphere {
     T centre[3], radius;
 };
 template <class T>
+struct SphereAtOrigin {  ///< the ray's origin minus the centre takes the origin's place
+    T radius;
+};
+template <class T>
 struct Box {
     T lo[3], hi[3];
+};
+template <class T>
+struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
+    T centre[3], half[3];
 };
 
 inline constexpr struct Miss {
@@ -46,28 +65,117 @@ struct Answer {
     Answer(T first, T second) : hit(true), near(first), far(second) {}
     Answer(Miss) : hit(false), near(0), far(0) {}
 };
+/// The same as near and what lies between: far = near + thickness.
+template <class T>
+struct Thickness {
+    bool hit;
+    T near, thickness;
+    Thickness(T first, T between) : hit(true), near(first), thickness(between) {}
+    Thickness(Miss) : hit(false), near(0), thickness(0) {}
+};
+/// The same as points, whose t is read along the largest component of the direction: (point - origin)/direction.
+template <class T>
+struct Points {
+    bool hit;
+    T near[3], far[3];
+    Points(Miss) : hit(false), near{}, far{} {}
+    template <class V>
+    Points(const V& point) : Points(point, point) {}
+    template <class V>
+    Points(const V& first, const V& second)
+        : hit(true), near{first[0], first[1], first[2]}, far{second[0], second[1], second[2]} {}
+};
 
 template <class T>
-struct Traits;
-template <class T, class R>
-struct SignatureOf {
-    using Number = T;
-    static constexpr bool hit_only = false;
+Answer<T> answer_of(const Answer<T>& a, const Ray<T>&) {
+    return a;
+}
+template <class T>
+Answer<T> answer_of(const Thickness<T>& a, const Ray<T>&) {
+    return a.hit ? Answer<T>(a.near, a.near + a.thickness) : Answer<T>(miss);
+}
+template <class T>
+Answer<T> answer_of(const Points<T>& a, const Ray<T>& ray) {
+    if (!a.hit) return miss;
+    const auto size = [&ray](int k) { return ray.direction[k] < 0 ? -ray.direction[k] : ray.direction[k]; };
+    int k = size(1) > size(0) ? 1 : 0;
+    if (size(2) > size(k)) k = 2;
+    return {(a.near[k] - ray.origin[k]) / ray.direction[k], (a.far[k] - ray.origin[k]) / ray.direction[k]};
+}
+
+/// How a solid is made of a batch's numbers; `ray` is the one that it goes with.
+template <class S>
+struct SolidOf;
+template <class T>
+struct SolidOf<Sphere<T>> {
+    static constexpr int shape = LB_SPHERE;
+    static Sphere<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, n[3]}; }
 };
 template <class T>
-struct SignatureOf<T, bool> {
-    using Number = T;
-    static constexpr bool hit_only = true;
-};
-template <class R, class T>
-struct Traits<R (*)(const Ray<T>&, const Sphere<T>&)> : SignatureOf<T, R> {
+struct SolidOf<SphereAtOrigin<T>> {
     static constexpr int shape = LB_SPHERE;
-    static Sphere<T> solid(const T* n) { return {{n[0], n[1], n[2]}, n[3]}; }
+    static SphereAtOrigin<T> make(const T* n, Ray<T>& ray) {
+        for (int k = 0; k < 3; ++k) ray.origin[k] -= n[k];
+        return {n[3]};
+    }
 };
-template <class R, class T>
-struct Traits<R (*)(const Ray<T>&, const Box<T>&)> : SignatureOf<T, R> {
+template <class T>
+struct SolidOf<Box<T>> {
     static constexpr int shape = LB_BOX;
-    static Box<T> solid(const T* n) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
+    static Box<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
+};
+template <class T>
+struct SolidOf<CentreBox<T>> {
+    static constexpr int shape = LB_BOX;
+    static CentreBox<T> make(const T* n, Ray<T>&) {
+        CentreBox<T> box{};
+        for (int k = 0; k < 3; ++k) box.centre[k] = (n[k] + n[k + 3]) / 2, box.half[k] = (n[k + 3] - n[k]) / 2;
+        return box;
+    }
+};
+
+template <class T>
+T length(const T (&v)[3]) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+/// Behind the solid, as a distance: from the origin to the solid's middle, and its diameter or diagonal more.
+template <int shape, class T>
+T reach(const T* n, const Ray<T>& ray) {
+    T between[3], across[3] = {};
+    for (int k = 0; k < 3; ++k) {
+        between[k] = (shape == LB_BOX ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];
+        if (shape == LB_BOX) across[k] = n[k + 3] - n[k];
+    }
+    const T far = length(between) + (shape == LB_BOX ? length(across) : 2 * n[3]);
+    return ray.end < far ? ray.end : far;
+}
+
+/// Calls a function with what it takes, for one ray.
+template <class R, class T, class S>
+R call(R (*function)(const Ray<T>&, const S&), Ray<T>& ray, const T* n, T&) {
+    const S solid = SolidOf<S>::make(n, ray);
+    return function(ray, solid);
+}
+template <class R, class T, class S>
+R call(R (*function)(const Segment<T>&, const S&), Ray<T>& ray, const T* n, T& scale) {
+    scale = reach<SolidOf<S>::shape>(n, ray);
+    const S solid = SolidOf<S>::make(n, ray);
+    Segment<T> segment{};
+    for (int k = 0; k < 3; ++k) {
+        segment.from[k] = ray.origin[k];
+        segment.to[k] = ray.origin[k] + scale * ray.direction[k];
+    }
+    return function(segment, solid);
+}
+
+template <class Function>
+struct Traits;
+template <class R, template <class> class A, class T, class S>
+struct Traits<R (*)(const A<T>&, const S&)> {
+    using Number = T;
+    static constexpr int shape = SolidOf<S>::shape;
+    static constexpr bool hit_only = std::is_same_v<R, bool>;
+    static constexpr bool of_segments = std::is_same_v<A<T>, Segment<T>>;
 };
 
 template <auto function>
@@ -80,16 +188,18 @@ const char* run(const lb_batch* batch) {
     T* const near_far = static_cast<T*>(batch->near_far);
     try {
         for (std::size_t i = 0; i < batch->size; ++i, ray += 6, solid += batch->solid_stride) {
-            const Ray<T> one{{ray[0], ray[1], ray[2]},
-                             {ray[3], ray[4], ray[5]},
-                             ends ? ends[i] : static_cast<T>(__builtin_huge_val())};
-            const auto answer = function(one, Of::solid(solid));
+            Ray<T> one{{ray[0], ray[1], ray[2]},
+                       {ray[3], ray[4], ray[5]},
+                       ends ? ends[i] : static_cast<T>(__builtin_huge_val())};
+            T scale = 1;  // of a fraction, the segment's length
+            const auto told = call(function, one, solid, scale);
             if constexpr (Of::hit_only) {
-                batch->hit[i] = answer ? 1 : 0;
+                batch->hit[i] = told ? 1 : 0;
             } else {
+                const Answer<T> answer = answer_of(told, one);
                 batch->hit[i] = answer.hit ? 1 : 0;
-                near_far[2 * i] = answer.near;
-                near_far[2 * i + 1] = answer.far;
+                near_far[2 * i] = Of::of_segments ? answer.near * scale : answer.near;
+                near_far[2 * i + 1] = Of::of_segments ? answer.far * scale : answer.far;
             }
         }
     } catch (const std::exception& error) {
@@ -114,11 +224,23 @@ struct Form : lb_form {
     constexpr Form first_root() const { return with(&lb_form::roots, int{LB_FIRST}); }
     constexpr Form touching_misses() const { return with(&lb_form::touching, int{LB_MISS}); }
     constexpr Form origin_misses() const { return with(&lb_form::at_origin, int{LB_MISS}); }
+    constexpr Form origin_exits() const { return with(&lb_form::at_origin, int{LB_EXIT}); }
+    constexpr Form inside_exit() const { return inside(LB_INSIDE_EXIT); }
+    constexpr Form inside_zero() const { return inside(LB_INSIDE_ZERO); }
+    constexpr Form inside_near() const { return inside(LB_INSIDE_NEAR); }
+    constexpr Form inside_misses() const { return inside(LB_INSIDE_MISS); }
+    /// Of a sphere an entry at the origin cannot be told from one behind it: `origin_exits` goes with it, or, said
+    /// after it, `origin_misses`.
+    constexpr Form clipped() const {
+        const Form made = with(&lb_form::flags, flags | LB_CLIPPED);
+        return shape == LB_SPHERE ? made.origin_exits() : made;
+    }
     constexpr Form whole_line() const { return with(&lb_form::flags, flags | LB_LINE); }
     constexpr Form ignores_end() const { return with(&lb_form::flags, flags | LB_NO_END); }
     constexpr Form one_thread() const { return with(&lb_form::flags, flags | LB_ONE_THREAD); }
 
 private:
+    constexpr Form inside(unsigned word) const { return with(&lb_form::flags, (flags & ~unsigned{LB_INSIDE}) | word); }
     template <class Value>
     constexpr Form with(Value lb_form::*field, Value value) const {
         Form changed = *this;
@@ -127,12 +249,13 @@ private:
     }
 };
 
-/// Both roots, any direction, the closed solid, until it is told otherwise.
+/// Both roots, any direction (of segments: of unit length), the closed solid, until it is told otherwise.
 template <auto function>
 constexpr Form form(const char* name) {
     using Of = Traits<decltype(function)>;
-    return {{name, nullptr, nullptr, Of::shape, sizeof(typename Of::Number) == 4 ? LB_F32 : LB_F64, LB_ANY,
-             Of::hit_only ? LB_HIT_ONLY : LB_BOTH, LB_HIT, LB_HIT, 0, nullptr, run<function>}};
+    return {{name, nullptr, nullptr, Of::shape, sizeof(typename Of::Number) == 4 ? LB_F32 : LB_F64,
+             Of::of_segments ? LB_UNIT : LB_ANY, Of::hit_only ? LB_HIT_ONLY : LB_BOTH, LB_HIT, LB_HIT, 0, nullptr,
+             run<function>}};
 }
 
 }  // namespace lostbits_plugin

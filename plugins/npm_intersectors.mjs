@@ -27,9 +27,7 @@ const three = async () => {
     return {
         'three.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectSphere(v, caught)),
         'three.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsSphere(v),
-        // From inside it tells where the ray leaves; the box of lostbits is solid and met at t = 0.
-        'three.box': (s, v = box(s)) => (r) =>
-            (v.containsPoint(set(r).origin) ? [0, 0] : t(ray.intersectBox(v, caught))),
+        'three.box': (s, v = box(s)) => (r) => t(set(r).intersectBox(v, caught)),
         'three.box_test': (s, v = box(s)) => (r) => set(r).intersectsBox(v),
     };
 };
@@ -43,16 +41,13 @@ const cesium = async () => {
         point.fromElements(r[3], r[4], r[5], ray.direction);
         return ray;
     };
-    // The interval inside the ball begins at 0 for an origin inside or on it: the surface ahead is its end.
-    const ahead = (i) => (i === undefined || i.stop === 0 ? null : [i.start > 0 ? i.start : i.stop, i.stop]);
+    const interval = (i) => (i === undefined ? null : [i.start, i.stop]);
     const at = (s, k) => new point(s[k], s[k + 1], s[k + 2]);
     return {
-        'cesium.sphere': (s, v = new ball(at(s, 0), s[3])) => (r) => ahead(tests.raySphere(set(r), v)),
-        'cesium.ellipsoid': (s, v = new ellipsoid(s[3], s[3], s[3])) => (r) => ahead(tests.rayEllipsoid(set(r, s), v)),
-        'cesium.box': (s, v = new cuboid(at(s, 0), at(s, 3))) => (r) => {
-            const i = tests.rayAxisAlignedBoundingBox(set(r), v);
-            return i === undefined ? null : [i.start, i.stop];
-        },
+        'cesium.sphere': (s, v = new ball(at(s, 0), s[3])) => (r) => interval(tests.raySphere(set(r), v)),
+        'cesium.ellipsoid': (s, v = new ellipsoid(s[3], s[3], s[3])) => (r) => interval(tests.rayEllipsoid(set(r, s), v)),
+        'cesium.box': (s, v = new cuboid(at(s, 0), at(s, 3))) => (r) =>
+            interval(tests.rayAxisAlignedBoundingBox(set(r), v)),
     };
 };
 const babylon = async () => {
@@ -75,11 +70,11 @@ const offered = [
     [three, 'three', 'src/math/Ray.js', {
         'three.sphere': ['307, intersectSphere', 'roots=first'],
         'three.sphere_test': ['345, intersectsSphere', 'roots=none'],
-        'three.box': ['449, intersectBox', 'roots=first'],
+        'three.box': ['449, intersectBox', 'roots=first', 'inside=exit'],
         'three.box_test': ['521, intersectsBox', 'roots=none'] }],
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
-        'cesium.sphere': ['349, raySphere', 'roots=first', 'at_origin=miss'],
-        'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=first', 'at_origin=miss'],
+        'cesium.sphere': ['349, raySphere', 'roots=both', 'at_origin=exit'],
+        'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=miss'],
         'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'] }],
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
@@ -94,10 +89,10 @@ for (const [load, name, file, contracts] of offered) {
         const made = await load();
         for (const [form, [where, ...words]] of Object.entries(contracts)) {
             const shape = form.includes('box') ? 'box' : 'sphere';
-            const no_end = words.includes('roots=none') ? [] : ['flags=no_end'];
+            const clipped = words.some((word) => word.startsWith('at_origin')) ? ',clipped' : '';
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
                 `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`, 'format=f64', 'direction=unit',
-                ...words, ...no_end].join('\n') + '\n';
+                ...words, `flags=no_end${clipped}`].join('\n') + '\n';
             forms.push({ of: made[form], numbers: shape === 'box' ? 6 : 4 });
         }
     } catch (error) {

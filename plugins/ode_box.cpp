@@ -1,6 +1,5 @@
 // ODE 0.16.2 in double: dCollide of a ray with a box, ode/src/ray.cpp:285. To ODE a box is hollow: from inside it tells
-// where the ray leaves. The box of lostbits is solid, so t is 0 here where dGeomBoxPointDepth, ODE's own, says that the
-// origin is not outside. Centre and lengths are rounded before the call. Directions as in ode.cpp.
+// where the ray leaves. Centre and lengths are rounded before the call. Directions as in ode.cpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,15 +9,14 @@
 
 using namespace lostbits_plugin;
 
-Answer<double> box(const Ray<double>& r, const Box<double>& b) {
+Answer<double> box(const Ray<double>& r, const CentreBox<double>& b) {
     static const bool ready = dInitODE2(0) != 0;
     static thread_local const bool here = ready && dAllocateODEDataForThread(dAllocateMaskAll) != 0;
     static thread_local const dGeomID ray = here ? dCreateRay(nullptr, 1) : nullptr, box = dCreateBox(nullptr, 1, 1, 1);
     const double d = std::fabs(r.direction[0]) + std::fabs(r.direction[1]) + std::fabs(r.direction[2]);
     if (!(d >= 1e-300 && d < 1e300)) return miss;
-    dGeomBoxSetLengths(box, b.hi[0] - b.lo[0], b.hi[1] - b.lo[1], b.hi[2] - b.lo[2]);
-    dGeomSetPosition(box, (b.lo[0] + b.hi[0]) / 2, (b.lo[1] + b.hi[1]) / 2, (b.lo[2] + b.hi[2]) / 2);
-    if (dGeomBoxPointDepth(box, r.origin[0], r.origin[1], r.origin[2]) >= 0) return {0.0};
+    dGeomBoxSetLengths(box, 2 * b.half[0], 2 * b.half[1], 2 * b.half[2]);
+    dGeomSetPosition(box, b.centre[0], b.centre[1], b.centre[2]);
     dGeomRaySetLength(ray, std::min(r.end, std::numeric_limits<double>::max()));
     dGeomRaySet(ray, r.origin[0], r.origin[1], r.origin[2], r.direction[0], r.direction[1], r.direction[2]);
     dContactGeom contact;
@@ -28,5 +26,6 @@ Answer<double> box(const Ray<double>& r, const Box<double>& b) {
 LOSTBITS_FORMS(form<box>("ode.box")
                    .unit_direction()
                    .first_root()
+                   .inside_exit()
                    .titled("dCollide of ODE, ray and box")
                    .from("ODE 0.16.2, ode/src/ray.cpp:285, dCollideRayBox"))

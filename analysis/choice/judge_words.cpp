@@ -85,8 +85,12 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
                 shell::one_of({"any", "unit"}));
     command.add("--touching", words.touching, "Whether a ray that touches should hit (default) or miss",
                 shell::one_of({"hit", "miss"}));
-    command.add("--at-origin", words.at_origin, "Whether a sphere at t = 0 should be hit (default) or miss",
-                shell::one_of({"hit", "miss"}));
+    command.add("--at-origin", words.at_origin,
+                "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
+                shell::one_of({"hit", "miss", "exit"}));
+    command.add("--inside", words.inside,
+                "The right answer from inside: exit, zero or miss (default: the exit of a sphere, 0 of a box)",
+                shell::one_of({"usual", "exit", "zero", "miss"}));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
@@ -144,7 +148,11 @@ intersect::Info contract_of(const RayFileWords& o) {
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
-    info.at_origin = o.at_origin == "miss" ? intersect::AtOrigin::miss : intersect::AtOrigin::hit;
+    const auto place = [](const auto& names, const std::string& word) {
+        return std::ranges::find(names, word) - names.begin();
+    };
+    info.at_origin = static_cast<intersect::AtOrigin>(place(intersect::at_origin_names, o.at_origin));
+    info.inside = static_cast<intersect::Inside>(place(intersect::inside_names, o.inside));
     return info;
 }
 

@@ -23,7 +23,7 @@ struct RayFileWords {
     std::uint64_t skip = 0;
     std::vector<std::string> spheres, boxes;
     std::string scene, miss;
-    std::string direction = "any", touching = "hit", at_origin = "hit";
+    std::string direction = "any", touching = "hit", at_origin = "hit", inside = "usual";
     intersect::process::StopToken stop = {};
 };
 

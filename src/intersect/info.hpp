@@ -1,6 +1,7 @@
 // What a form says of itself: the contract that the laboratory holds it to.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -12,7 +13,7 @@ enum class Direction { any, unit };
 /// Which line parameters a form yields.
 enum class Roots {
     both,        ///< near and far
-    near_only,   ///< the smaller root; the form has no answer from inside
+    near_only,   ///< the smaller root alone
     first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
     none,        ///< says only whether it hits: its t is NaN, and no error of it exists
 };
@@ -22,19 +23,42 @@ enum class Roots {
 /// box of zero thickness is never hit).
 enum class Touching { hit, miss };
 
-/// Whether a sphere's surface exactly at the ray's origin (t = 0) counts as its first intersection. Where it does not,
-/// the answer is the other root if that lies ahead, and a miss if not: the first t > 0. A box is a solid, entered at
-/// t = 0 by a ray that starts in it, and a march samples the field at t = 0: for their forms t = 0 counts.
-enum class AtOrigin { hit, miss };
+/// Whether a surface exactly at the ray's origin (t = 0) counts as its first intersection. A march samples the field at
+/// t = 0, where it counts; so it does for a box whose forms answer 0 from inside.
+enum class AtOrigin {
+    hit,   ///< t = 0
+    miss,  ///< it is passed over: the answer is the other root if that lies ahead, and a miss if not
+    exit   ///< an entry there is passed over, an exit is not: the other root where the ray goes in, 0 where it goes out
+};
 
-/// What counts as a hit, in both questions that geometry leaves open. Touching alone names one in which t = 0 counts.
+/// The true answer for a ray that starts inside of a solid.
+enum class Inside {
+    usual,  ///< the exit of a sphere, 0 of a box
+    exit,   ///< where it leaves
+    zero,   ///< t = 0
+    near,   ///< the near root, behind it: nothing ahead, so a miss
+    miss
+};
+inline constexpr std::array<std::string_view, 5> inside_names{"usual", "exit", "zero", "near", "miss"};
+inline constexpr std::array<std::string_view, 3> at_origin_names{"hit", "miss", "exit"};
+
+/// What counts as a hit, in the questions that geometry leaves open. Touching alone names one in which t = 0 counts.
 struct Convention {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
+    Inside inside = Inside::usual;
+    bool endless = false;  ///< the ray goes on where it is said to end
 
     constexpr Convention() = default;
     constexpr Convention(Touching touch, AtOrigin origin = AtOrigin::hit) : touching(touch), at_origin(origin) {}
+    constexpr Convention(AtOrigin origin) : at_origin(origin) {}
     friend bool operator==(const Convention&, const Convention&) = default;
+
+    /// Whether it differs from the closed solid's in more than touching and an origin that is passed over. What is
+    /// proved many rays at a time knows those two alone.
+    [[nodiscard]] constexpr bool is_special() const {
+        return inside != Inside::usual || endless || at_origin == AtOrigin::exit;
+    }
 };
 
 /// By whose word a form is judged, as files and columns name it: its own, the closed solid's (touching is a hit), the
@@ -54,8 +78,16 @@ struct Info {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Formats formats = Formats::all;
+    Inside inside = Inside::usual;
+    bool endless = false;  ///< of a form that tells no t: it answers for rays without an end
 
-    [[nodiscard]] constexpr Convention convention() const { return {touching, at_origin}; }
+    /// The form's own, or the solid's that `judged` names: from inside, and of ends, it is asked what it says.
+    [[nodiscard]] constexpr Convention convention(std::optional<Touching> judged = {}) const {
+        Convention asked{judged.value_or(touching), judged ? AtOrigin::hit : at_origin};
+        asked.inside = inside == Inside::near ? Inside::miss : inside;
+        asked.endless = endless;
+        return asked;
+    }
 };
 
 }  // namespace lostbits::intersect

@@ -146,7 +146,7 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
     CHECK(
         has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
-    CHECK(has(refused(f, ":roots=none,flags=no_end"), "must look at the ends of rays itself"));
+    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is said of an interval; it needs both roots"));
     CHECK_THROWS_AS(read_shader("no-such-file.glsl"), InputError);
     CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);
 }

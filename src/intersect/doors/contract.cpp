@@ -36,6 +36,26 @@ void require_line(const std::string& text, const char* field, const std::string&
     throw InputError(from + ": " + field + " must be one line of at most 400 bytes without control characters");
 }
 
+/// What the roots that a form tells have to do with its other words.
+void require_roots(const Contract& c, const std::string& from) {
+    const bool both = c.roots == Roots::both, near = c.roots == Roots::near_only;
+    if ((c.flags & LB_LINE) != 0 && !both && !near)
+        throw InputError(from +
+                         ": answers for the whole line need both roots, or the near one: of these the first ahead is "
+                         "taken");
+    if ((c.flags & LB_CLIPPED) != 0 && !both)
+        throw InputError(from + ": clipped is said of an interval; it needs both roots");
+    const bool exits = c.shape == Shape::sphere || c.inside == Inside::exit;
+    if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
+        throw InputError(from +
+                         ": a near root that is clipped to 0 tells no surface at the origin from one behind it; say "
+                         "at_origin = exit as well, or miss");
+    if (c.inside == Inside::near && !near)
+        throw InputError(from + ": inside = near is said of a form of the near root alone (roots = near)");
+    if (c.inside == Inside::exit && near)
+        throw InputError(from + ": a form that answers the exit from inside tells the first root (roots = first)");
+}
+
 }  // namespace
 
 Contract contract_of(const lb_form& form, const std::string& library) {
@@ -47,8 +67,9 @@ Contract contract_of(const lb_form& form, const std::string& library) {
     c.direction = word<Direction>(form.direction, 2, "direction", from);
     c.roots = word<Roots>(form.roots, 4, "roots", from);
     c.touching = word<Touching>(form.touching, 2, "touching", from);
-    c.at_origin = word<AtOrigin>(form.at_origin, 2, "at_origin", from);
-    c.flags = form.flags;
+    c.at_origin = word<AtOrigin>(form.at_origin, 3, "at_origin", from);
+    c.inside = word<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", from);
+    c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE);
     if (form.run == nullptr) throw InputError(from + ": run is NULL; it is the function that answers a batch");
     require_sense(c, library);
     return c;
@@ -72,18 +93,22 @@ void require_sense(const Contract& c, const std::string& library) {
                          ": state has a word that is unknown; leave it out where the processor computes as usual");
     if (c.bits != 32 && c.bits != 64)
         throw InputError(from + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
-    if ((c.flags & ~7U) != 0)
+    if ((c.flags & ~15U) != 0)
         throw InputError(from +
                          ": flags has bits that this version does not know; rebuild it with this version's "
                          "lostbits_plugin.h");
-    if ((c.flags & LB_LINE) != 0 && c.roots != Roots::both)
-        throw InputError(from + ": answers for the whole line need both roots, since the first ahead is taken of them");
-    if (c.shape == Shape::box && c.at_origin == AtOrigin::miss)
+    require_roots(c, from);
+    const Inside inside = inside_of(c);
+    if (c.shape == Shape::box && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
         throw InputError(from +
-                         ": a box is solid, so a ray that starts on it hits at t = 0; at_origin = miss is for "
-                         "spheres");
-    if ((c.flags & LB_NO_END) != 0 && c.roots == Roots::none)
-        throw InputError(from + ": a form that tells no t must look at the ends of rays itself");
+                         ": from inside of a box the answer is 0, and so it is from its surface; at_origin is for "
+                         "spheres and for inside = exit or miss");
+}
+
+Inside inside_of(const Contract& c) {
+    const bool is_zero = c.shape == Shape::box;  // without a word
+    if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;
+    return c.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : c.inside;
 }
 
 }  // namespace lostbits::intersect::doors

@@ -19,7 +19,8 @@ struct Contract {
     Roots roots = Roots::both;
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
-    unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD
+    Inside inside = Inside::usual;
+    unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED
     /// How the processor computes in it, which loading its library left (`FloatingPoint::words`); empty: as IEEE 754
     /// asks.
     std::string state = {};
@@ -46,6 +47,10 @@ Contract contract_of(const lb_form& form, const std::string& from);
 
 /// InputError where the words of a contract contradict each other; `from` begins the message.
 void require_sense(const Contract& contract, const std::string& from);
+
+/// The true answer from inside by a contract: what it says, else as its roots have it. `usual` where that is what the
+/// solid has anyway.
+Inside inside_of(const Contract& contract);
 
 /// The form as rows of the table, which the program keeps until it ends; a name that comes in two formats becomes one
 /// row. InputError where two of a name differ in more than the format, or a row of the table has the name.

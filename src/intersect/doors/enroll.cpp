@@ -29,7 +29,9 @@ Info info_of(const Contract& c) {
             .roots = c.roots,
             .touching = c.touching,
             .at_origin = c.at_origin,
-            .formats = c.bits == 32 ? Formats::binary32_only : Formats::all};
+            .formats = c.bits == 32 ? Formats::binary32_only : Formats::all,
+            .inside = inside_of(c),
+            .endless = c.roots == Roots::none && (c.flags & LB_NO_END) != 0};
 }
 
 void add_format(Enrolled& to, ForeignForm form) {

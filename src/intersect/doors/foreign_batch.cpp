@@ -51,7 +51,8 @@ bool is_unwritten(S x) {
     return std::bit_cast<Bits<S>>(x) == unwritten<S>;
 }
 
-/// One answer as the table knows it.
+/// One answer as the table knows it: the first of the roots that counts, or what the contract says of a ray from
+/// inside.
 template <class S>
 Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end) {
     if (said == 0) return {false, 0, 0, 0};
@@ -60,13 +61,18 @@ Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S 
         return {true, nothing, nothing, nothing};
     }
     const S near = near_far[0], far = contract.roots == Roots::both ? near_far[1] : near_far[0];
-    if (contract.roots != Roots::both) return {(contract.flags & LB_NO_END) == 0 || !(near > end), near, near, far};
-    // A box is entered at t = 0 by a ray that starts in it; a sphere's surface is behind then, and the far one ahead.
-    const auto counts = [&contract](S t) { return contract.at_origin == AtOrigin::hit ? t >= 0 : t > 0; };
-    const bool box = contract.shape == Shape::box;
-    const S t = std::isnan(near) || counts(near) ? near : box ? std::max(near, S(0)) : far;
-    bool hit = true;
-    if ((contract.flags & LB_LINE) != 0) hit = !(std::isnan(far) ? false : !counts(far));
+    if (contract.roots != Roots::both) {
+        const bool behind = contract.roots == Roots::near_only && near < 0;
+        return {!behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
+    }
+    const bool hit_at_0 = contract.at_origin == AtOrigin::hit, passes_0 = contract.at_origin == AtOrigin::miss;
+    const bool ahead = std::isnan(near) || (hit_at_0 ? near >= 0 : near > 0);
+    const Inside inside = inside_of(contract);
+    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && contract.shape == Shape::box);
+    const S t = ahead ? near : at_0 ? S(0) : far;
+    bool hit = ahead || inside != Inside::miss;
+    if (passes_0 && far <= 0) hit = false;
+    if ((contract.flags & LB_LINE) != 0 && far < 0) hit = false;
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
     return {hit, t, near, far};
 }

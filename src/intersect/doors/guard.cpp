@@ -39,6 +39,9 @@ std::array<Slot, 256> slots;
 constinit thread_local std::atomic<const char*> inside{nullptr};
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
+/// The probe that asks, whichever thread does; null where none does.
+std::atomic<const char*> probe{nullptr};
+
 /// What libraries do to how the processor computes, by who does.
 struct Notes {
     std::mutex lock;
@@ -52,7 +55,9 @@ Notes& notes() {
 
 /// With write(2) alone: a signal handler may not allocate.
 void say(const char* who, const char* what, const char* remedy) {
-    for (const char* part : {"lostbits: ", who, ": ", what, "; ", remedy, "\n"}) {
+    const char* const asked = probe.load();
+    for (const char* part : {"lostbits: ", who, asked ? ", in the probe \"" : "", asked ? asked : "", asked ? "\"" : "",
+                             ": ", what, "; ", remedy, "\n"}) {
         if (write(STDERR_FILENO, part, std::strlen(part)) < 0) return;
     }
 }
@@ -168,6 +173,9 @@ InForeignCode::~InForeignCode() {
     inside = outer_;
     if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
+
+AsksInProbe::AsksInProbe(const char* name) { probe = name; }
+AsksInProbe::~AsksInProbe() { probe = nullptr; }
 
 LoadsForeignCode::~LoadsForeignCode() {
     computes_.set();

@@ -48,6 +48,15 @@ private:
     process::FloatingPoint computes_;
 };
 
+/// While one lives, what ends the program in foreign code is said to be in the probe of that name, which outlives it.
+class AsksInProbe {
+public:
+    explicit AsksInProbe(const char* name);
+    ~AsksInProbe();
+    AsksInProbe(const AsksInProbe&) = delete;
+    AsksInProbe& operator=(const AsksInProbe&) = delete;
+};
+
 /// `call` of foreign code through a C interface, from which nothing may be thrown. EnvironmentError, which begins with
 /// `who`, where something is.
 template <class Call>

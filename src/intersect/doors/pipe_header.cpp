@@ -16,8 +16,9 @@ using Words = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 2> shapes{"sphere", "box"}, formats{"f32", "f64"}, directions{"any", "unit"},
     counts{"hit", "miss"};
+constexpr Words at_origins = at_origin_names, insides = inside_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
-constexpr std::array<std::string_view, 3> flags{"line", "no_end", "one_thread"};
+constexpr std::array<std::string_view, 4> flags{"line", "no_end", "one_thread", "clipped"};
 
 /// One key of a form: what it may say, and how the contract holds it.
 struct Key {
@@ -59,7 +60,8 @@ const std::vector<Key>& keys() {
         choice("direction", directions, &Contract::direction),
         choice("roots", roots, &Contract::roots),
         choice("touching", counts, &Contract::touching),
-        choice("at_origin", counts, &Contract::at_origin),
+        choice("at_origin", at_origins, &Contract::at_origin),
+        choice("inside", insides, &Contract::inside),
         text("state", &Contract::state)};
     return all;
 }
@@ -126,7 +128,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         if (!set_word(contracts.back(), key, value, where))
             throw InputError(where + ": unknown key " + shown_text(key) +
                              "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
-                             "state, flags");
+                             "inside, state, flags");
     }
     if (contracts.empty())
         throw InputError(

@@ -168,8 +168,10 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
     c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
     if (signature.kind != Signature::Kind::intersector) {
         c.direction = Direction::unit;
-        c.roots = two ? Roots::both : Roots::near_only;  // a march from inside ends where it begins
+        c.roots = two ? Roots::both : Roots::near_only;
     }
+    const bool ends_at_once = signature.kind != Signature::Kind::intersector || signature.shape == Shape::box;
+    if (c.roots == Roots::near_only && ends_at_once) c.inside = Inside::zero;  // a march ends where it begins
     c.flags = LB_ONE_THREAD;
     return c;
 }
@@ -213,9 +215,10 @@ void obey(const Word& word, ShaderSource& shader) {
     else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
     else if ((word.key == "shape" && !own_solids) || word.key == "source" ||
              !doors::set_word(shader.contract, word.key, word.value, word.where))
-        throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
-                         "; known are function, name, title, direction, roots, touching, at_origin, flags, miss, "
-                         "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
+        throw InputError(
+            word.where + ": unknown key " + doors::shown_text(word.key) +
+            "; known are function, name, title, direction, roots, touching, at_origin, inside, flags, miss, "
+            "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ public:
 
 private:
     [[nodiscard]] intersect::Convention convention(const intersect::Info& info) const {
-        return judged_ ? *judged_ : info.convention();
+        return info.convention(judged_);
     }
 
     /// Of a scene with shared inputs.

@@ -97,16 +97,16 @@ void TrueLengths::put(std::size_t i, const truth::Truth& truth, Direction unit_o
     inverse[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
 }
 
-std::size_t BandColumns::place(Convention convention, Direction unit_of) {
-    return (convention.touching == intersect::Touching::miss ? 4U : 0U) +
-           (convention.at_origin == intersect::AtOrigin::miss ? 2U : 0U) + (unit_of == Direction::unit ? 1U : 0U);
+const BandColumns::Found* BandColumns::find_if(Convention convention, Direction unit_of) const {
+    const auto found = std::ranges::find_if(
+        found_, [&](const Found& f) { return f.convention == convention && f.unit_of == unit_of; });
+    return found == found_.end() ? nullptr : &*found;
 }
 
 const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
-    std::optional<TrueLengths>& found = lengths_.at(place(convention, unit_of));
-    if (found) return *found;
+    if (const Found* const found = find_if(convention, unit_of)) return found->lengths;
     const truth::RayTruths& truths = band_->truths();
-    TrueLengths& columns = found.emplace();
+    TrueLengths& columns = found_.emplace_back(Found{convention, unit_of, {}}).lengths;
     columns.decision = truths.decision;
     columns.object = truths.object;
     for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
@@ -114,6 +114,12 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
         put_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
     for (const auto& [i, closed] : truths.whole) columns.put(i, band_->truth(i, convention), unit_of);
+    if (!convention.is_special()) return columns;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
+        band_->stop().check();
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            if (band_->asks_anew(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
+    });
     return columns;
 }
 

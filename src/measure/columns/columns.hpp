@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -31,14 +31,19 @@ public:
     /// Finds them once; not for several threads at once, unlike `of`.
     const TrueLengths& find(intersect::Convention convention, intersect::Direction unit_of);
     [[nodiscard]] const TrueLengths& of(intersect::Convention convention, intersect::Direction unit_of) const {
-        return lengths_.at(place(convention, unit_of)).value();
+        return find_if(convention, unit_of)->lengths;
     }
 
 private:
-    static std::size_t place(intersect::Convention convention, intersect::Direction unit_of);
+    struct Found {
+        intersect::Convention convention;
+        intersect::Direction unit_of;
+        TrueLengths lengths;
+    };
+    [[nodiscard]] const Found* find_if(intersect::Convention convention, intersect::Direction unit_of) const;
 
     const truth::Band* band_;
-    std::array<std::optional<TrueLengths>, 8> lengths_;
+    std::deque<Found> found_;
 };
 
 /// Where columns of errors go, NaN for what is not measured or left; null where not wanted. `ulp` is always wanted.

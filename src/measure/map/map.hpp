@@ -31,7 +31,7 @@ struct MapRow {
     /// The form that it is held against, which exists in the format; none where null.
     const intersect::table::Intersector* against = nullptr;
 
-    [[nodiscard]] intersect::Convention convention() const { return judged ? *judged : form->info->convention(); }
+    [[nodiscard]] intersect::Convention convention() const { return form->info->convention(judged); }
     friend bool operator==(const MapRow&, const MapRow&) = default;
 };
 

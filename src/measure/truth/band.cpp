@@ -15,6 +15,7 @@ namespace lostbits::measure::truth {
 
 using intersect::AtOrigin;
 using intersect::Convention;
+using intersect::Inside;
 using intersect::Touching;
 using scene::rays::RayBlock;
 using scene::rays::SolidList;
@@ -199,28 +200,45 @@ const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const 
     return closed && matters(convention, *closed) ? &apart_.at(key(i, convention)) : nullptr;
 }
 
+bool Band::asks_anew(std::size_t i, Convention convention) const {
+    const std::vector<double>& ends = ideal_ ? ideal_->tmax : shared_.tmax;
+    if (convention.endless && !ends.empty()) return true;
+    const Truth* const whole = truths_.find_whole(i);
+    if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
+    if (convention.inside == Inside::usual) return false;
+    if (ideal_ || shared_solids_.flake() || (culler_ && culler_->for_truth())) return true;
+    const auto solids = shared_solids_.listed();
+    return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids,
+                               [ray = shared_[i]](const Solid<double>& solid) { return may_start_in(ray, solid); });
+}
+
 Truth Band::truth(std::size_t i, Convention convention) const {
+    if (convention.is_special() && asks_anew(i, convention)) return find_truth_of(i, convention);
     const Apart* const apart = find_apart(i, convention);
     return apart ? apart->truth : truths_[i];
 }
 
 void Band::find_condition() {
-    const auto of = [&](std::size_t i, Truth::Decision decision, int object, AtOrigin at_origin) {
-        if (decision != Truth::Decision::hit) return missing;
-        return with_ray(i, [&](const auto& ray, const auto& solids) {
-            return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(object)], at_origin);
-        });
-    };
     condition_.resize(pixels());
-    for_each_pixel(pixels(), limit_.stop, [&](std::size_t i) {
-        condition_[i] = of(i, truths_.decision[i], truths_.object[i], AtOrigin::hit);
-    });
+    for_each_pixel(pixels(), limit_.stop,
+                   [&](std::size_t i) { condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {}); });
     for (auto& [key, apart] : apart_)
-        apart.condition =
-            of(key / 4, apart.truth.decision, apart.truth.object, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
+        apart.condition = condition_of(key / 4, apart.truth.decision, apart.truth.object,
+                                       key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
+}
+
+double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
+    if (decision != Truth::Decision::hit) return missing;
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(object)], convention);
+    });
 }
 
 double Band::condition(std::size_t i, Convention convention) const {
+    if (convention.is_special() && asks_anew(i, convention)) {
+        const Truth truth = find_truth_of(i, convention);
+        return condition_of(i, truth.decision, truth.object, convention);
+    }
     const Apart* const apart = find_apart(i, convention);
     return apart ? apart->condition : condition_[i];
 }
@@ -261,6 +279,15 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     return in;
 }
 
+Truth FormatInputs::own(std::size_t i, Convention convention) const {
+    if (convention.is_special())
+        return find_among({.paired = paired}, i, rays[i], solids, {.stop = stop}, convention,
+                          rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+    const Truth closed = own_truth[i];
+    const bool past = convention.at_origin == AtOrigin::miss && closed.on_surface;
+    return past ? own_past_origin.at(i) : closed;
+}
+
 bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
     const auto same = [](double stored, const auto& given) {
         return stored == given || (std::isnan(stored) && given != given);
@@ -299,7 +326,8 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
     const Truth truth = this->truth(i, convention);
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length);
+        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length,
+                           convention.inside);
     });
 }
 

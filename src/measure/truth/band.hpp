@@ -55,7 +55,11 @@ public:
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// The truth of ray i by the convention of a form.
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
-    /// That of every ray by the closed solid's convention. Others can differ on rays of its `whole` alone.
+    /// Whether ray i must be asked anew by a convention that is special: where it starts in a solid or on one, and
+    /// where it ends.
+    [[nodiscard]] bool asks_anew(std::size_t i, intersect::Convention convention) const;
+    /// That of every ray by the closed solid's convention. Others that are not special can differ on rays of its
+    /// `whole` alone.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
     /// The truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
     [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
@@ -66,6 +70,8 @@ private:
     void find_truth_of_all();
 
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
+                                      intersect::Convention convention) const;
 
     Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself

@@ -10,7 +10,7 @@
 
 namespace lostbits::measure::truth {
 
-using intersect::AtOrigin;
+using intersect::Convention;
 
 namespace {
 
@@ -60,9 +60,9 @@ std::optional<double> close_enough(const Interval& k) {
 
 /// κ at one precision; nothing where it is too low.
 template <class E, std::size_t N, class S>
-std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, AtOrigin at_origin) {
+std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
     const Problem<E, N> problem(ray, solid);
-    const auto found = enclose(problem.ray, problem.solid, static_cast<const Dual<E, N>*>(nullptr), at_origin);
+    const auto found = enclose(problem.ray, problem.solid, static_cast<const Dual<E, N>*>(nullptr), convention);
     if (found.hit.is_no()) return missing;
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
@@ -73,29 +73,29 @@ std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, AtO
 }
 
 template <std::size_t N, class S>
-double find_condition(const Ray<S>& ray, const Solid<S>& solid, AtOrigin at_origin) {
-    if (const auto quick = condition_in<Ball, N>(ray, solid, at_origin)) return *quick;
+double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
+    if (const auto quick = condition_in<Ball, N>(ray, solid, convention)) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto k = condition_in<Interval, N>(ray, solid, at_origin)) return *k;
+        if (const auto k = condition_in<Interval, N>(ray, solid, convention)) return *k;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
     return std::numeric_limits<double>::infinity();
 }
 
 template <class S>
-double condition_of(const Ray<S>& ray, const Solid<S>& solid, AtOrigin at_origin) {
-    return solid.shape == Shape::sphere ? find_condition<10>(ray, solid, at_origin)
-                                        : find_condition<12>(ray, solid, at_origin);
+double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
+    return solid.shape == Shape::sphere ? find_condition<10>(ray, solid, convention)
+                                        : find_condition<12>(ray, solid, convention);
 }
 
 }  // namespace
 
-double condition(const Ray<double>& ray, const Solid<double>& solid, AtOrigin at_origin) {
-    return condition_of(ray, solid, at_origin);
+double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention) {
+    return condition_of(ray, solid, convention);
 }
-double condition(const Ray<Real>& ray, const Solid<Real>& solid, AtOrigin at_origin) {
-    return condition_of(ray, solid, at_origin);
+double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention) {
+    return condition_of(ray, solid, convention);
 }
 
 double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }

@@ -221,4 +221,15 @@ void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>&
     }
 }
 
+bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
+    const Vec<double>& o = ray.origin;
+    if (solid.shape == Shape::box) {
+        const Box<double> b = solid.box();
+        return !(o.x < b.lo.x || o.x > b.hi.x || o.y < b.lo.y || o.y > b.hi.y || o.z < b.lo.z || o.z > b.hi.z);
+    }
+    const Sphere<double> s = solid.sphere();
+    const double f2 = square(o - s.centre), r2 = s.radius * s.radius;
+    return !(f2 > r2 * (1 + 0x1p-40) && f2 > 0x1p-900);
+}
+
 }  // namespace lostbits::measure::truth

@@ -28,10 +28,9 @@ struct Enclosed {
 /// No step subtracts numbers of like size that are not exact differences of the inputs: t = c/(−h + √aΔ) from outside,
 /// (−h + √aΔ)/a or −c/(h + √aΔ) from inside, by the sign of h.
 /// An origin on the surface (c = 0) has the roots 0 and −2h/a: t = 0, or, where that does not count, the other if it
-/// is positive.
+/// is positive. From inside (c < 0) t is what the convention says.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere,
-                    intersect::AtOrigin at_origin = intersect::AtOrigin::hit) {
+Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere, intersect::Convention convention = {}) {
     const E zero(0);
     const Vec<E> f = ray.origin - sphere.centre;
     const E h = dot(f, ray.direction);
@@ -51,10 +50,19 @@ Enclosed<E> enclose(const Ray<E>& ray, const Sphere<E>& sphere,
         const Tri aside = h > zero || h < zero;
         if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown, zero, zero};
         const bool touching = aside.is_no();
-        if (at_origin == intersect::AtOrigin::hit) return {Tri::yes, zero, zero, touching, true};
-        if (leaving.is_yes()) return {Tri::no, zero, zero, touching, true};
+        // Whoever misses from inside has no exits, and so none at the origin. Of a tangent both roots are 0.
+        const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
+        const bool counts = convention.at_origin == intersect::AtOrigin::hit ||
+                            (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
+        if (counts && !(no_exits && leaving.is_yes())) return {Tri::yes, zero, zero, touching, true};
+        if (no_exits || leaving.is_yes()) return {Tri::no, zero, zero, touching, true};
         const E t = (sqrt(discriminant) - h) / a;  // and not −2h/a, whose gradient is another
         return {Tri::yes, t, t * sqrt(a), false, true};
+    }
+    const bool zero_inside = convention.inside == intersect::Inside::zero;
+    if (outside.is_no() && (zero_inside || convention.inside == intersect::Inside::miss)) {
+        if (!(c < zero).is_yes()) return {Tri::unknown, zero, zero};
+        return {zero_inside ? Tri::yes : Tri::no, zero, zero};
     }
     const Tri through = outside.is_no() ? Tri::yes : discriminant > zero;
     if (through.is_unknown()) return {Tri::unknown, zero, zero};

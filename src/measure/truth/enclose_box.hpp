@@ -98,6 +98,44 @@ std::optional<Fraction<E>> first_entry(const Slabs<E>& slabs) {
     return first ? *first : Fraction<E>{zero, E(1)};
 }
 
+/// The smallest exit; of equal ones the first. Nothing where this precision does not tell.
+template <class E>
+std::optional<Fraction<E>> first_exit(const Slabs<E>& slabs) {
+    std::optional<Fraction<E>> first;
+    for (const auto& exit : slabs.exit) {
+        if (!exit) continue;
+        const Tri sooner = first ? exit->n * first->m < first->n * exit->m : Tri(Tri::yes);
+        if (sooner.is_unknown()) return std::nullopt;
+        if (sooner.is_yes()) first = *exit;
+    }
+    return first;
+}
+
+/// What a convention says of a ray that starts in the closed box (largest entry a ≤ 0 ≤ smallest exit b). With a < 0 <
+/// b it is inside; a = 0 is an entry at the origin, and b = 0 an exit there. An exit beyond tmax is none.
+template <class E>
+Enclosed<E> enclose_from_inside(const Ray<E>& ray, const Slabs<E>& slabs, const E* tmax, intersect::Convention asked) {
+    using intersect::AtOrigin, intersect::Inside;
+    const E zero(0);
+    const Enclosed<E> unknown{Tri::unknown, zero, zero}, at_once{Tri::yes, zero, zero}, none{Tri::no, zero, zero};
+    Tri entered = Tri::yes;
+    for (const auto& entry : slabs.entry)
+        if (entry) entered = entered && entry->n < zero;
+    const auto exit = first_exit(slabs);
+    if (entered.is_unknown() || !exit) return unknown;
+    const Tri leaving = exit->n <= zero;
+    if (leaving.is_unknown()) return unknown;
+    if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once;
+    if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once;
+    if (asked.inside != Inside::exit) return none;
+    if (tmax) {
+        const Tri in_reach = exit->n <= *tmax * exit->m;
+        if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
+    }
+    const E t = exit->n / exit->m;
+    return {Tri::yes, t, t * length(ray.direction)};
+}
+
 /// The first t in [0, tmax] (no end where `tmax` is null) for which o + t d lies in the closed box (`Touching::hit`),
 /// or the infimum of those for which it lies in the open one (`Touching::miss`). For either, t* = max(0, largest
 /// entry):
@@ -109,11 +147,11 @@ std::optional<Fraction<E>> first_entry(const Slabs<E>& slabs) {
 ///
 /// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax),
 /// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and
-/// lo ≤ hi. `touching` says that the two conventions differ; it is known, like everything else, only where `hit` is. A
-/// Dual's gradient is that of the axis that was chosen: where two entries are equal t has a kink, and the gradient is
-/// one-sided.
+/// lo ≤ hi. From inside the answer is 0 unless the convention says another. `touching` says that the two conventions
+/// differ; it is known, like everything else, only where `hit` is. A Dual's gradient is that of the axis that was
+/// chosen: where two entries are equal t has a kink, and the gradient is one-sided.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, intersect::Touching convention) {
+Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, intersect::Convention convention) {
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const auto slabs = slabs_of(ray, box);
@@ -122,22 +160,30 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, interse
     if (in.closed.is_no()) return {Tri::no, zero, zero};
     if (in.closed.is_unknown() || in.open.is_unknown()) return unknown;
     const bool touching = in.open.is_no();
-    if (touching && convention == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
+    if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
 
     const auto first = first_entry(*slabs);
     if (!first) return unknown;
-    if ((first->n <= zero).is_yes()) return {Tri::yes, zero, zero, touching};
+    if ((first->n <= zero).is_yes()) {
+        const bool usual =
+            convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
+        Enclosed<E> found =
+            usual ? Enclosed<E>{Tri::yes, zero, zero} : enclose_from_inside(ray, *slabs, tmax, convention);
+        found.touching = touching;
+        return found;
+    }
     const E t = first->n / first->m;
     return {Tri::yes, t, t * length(ray.direction), touching};
 }
 
 /// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray for boxes; a sphere's problem has no end.
-/// `at_origin` is asked of spheres.
+/// What the convention says of touching is left to whoever asks.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr,
-                    intersect::AtOrigin at_origin = intersect::AtOrigin::hit) {
-    return solid.shape == Shape::sphere ? enclose(ray, solid.sphere(), at_origin)
-                                        : enclose(ray, solid.box(), tmax, intersect::Touching::hit);
+                    intersect::Convention convention = {}) {
+    if (solid.shape == Shape::sphere) return enclose(ray, solid.sphere(), convention);
+    convention.touching = intersect::Touching::hit;
+    return enclose(ray, solid.box(), tmax, convention);
 }
 
 }  // namespace lostbits::measure::truth

@@ -32,11 +32,7 @@ struct FormatInputs {
     std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
     intersect::process::StopToken stop = {};        ///< of the band, for whoever asks forms about them
 
-    [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const {
-        const Truth closed = own_truth[i];
-        const bool past = convention.at_origin == intersect::AtOrigin::miss && closed.on_surface;
-        return past ? own_past_origin.at(i) : closed;
-    }
+    [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }

@@ -62,12 +62,14 @@ std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& 
     return *past > 0 ? -1 : *p;
 }
 
-/// For a ray that hits the box and m > 0: t* = n/d of its first entry against m, or n² a against (m d)².
+/// For a ray that hits the box and m > 0: t* = n/d of its first entry, or of its exit where that is the answer from
+/// inside, against m, or n² a against (m d)².
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Length length) {
+std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Length length, intersect::Inside inside) {
     const auto slabs = slabs_of(ray, box);
     if (!slabs) return std::nullopt;
-    const auto first = first_entry(*slabs);
+    auto first = first_entry(*slabs);
+    if (first && inside == intersect::Inside::exit && (first->n <= E(0)).is_yes()) first = first_exit(*slabs);
     if (!first) return std::nullopt;
     const E there = m * first->m;
     if (length == Length::parameter) return sign<E>(first->n - there);
@@ -75,9 +77,10 @@ std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Len
 }
 
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length) {
+std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
+                           intersect::Inside inside = intersect::Inside::usual) {
     return solid.shape == Shape::sphere ? side_of(ray, solid.sphere(), m, length)
-                                        : side_of(ray, solid.box(), m, length);
+                                        : side_of(ray, solid.box(), m, length, inside);
 }
 
 }  // namespace lostbits::measure::truth

@@ -12,6 +12,7 @@
 namespace lostbits::measure::truth {
 
 using intersect::Convention;
+using intersect::Inside;
 using intersect::Touching;
 
 namespace {
@@ -99,9 +100,9 @@ struct Terms {
 
 template <class E>
 Enclosed<E> enclose_until(const Ray<E>& ray, const Solid<E>& solid, const Terms& terms) {
-    if (std::isinf(terms.tmax)) return enclose<E>(ray, solid, nullptr, terms.convention.at_origin);
+    if (std::isinf(terms.tmax) || terms.convention.endless) return enclose<E>(ray, solid, nullptr, terms.convention);
     const E end(terms.tmax);
-    return enclose<E>(ray, solid, &end, terms.convention.at_origin);
+    return enclose<E>(ray, solid, &end, terms.convention);
 }
 
 template <class S>
@@ -115,7 +116,7 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
         const auto place = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
-            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length);
+            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length, terms.convention.inside);
             if (side) x = on_side(x, *side);
             return side.has_value();
         };
@@ -129,7 +130,7 @@ template <class S>
 Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
-    if (!is_ray(ray) || !(terms.tmax >= 0)) return best;
+    if (!is_ray(ray) || !(terms.tmax >= 0 || terms.convention.endless)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t at = 0; at < solids.size(); ++at) {
         const Solid<S>& solid = solids[at];
@@ -146,7 +147,7 @@ Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms&
 
 template <class S>
 double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format,
-                     Length length) {
+                     Length length, Inside inside) {
     const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
@@ -155,7 +156,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         const Interval middle = std::isinf(upper)
                                     ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                     : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length);
+        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length, inside);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -197,12 +198,12 @@ bool is_proper(const Solid<double>& solid) { return is_solid(solid); }
 bool is_proper(const Solid<Real>& solid) { return is_solid(solid); }
 
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length) {
-    return round_exactly(truth, ray, solid, format, length);
+                   Length length, Inside inside) {
+    return round_exactly(truth, ray, solid, format, length, inside);
 }
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length) {
-    return round_exactly(truth, ray, solid, format, length);
+                   Length length, Inside inside) {
+    return round_exactly(truth, ray, solid, format, length, inside);
 }
 
 }  // namespace lostbits::measure::truth

@@ -14,7 +14,7 @@
 namespace lostbits::measure::truth {
 
 /// The first intersection with t ≥ 0 of a ray with solids: closed ones (touching counts, the origin on the surface
-/// counts), or, by another convention, those that the line does not merely touch, and of spheres the first with t > 0.
+/// counts), or by another convention.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
@@ -79,10 +79,11 @@ inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLim
 enum class Length { parameter, distance };
 
 /// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
-/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only.
+/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, of which `inside` says
+/// what it is from there.
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length = Length::parameter);
+                   Length length = Length::parameter, intersect::Inside inside = intersect::Inside::usual);
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length = Length::parameter);
+                   Length length = Length::parameter, intersect::Inside inside = intersect::Inside::usual);
 
 }  // namespace lostbits::measure::truth

@@ -55,7 +55,10 @@ public:
         for (std::size_t begin = 0; begin < problems_.size; begin += settled_together) {
             const std::size_t count = std::min(settled_together, problems_.size - begin);
             open_.clear();
-            if constexpr (std::is_same_v<S, float>) {
+            if (terms_.convention.is_special()) {
+                open_.resize(count);
+                std::iota(open_.begin(), open_.end(), begin);
+            } else if constexpr (std::is_same_v<S, float>) {
                 if (terms_.tightness == Tightness::ulps_of_binary32) {
                     settle_in_place(stages_.kernels.binary64[length], begin, count);
                     out_.stages.binary64 += count - open_.size();

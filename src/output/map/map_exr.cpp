@@ -30,6 +30,10 @@ struct MapExr::Truths {
         if (direction == intersect::Direction::unit) name += ".distance";
         if (convention.touching == intersect::Touching::miss) name += ".open";
         if (convention.at_origin == intersect::AtOrigin::miss) name += ".ahead";
+        if (convention.at_origin == intersect::AtOrigin::exit) name += ".leaving";
+        if (convention.inside != intersect::Inside::usual)
+            name.append(".inside_").append(intersect::inside_names[static_cast<std::size_t>(convention.inside)]);
+        if (convention.endless) name += ".endless";
         return name;
     }
 };

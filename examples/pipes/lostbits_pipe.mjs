@@ -1,0 +1,89 @@
+// A function of one ray as a pipe (docs/pipe.md), for node:
+//   import { serve } from "./lostbits_pipe.mjs";
+//   serve({ name: "mylib.sphere", roots: "first" }, (origin, direction, sphere) => …);
+// It answers t, or [near, far], or true; nothing or false is a miss. Print to standard error alone (console.error).
+import { readSync, writeSync } from "node:fs";
+
+/** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
+function read(bytes) {
+    const buffer = new ArrayBuffer(bytes), view = new Uint8Array(buffer);
+    for (let got = 0; got < bytes;) {
+        let more = 0;
+        try {
+            more = readSync(0, view, got, bytes - got);
+        } catch (error) {
+            if (error.code === "EAGAIN") continue;
+            if (error.code !== "EOF") throw error;
+        }
+        if (more === 0) return undefined;
+        got += more;
+    }
+    return buffer;
+}
+
+function write(view) {
+    for (let put = 0; put < view.length;) {
+        try {
+            put += writeSync(1, view, put, view.length - put);
+        } catch (error) {
+            if (error.code !== "EAGAIN") throw error;
+        }
+    }
+}
+
+const minus = (a, b) => a.map((x, k) => x - b[k]);
+const solids = {
+    sphere: ([x, y, z, radius]) => ({ centre: [x, y, z], radius }),
+    box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
+};
+/** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
+function reach(origin, solid, end) {
+    const middle = solid.centre ?? solid.lo.map((x, k) => (x + solid.hi[k]) / 2);
+    const across = solid.centre ? 2 * solid.radius : Math.hypot(...minus(solid.hi, solid.lo));
+    return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
+}
+
+/** What a function answered, as [near, far] in t. */
+const answers = {
+    t: (a) => [a, a].flat().slice(0, 2),
+    thickness: ([near, thickness]) => [near, near + thickness],
+    point: (point, origin, direction) => {
+        const size = direction.map(Math.abs), k = size.indexOf(Math.max(...size));
+        const t = (p) => (p[k] - origin[k]) / direction[k];
+        return Array.isArray(point[0]) ? point.map(t) : [t(point), t(point)];
+    },
+};
+
+/**
+ * Answers with `mine(origin, direction, solid, end)`, or `mine(from, to, solid)` where `takes` is "segment" (its
+ * answer is a fraction then). `words` are the header's keys, and `takes` and `answers` ("t", "point", "thickness").
+ * Numbers are doubles.
+ */
+export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
+    const keys = { shape: "sphere", direction: takes === "segment" ? "unit" : "any", ...words, format: "f64" };
+    const { name, ...rest } = keys;
+    const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
+    write(new TextEncoder().encode(lines.join("\n")));
+    const solid_of = solids[keys.shape], width = keys.shape === "box" ? 6 : 4, t_of = answers[told];
+    for (let request = read(20); request; request = read(20)) {
+        const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends
+        const rays = new Float64Array(read(48 * n)), ends = new Float64Array(read(8 * ended));
+        const numbers = new Float64Array(read(8 * width * many));
+        const bytes = new Uint8Array(8 + 17 * n);
+        bytes.set(new TextEncoder().encode("LBA1"));
+        const near_far = new Float64Array(bytes.buffer, 8, 2 * n);
+        for (let i = 0; i < n; ++i) {
+            const [origin, direction] = [0, 3].map((k) => [...rays.subarray(6 * i + k, 6 * i + k + 3)]);
+            const solid = solid_of([...numbers.subarray(many === 1 ? 0 : width * i)].slice(0, width));
+            const end = ended ? ends[i] : Infinity;
+            const length = takes === "segment" ? reach(origin, solid, end) : 1;
+            const answer = takes === "segment"
+                ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid)
+                : mine(origin, direction, solid, end);
+            if (answer === undefined || answer === null || answer === false) continue;
+            bytes[8 + 16 * n + i] = 1;
+            if (answer !== true) near_far.set(t_of(answer, origin, direction).map((t) => t * length), 2 * i);
+        }
+        write(bytes);
+    }
+}

@@ -1,0 +1,73 @@
+"""A function of one ray as a pipe (docs/pipe.md), for Python:
+
+    from lostbits_pipe import serve
+    serve(mine, name="mylib.sphere", roots="first")
+
+mine(origin, direction, solid, end) answers t, or (near, far), or True; None or False is a miss. Print to standard error
+alone.
+"""
+import array
+import math
+import struct
+import sys
+from types import SimpleNamespace
+
+
+def solid_of(shape, n):
+    if shape == "box":
+        return SimpleNamespace(lo=n[:3], hi=n[3:])
+    return SimpleNamespace(centre=n[:3], radius=n[3])
+
+
+def reach(origin, solid, end):
+    """Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more."""
+    box = hasattr(solid, "lo")
+    middle = [(a + b) / 2 for a, b in zip(solid.lo, solid.hi)] if box else solid.centre
+    across = math.dist(solid.lo, solid.hi) if box else 2 * solid.radius
+    return min(end, math.dist(middle, origin) + across)
+
+
+def roots_of(answer, kind, origin, direction):
+    """What a function answered, as (near, far) in t."""
+    if kind == "thickness":
+        return answer[0], answer[0] + answer[1]
+    if kind == "point":
+        k = max(range(3), key=lambda i: abs(direction[i]))
+        points = answer if hasattr(answer[0], "__len__") else (answer, answer)
+        return tuple((p[k] - origin[k]) / direction[k] for p in points)
+    return tuple(answer) if hasattr(answer, "__len__") else (answer, answer)
+
+
+def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
+    """Answers with `mine`; where `takes` is "segment", with mine(from, to, solid), whose answer is a fraction. `words`
+    are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
+    words.setdefault("direction", "unit" if takes == "segment" else "any")
+    lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
+    out, width = sys.stdout.buffer, 6 if shape == "box" else 4
+    out.write(("\n".join(lines) + "\n\n").encode())
+    out.flush()
+
+    def numbers(count):
+        return memoryview(sys.stdin.buffer.read(8 * count)).cast("d").tolist()
+
+    while request := sys.stdin.buffer.read(20):
+        _, _, n, solids, ended = struct.unpack("<4s4I", request)  # magic, form, rays, solids, ends
+        rays, ends, held = numbers(6 * n), numbers(ended), numbers(width * solids)
+        near_far, hits = array.array("d", bytes(16 * n)), bytearray(n)
+        for i in range(n):
+            origin, direction = rays[6 * i:6 * i + 3], rays[6 * i + 3:6 * i + 6]
+            place = 0 if solids == 1 else width * i
+            solid, end = solid_of(shape, held[place:place + width]), ends[i] if ended else math.inf
+            length = reach(origin, solid, end) if takes == "segment" else 1.0
+            if takes == "segment":
+                answer = mine(origin, [o + length * d for o, d in zip(origin, direction)], solid)
+            else:
+                answer = mine(origin, direction, solid, end)
+            if answer is None or answer is False:
+                continue
+            hits[i] = 1
+            if answer is not True:
+                near, far = roots_of(answer, answers, origin, direction)
+                near_far[2 * i], near_far[2 * i + 1] = near * length, far * length
+        out.write(struct.pack("<4sI", b"LBA1", 0) + near_far.tobytes() + bytes(hits))
+        out.flush()

@@ -1,0 +1,84 @@
+// What the probes of a contract have in common: the form, and a name, which verdicts, crashes and the docs use.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "intersect/doors/guard.hpp"
+#include "measure/contract/asked.hpp"
+#include "measure/contract/probe.hpp"
+
+namespace lostbits::measure::contract {
+
+inline bool is_answer(double x, double right) {
+    return std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right));
+}
+
+inline std::string text_of(double x) {
+    if (std::isnan(x)) return "NaN";
+    std::array<char, 32> text{};
+    return {text.data(), static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.7g", x))};
+}
+
+/// A solid of half-width `half` around (0, 0, z), and a ray along the z axis: from (0, 0, -5) it is met at 3 and left
+/// at 7 where the half-width is 2 and z is 0.
+inline Question along(Shape shape, double from, double direction, double z = 0, double half = 2) {
+    Question q{.ray = {0, 0, from, 0, 0, direction}, .solid = {0, 0, z, half, 0, 0}};
+    if (shape == Shape::box) q.solid = {-half, -half, z - half, half, half, z + half};
+    return q;
+}
+
+/// What is tried of one form.
+class Trial {
+public:
+    explicit Trial(const intersect::doors::ForeignForm& tried)
+        : form(tried),
+          contract(form.contract),
+          shape(contract.shape),
+          tells_t(contract.roots != intersect::Roots::none) {}
+
+    /// Runs one probe. What it finds has its name, and what ends it too.
+    template <class Probe>
+    void probe(const char* name, const Probe& run) {
+        name_ = name;
+        const intersect::doors::AsksInProbe here(name);
+        try {
+            run(*this);
+        } catch (const EnvironmentError& error) {
+            throw EnvironmentError(std::string(error.what()) + " (in the probe \"" + name + "\")");
+        }
+    }
+
+    void kept(std::string words) { add(Observation::Verdict::kept, std::move(words)); }
+    void broken(std::string words) { add(Observation::Verdict::broken, std::move(words)); }
+    void told(std::string words) { add(Observation::Verdict::told, std::move(words)); }
+    void hold(bool good, const std::string& yes, const std::string& no) {
+        add(good ? Observation::Verdict::kept : Observation::Verdict::broken, good ? yes : no);
+    }
+    [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
+    [[nodiscard]] bool says(unsigned flag) const { return (contract.flags & flag) != 0; }
+
+    const intersect::doors::ForeignForm& form;
+    const intersect::doors::Contract& contract;
+    Shape shape;
+    bool tells_t;
+    std::vector<Observation> findings;
+
+private:
+    void add(Observation::Verdict verdict, std::string words) {
+        findings.push_back({name_, verdict, std::move(words)});
+    }
+    const char* name_ = "";
+};
+
+/// Probes of one promise each (probe_surface.cpp).
+void try_inside(Trial& trial);
+void try_touching(Trial& trial);
+void try_at_origin(Trial& trial);
+void try_close(Trial& trial);
+
+}  // namespace lostbits::measure::contract

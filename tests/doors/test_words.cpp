@@ -1,0 +1,241 @@
+// The words of a contract: what fits real code is not accused, what does not is not acquitted, by any command.
+#include <sstream>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+#include "measure/truth/band.hpp"
+#include "measure/truth/conditioning.hpp"
+
+namespace test_words {
+
+using namespace lostbits::test;
+using namespace lostbits;
+using intersect::AtOrigin;
+using intersect::Convention;
+using intersect::Inside;
+using intersect::Touching;
+using measure::truth::find_truth;
+
+namespace {
+
+const std::string worded = std::string(LOSTBITS_LIBRARIES) + "/worded.so";
+
+Convention from_inside(Inside inside, AtOrigin at_origin = AtOrigin::hit) {
+    Convention asked(at_origin);
+    asked.inside = inside;
+    return asked;
+}
+
+/// The true t, to a 2^-20th; −1 for a miss.
+double true_t(const Ray<double>& ray, const Solid<double>& solid, Convention asked, double tmax = HUGE_VAL) {
+    const auto truth = find_truth(ray, solid, {}, asked, tmax);
+    REQUIRE(truth.decision != measure::truth::Truth::Decision::unresolved);
+    return truth.is_hit() ? std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) : -1;
+}
+
+std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form) {
+    for (auto& row : read_csv(summary)) {
+        if (row["form"] == form) return row;
+    }
+    FAIL("no row " << form);
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("words: plugin check says which word is missing, and acquits what has the right ones", "[doors]") {
+    const Scratch folder;
+    const Outcome o = run("plugin check " + worded, folder.path());
+    CHECK(o.code == 3);  // the last form ends it
+    const auto finding = [&o](const std::string& form) {
+        const auto at = o.out.find(form + " in binary32");
+        INFO(form << o.out);
+        REQUIRE(at != std::string::npos);
+        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
+    };
+    for (const std::string form :
+         {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
+          "box_exit", "box_clipped", "box_near", "endless", "segment", "centre", "at_origin", "thickness", "points"}) {
+        INFO(finding("word." + form));
+        CHECK(has(finding("word." + form), ": does as it says"));
+    }
+    for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"unsigned_near", "the near root without its sign"},
+             {"touch", "is answered with t = 0; 5 is right"},
+             {"tmin", "a surface 3.051758e-05 ahead is answered with t = 4.00003"},
+             {"clipped", "near is clipped to 0; say LB_CLIPPED and LB_EXIT"},
+             {"clipped_ahead", "goes out misses; say LB_MISS (origin_misses, at_origin=miss)"},
+             {"zero", "say LB_INSIDE_ZERO (inside_zero, inside=zero)"},
+             {"misses", "say LB_INSIDE_MISS (inside_misses, inside=miss)"},
+             {"exit_at_origin", "say LB_EXIT (origin_exits, at_origin=exit)"},
+             {"box_exit", "say LB_INSIDE_EXIT (inside_exit, inside=exit)"},
+             {"near", "say LB_FIRST (first_root, roots=first)"},
+             {"behind", "or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss"},
+             {"endless", "say LB_NO_END (ignores_end, flags=no_end)"},
+             {"thickness", "the thickness; hand over near + thickness"}}) {
+        INFO(finding("bad." + form));
+        CHECK(has(finding("bad." + form), "promises broken"));
+        CHECK(has(finding("bad." + form), says));
+    }
+    CHECK(has(o.err, "form \"bad.insists\", in the probe \"nan-origin\": gave up: it called abort()"));
+}
+
+TEST_CASE("words: a crash in a process of its own names the probe, too", "[doors]") {
+    const Scratch folder;
+    const Outcome odd = run("plugin check --isolate " + worded, folder.path());
+    CHECK(odd.code == 1);
+    CHECK(has(odd.out, "nan-origin"));
+    CHECK(has(odd.out, "an origin of NaN: refused: "));
+    const std::string crashes = std::string(LOSTBITS_LIBRARIES) + "/odd_plugin.so";
+    const Outcome first = run("plugin check --isolate " + crashes, folder.path());
+    CHECK(first.code == 3);
+    CHECK(has(first.err, "form \"odd.crash\""));
+    CHECK(has(first.err, "(in the probe \"answers\")"));
+}
+
+TEST_CASE("words: a map from inside holds each form to its own", "[doors]") {
+    const Scratch folder;
+    const Outcome map =
+        run("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
+    INFO(map.err);
+    REQUIRE(map.code == 0);
+    const auto summary = folder.path() / "out/camera-inside/summary.csv";
+    for (const std::string form :
+         {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
+          "segment", "at_origin", "thickness", "points"}) {
+        auto row = row_of(summary, "word." + form);
+        INFO(form << ' ' << row["lost_bits_max"]);
+        CHECK(row["false_hit"] == "0");
+        CHECK(row["false_miss"] == "0");
+        const bool hits = form != "misses" && form.find("near") == std::string::npos;
+        CHECK((std::stoi(row["agree_hit"]) > 0) == hits);
+        if (hits) CHECK(std::stod(row["lost_bits_max"]) < 6);
+    }
+    CHECK(std::stod(row_of(summary, "bad.clipped")["lost_bits_max"]) == 24);
+    CHECK(std::stod(row_of(summary, "bad.zero")["lost_bits_max"]) == 24);
+    CHECK(row_of(summary, "bad.misses")["false_miss"] != "0");
+    CHECK(row_of(summary, "bad.near")["false_hit"] != "0");
+}
+
+TEST_CASE("words: a sweep, explain and judge ask the same", "[doors]") {
+    const Scratch folder;
+    const std::string with = " --plugin " + worded;
+    const Outcome explained = run(
+        "explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with, folder.path());
+    INFO(explained.err);
+    CHECK(explained.code == 0);
+    const std::string rays =
+        folder.write("rays.csv",
+                     "ox,oy,oz,dx,dy,dz,cx,cy,cz,r,t,hit\n0,0,1,0,0,1,0,0,0,2,0,1\n0,0,-1,0,0,1,0,0,0,2,0,1\n"
+                     "0,0,-5,0,0,1,0,0,0,2,3,1\n");
+    const auto judged = [&](const std::string& words, const std::string& out) {
+        const Outcome o = run("judge " + rays + " -o " + out + words, folder.path());
+        INFO(o.err);
+        CHECK(o.code == 0);
+        return read_csv(folder.path() / out / "rays/summary.csv").front();
+    };
+    CHECK(judged(" --inside zero", "zero")["lost_bits_max"] == "0");
+    CHECK(judged("", "exit")["lost_bits_max"] != "0");
+    CHECK(judged(" --inside miss", "miss")["false_hit"] == "2");
+}
+
+TEST_CASE("words: the truth from inside and from the surface, of spheres and boxes", "[doors]") {
+    const Solid<double> sphere(Sphere<double>{{0, 0, 0}, 2}), box(Box<double>{{-2, -2, -2}, {2, 2, 2}});
+    const auto from = [](double z, double d) { return Ray<double>{{0, 0, z}, {0, 0, d}}; };
+    for (const Solid<double>& solid : {sphere, box}) {
+        for (const AtOrigin at : {AtOrigin::hit, AtOrigin::miss, AtOrigin::exit}) {
+            CHECK(true_t(from(1, 1), solid, from_inside(Inside::exit, at)) == 1);
+            CHECK(true_t(from(-1, 1), solid, from_inside(Inside::exit, at)) == 3);
+            CHECK(true_t(from(-1, 1), solid, from_inside(Inside::miss, at)) == -1);
+            CHECK(true_t(from(-5, 2), solid, from_inside(Inside::miss, at)) == 1.5);
+            CHECK(true_t(from(-5, 1), solid, from_inside(Inside::exit, at)) == 3);
+            CHECK(true_t(from(5, 1), solid, from_inside(Inside::exit, at)) == -1);
+        }
+        CHECK(true_t(from(-1, 1), solid, from_inside(Inside::zero)) == 0);
+        // On the surface, going in and going out.
+        CHECK(true_t(from(-2, 1), solid, from_inside(Inside::exit, AtOrigin::hit)) == 0);
+        CHECK(true_t(from(-2, 1), solid, from_inside(Inside::exit, AtOrigin::miss)) == 4);
+        CHECK(true_t(from(-2, 1), solid, from_inside(Inside::exit, AtOrigin::exit)) == 4);
+        CHECK(true_t(from(-2, -1), solid, from_inside(Inside::exit, AtOrigin::hit)) == 0);
+        CHECK(true_t(from(-2, -1), solid, from_inside(Inside::exit, AtOrigin::miss)) == -1);
+        CHECK(true_t(from(-2, -1), solid, from_inside(Inside::exit, AtOrigin::exit)) == 0);
+        CHECK(true_t(from(-2, 1), solid, from_inside(Inside::miss, AtOrigin::hit)) == 0);
+        CHECK(true_t(from(-2, 1), solid, from_inside(Inside::miss, AtOrigin::miss)) == -1);
+        CHECK(true_t(from(-2, -1), solid, from_inside(Inside::miss, AtOrigin::hit)) == -1);
+        // κ of the exit: |z| + |t| + r over t, and no more where the answer is exact.
+        CHECK(measure::truth::condition(from(1, 1), solid, from_inside(Inside::exit)) == Approx(4).epsilon(1e-5));
+        CHECK(std::isinf(measure::truth::condition(from(1, 1), solid, from_inside(Inside::zero))));
+    }
+    // The ends of rays: an exit beyond is none, and some have no ends.
+    Convention endless = from_inside(Inside::usual);
+    endless.endless = true;
+    CHECK(true_t(from(-1, 1), box, from_inside(Inside::exit), 2) == -1);
+    CHECK(true_t(from(-1, 1), box, from_inside(Inside::exit), 3) == 3);
+    CHECK(true_t(from(-5, 1), box, {}, 2) == -1);
+    CHECK(true_t(from(-5, 1), box, endless, 2) == 3);
+    // The exit of a box, 1/3 of the way, correctly rounded.
+    const Ray<double> third = from(1, 3);
+    const auto exit = find_truth(third, box, {}, from_inside(Inside::exit));
+    CHECK(measure::truth::round_truth(exit, third, box, binary64, {}, Inside::exit) == 1.0 / 3);
+    CHECK(measure::truth::round_truth(exit, third, box, binary32, {}, Inside::exit) == static_cast<double>(1.0F / 3));
+}
+
+TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {
+    scene::rays::RayGroup group;
+    for (int i = 0; i < 300; ++i) {
+        const double x = 0.0625 * (i % 17 - 8), z = 0.0625 * (i - 150), d = i % 3 - 1;
+        group.rays.push({{x, x / 2, z}, {0.25 * (i % 5), 0.125, d}});
+        group.rays.tmax.push_back(i % 2 == 0 ? HUGE_VAL : 2);
+    }
+    group.solids = {Solid<double>(Box<double>{{-1, -1, -1}, {1, 1, 1}}),
+                    Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
+    const auto rays = group.rays;
+    const auto solids = group.solids;
+    const measure::truth::Band band(std::move(group));
+    int different = 0;
+    for (const Inside inside : {Inside::usual, Inside::exit, Inside::zero, Inside::miss}) {
+        for (const bool endless : {false, true}) {
+            Convention asked = from_inside(inside);
+            asked.endless = endless;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const auto one = find_truth(rays[i], std::span<const Solid<double>>(solids), {}, asked, rays.tmax[i]);
+                const auto known = band.truth(i, asked);
+                INFO(i << ' ' << static_cast<int>(inside));
+                REQUIRE(one.decision == known.decision);
+                REQUIRE(one.object == known.object);
+                REQUIRE(compare(one.t, known.t) == 0);
+                const auto usual = band.truth(i, {});
+                different += usual.decision != known.decision || compare(usual.t, known.t) != 0;
+            }
+        }
+    }
+    CHECK(different > 100);
+}
+
+TEST_CASE("words: what contradicts itself is refused, and what a library of before says still means the same",
+          "[doors]") {
+    const Scratch folder;
+    const auto header = [&](const std::string& words) {
+        return run("list intersectors --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\n" + words + "\\n\\n'; cat\"",
+                   folder.path());
+    };
+    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"roots=first\\nflags=line", "need both roots, or the near one"},
+             {"roots=near\\nflags=clipped", "clipped is said of an interval"},
+             {"flags=clipped", "say at_origin = exit as well"},
+             {"inside=near", "the near root alone"},
+             {"roots=near\\ninside=exit", "tells the first root"},
+             {"shape=box\\nat_origin=miss", "for inside = exit or miss"},
+             {"inside=out", "it is one of usual, exit, zero, near, miss"}}) {
+        const Outcome o = header(words);
+        INFO(words << ": " << o.err);
+        CHECK(o.code == 2);
+        CHECK(has(o.err, says));
+    }
+    for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
+                                    "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
+        CHECK(header(words).code == 0);
+}
+
+}  // namespace test_words
