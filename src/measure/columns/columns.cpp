@@ -115,7 +115,7 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     });
     for (const auto& [i, closed] : truths.whole) columns.put(i, band_->truth(i, convention), unit_of);
     if (!convention.is_special()) return columns;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
             if (band_->asks_anew(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
