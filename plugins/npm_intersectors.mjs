@@ -45,7 +45,8 @@ const cesium = async () => {
     const at = (s, k) => new point(s[k], s[k + 1], s[k + 2]);
     return {
         'cesium.sphere': (s, v = new ball(at(s, 0), s[3])) => (r) => interval(tests.raySphere(set(r), v)),
-        'cesium.ellipsoid': (s, v = new ellipsoid(s[3], s[3], s[3])) => (r) => interval(tests.rayEllipsoid(set(r, s), v)),
+        'cesium.ellipsoid': (s, v = new ellipsoid(s[3], s[3], s[3])) => (r) =>
+            interval(tests.rayEllipsoid(set(r, s), v)),
         'cesium.box': (s, v = new cuboid(at(s, 0), at(s, 3))) => (r) =>
             interval(tests.rayAxisAlignedBoundingBox(set(r), v)),
     };
