@@ -1,5 +1,6 @@
-// Ray tests of npm packages behind a pipe (docs/pipe.md): three, @cesium/engine and @babylonjs/core, whichever are
-// installed (`npm ci --prefix plugins/npm`, or the folder that LOSTBITS_NPM names). All of them compute in double.
+// Ray tests of npm packages behind a pipe (docs/pipe.md), whichever of the list `offered` are installed (`npm ci
+// --prefix plugins/npm`, or the folder that LOSTBITS_NPM names). All compute in double, but for rapier: WebAssembly in
+// float.
 //
 //   lostbits map near-benign --pipe 'node plugins/npm_intersectors.mjs' -i 'three.*' -f f64 -o out
 //
@@ -67,6 +68,105 @@ const babylon = async () => {
     };
 };
 
+const playcanvas = async () => {
+    const [{ Ray }, { BoundingSphere }, { BoundingBox }, { Vec3 }] = await Promise.all(
+        ['shape/ray', 'shape/bounding-sphere', 'shape/bounding-box', 'math/vec3'].map(
+            (f) => within(`playcanvas/build/playcanvas/src/core/${f}.js`)));
+    const ray = new Ray();
+    const self = () => point, point = { t: NaN, copy: self, add: self, mulScalar: (t) => (point.t = t, point) };
+    const set = (r) => { ray.origin.set(r[0], r[1], r[2]); ray.direction.set(r[3], r[4], r[5]); return ray; };
+    const box = (b, v = new BoundingBox()) => {
+        v.setMinMax(new Vec3(b[0], b[1], b[2]), new Vec3(b[3], b[4], b[5]));
+        return v;
+    };
+    return {
+        'playcanvas.sphere': (s, v = new BoundingSphere(new Vec3(s[0], s[1], s[2]), s[3])) => (r) =>
+            (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
+        'playcanvas.box': (s, v = box(s)) => (r) => (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
+        'playcanvas.box_test': (s, v = box(s)) => (r) => v.intersectsRay(set(r)),
+    };
+};
+const cannon = async () => {
+    const { AABB, Body, Box, Ray, RaycastResult, Sphere, Vec3 } = await within('cannon-es/dist/cannon-es.js');
+    const ray = new Ray(), result = new RaycastResult();
+    ray.mode = Ray.CLOSEST;
+    // A ray of cannon is a segment; a body is met within `reach` of its centre.
+    const cast = (body, reach) => (r) => {
+        const { x, y, z } = body.position;
+        const length = Math.hypot(x - r[0], y - r[1], z - r[2]) + reach;
+        ray.from.set(r[0], r[1], r[2]);
+        ray.to.set(r[0] + length * r[3], r[1] + length * r[4], r[2] + length * r[5]);
+        result.reset();
+        ray.intersectBody(body, result);
+        return result.hasHit ? [result.distance, result.distance] : null;
+    };
+    const body = (shape, x, y, z) => new Body({ shape, position: new Vec3(x, y, z) });
+    const corner = (b, k) => new Vec3(b[k], b[k + 1], b[k + 2]);
+    return {
+        'cannon.sphere': (s) => cast(body(new Sphere(s[3]), s[0], s[1], s[2]), 2 * s[3]),
+        // Hollow: from inside it tells where the ray leaves; the box of lostbits is solid and met at t = 0.
+        'cannon.box': (b) => {
+            const lo = corner(b, 0), hi = corner(b, 3), half = hi.vsub(lo).scale(0.5), middle = hi.vadd(lo).scale(0.5);
+            const shape = new Box(half), test = cast(body(shape, middle.x, middle.y, middle.z), 2 * half.length());
+            const { convexPolyhedronRepresentation: solid } = shape;
+            return (r) => (solid.pointIsInside(corner(r, 0).vsub(middle)) ? [0, 0] : test(r));
+        },
+        'cannon.aabb_test': (b, v = new AABB({ lowerBound: corner(b, 0), upperBound: corner(b, 3) })) => (r) => {
+            ray.from.set(r[0], r[1], r[2]);
+            ray.direction.set(r[3], r[4], r[5]);
+            return v.overlapsRay(ray);
+        },
+    };
+};
+const ogl = async () => {
+    const [{ Raycast }, { Vec3 }] = [await within('ogl/src/extras/Raycast.js'), await within('ogl/src/math/Vec3.js')];
+    const cast = new Raycast();
+    const set = (r) => { cast.origin.set(r[0], r[1], r[2]); cast.direction.set(r[3], r[4], r[5]); return cast; };
+    const at = (s, k) => new Vec3(s[k], s[k + 1], s[k + 2]);
+    const t = (distance) => (distance ? [distance, distance] : null);  // 0 is a miss to it
+    // From inside it tells where the ray leaves. intersectBounds asks by these comparisons before.
+    const inside = (b, o) => !(o[0] < b[0] || o[0] > b[3] || o[1] < b[1] || o[1] > b[4] || o[2] < b[2] || o[2] > b[5]);
+    return {
+        'ogl.sphere': (s, v = { center: at(s, 0), radius: s[3] }) => (r) => t(set(r).intersectSphere(v)),
+        'ogl.box': (s, b = s.slice(), v = { min: at(s, 0), max: at(s, 3) }) => (r) =>
+            (inside(b, r) ? [0, 0] : t(set(r).intersectBox(v))),
+    };
+};
+const yuka = async () => {
+    const { AABB, BoundingSphere, Ray, Vector3 } = await within('yuka/build/yuka.module.js');
+    const ray = new Ray(), point = {};
+    ray.at = (t, target) => { target.t = t; return target; };
+    const set = (r) => { ray.origin.set(r[0], r[1], r[2]); ray.direction.set(r[3], r[4], r[5]); return ray; };
+    const at = (s, k) => new Vector3(s[k], s[k + 1], s[k + 2]);
+    const sphere = (s) => new BoundingSphere(at(s, 0), s[3]);
+    const t = (met) => (met === null ? null : [met.t, met.t]);
+    return {
+        'yuka.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectBoundingSphere(v, point)),
+        'yuka.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsBoundingSphere(v),
+        // From inside as three, which it follows.
+        'yuka.box': (s, v = new AABB(at(s, 0), at(s, 3))) => (r) =>
+            (v.containsPoint(set(r).origin) ? [0, 0] : t(ray.intersectAABB(v, point))),
+    };
+};
+const rapier = async () => {
+    const { default: R } = await within('@dimforge/rapier3d-compat/dist/rapier.mjs');
+    await R.init();
+    const still = { x: 0, y: 0, z: 0, w: 1 }, ray = new R.Ray({}, {});
+    const cast = (shape, position, solid) => (r) => {
+        ray.origin = { x: r[0], y: r[1], z: r[2] };
+        ray.dir = { x: r[3], y: r[4], z: r[5] };
+        const t = shape.castRay(ray, position, still, Infinity, solid);
+        return t === null || t === undefined || t < 0 ? null : [t, t];
+    };
+    const f = Math.fround, middle = (a, b) => f(f(a + b) / 2), half = (a, b) => f(f(b - a) / 2);
+    return {
+        'rapier.sphere': (s) => cast(new R.Ball(s[3]), { x: s[0], y: s[1], z: s[2] }, false),
+        'rapier.box': (b) => cast(new R.Cuboid(half(b[0], b[3]), half(b[1], b[4]), half(b[2], b[5])),
+            { x: middle(b[0], b[3]), y: middle(b[1], b[4]), z: middle(b[2], b[5]) }, true),
+    };
+};
+
+const single = ['format=f32', 'direction=any'];
 const offered = [
     [three, 'three', 'src/math/Ray.js', {
         'three.sphere': ['307, intersectSphere', 'roots=first'],
@@ -80,6 +180,24 @@ const offered = [
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
         'babylon.box_test': ['55, intersectsBoxMinMax', 'roots=none'] }],
+    [playcanvas, 'playcanvas', 'core/shape', {
+        'playcanvas.sphere': ['bounding-sphere.js:16, intersectsRay with a point', 'roots=first'],
+        'playcanvas.box': ['bounding-box.js:79, intersectsRay with a point', 'roots=first'],
+        'playcanvas.box_test': ['bounding-box.js:114, intersectsRay without a point', 'roots=none'] }],
+    [cannon, 'cannon-es', 'dist/cannon-es.js', {
+        'cannon.sphere': ['4987, Ray._intersectSphere', 'roots=first'],
+        'cannon.box': ['5031, Ray._intersectConvex of a Box', 'roots=first'],
+        'cannon.aabb_test': ['1241, AABB.overlapsRay', 'roots=none'] }],
+    [ogl, 'ogl', 'src/extras/Raycast.js', {
+        'ogl.sphere': ['271, intersectSphere', 'roots=first', 'at_origin=miss'],
+        'ogl.box': ['287, intersectBox', 'roots=first'] }],
+    [yuka, 'yuka', 'build/yuka.module.js', {
+        'yuka.sphere': ['5511, intersectBoundingSphere', 'roots=first'],
+        'yuka.sphere_test': ['5553, intersectsBoundingSphere', 'roots=none'],
+        'yuka.box': ['5587, intersectAABB', 'roots=first'] }],
+    [rapier, '@dimforge/rapier3d-compat', 'parry 0.31.1', {
+        'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=miss', ...single],
+        'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single] }],
 ];
 
 const forms = [];
@@ -89,12 +207,15 @@ for (const [load, name, file, contracts] of offered) {
         const { version } = JSON.parse(readFileSync(join(folder, 'node_modules', name, 'package.json'), 'utf8'));
         const made = await load();
         for (const [form, [where, ...words]] of Object.entries(contracts)) {
-            const shape = form.includes('box') ? 'box' : 'sphere';
-            const clipped = words.some((word) => word.startsWith('at_origin')) ? ',clipped' : '';
+            const shape = form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' : 'box';
+            // Of both roots the near one is cut to the ray: an entry at the origin is passed over with what is behind.
+            const clipped = words.includes('roots=both') && words.some((word) => word.startsWith('at_origin'));
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
-                `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`, 'format=f64', 'direction=unit',
-                ...words, `flags=no_end${clipped}`].join('\n') + '\n';
-            forms.push({ of: made[form], numbers: shape === 'box' ? 6 : 4 });
+                `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`,
+                ...['format=f64', 'direction=unit'].filter((w) => !words.some((o) => o.startsWith(w.split('=')[0]))),
+                ...words, `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
+            forms.push({ of: made[form], numbers: shape === 'box' ? 6 : 4,
+                Numbers: words.includes('format=f32') ? Float32Array : Float64Array });
         }
     } catch (error) {
         const why = error.message.split('\n')[0];
@@ -120,17 +241,17 @@ const read = (bytes) => {
 const write = (buffer) => {
     for (let done = 0; done < buffer.length;) done += writeSync(1, buffer, done);
 };
-const numbers = (count) => new Float64Array(read(8 * count).buffer);
+const numbers = (Numbers, count) => new Numbers(read(Numbers.BYTES_PER_ELEMENT * count).buffer);
 
 write(Buffer.from(header + '\n'));
 for (;;) {
     const head = read(20);
     const [form, n, solids, ends] = [4, 8, 12, 16].map((place) => head.readUInt32LE(place));
-    const rays = numbers(6 * n);
-    numbers(ends);
-    const { of, numbers: width } = forms[form];
-    const held = numbers(width * solids);
-    const near_far = new Float64Array(2 * n), hit = new Uint8Array(n);
+    const { of, numbers: width, Numbers } = forms[form];
+    const rays = numbers(Numbers, 6 * n);
+    numbers(Numbers, ends);
+    const held = numbers(Numbers, width * solids);
+    const near_far = new Numbers(2 * n), hit = new Uint8Array(n);
     let test = of(held.subarray(0, width));
     for (let i = 0; i < n; ++i) {
         if (solids > 1) test = of(held.subarray(width * i, width * (i + 1)));

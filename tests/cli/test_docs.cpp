@@ -6,9 +6,9 @@
 #include <regex>
 #include <set>
 #include <span>
-#include <sstream>
 #include <string_view>
 
+#include "blocks.hpp"
 #include "catch.hpp"
 #include "program.hpp"
 
@@ -29,32 +29,7 @@ std::vector<std::string> pages() {
     return all;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
-    return lines;
-}
-
-/// A block between ``` and ```, with the word behind the first of them.
-struct Block {
-    std::string language;
-    std::vector<std::string> lines;
-    std::size_t first = 0;  ///< the number of its first line in the page
-};
-
-std::vector<Block> blocks_of(const std::string& page) {
-    std::vector<Block> blocks;
-    bool inside = false;
-    const auto lines = lines_of(contents(root / page));
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        if (lines[i].starts_with("```")) {
-            if (!inside) blocks.push_back({lines[i].substr(3), {}, i + 2});
-            inside = !inside;
-        } else if (inside) blocks.back().lines.push_back(lines[i]);
-    }
-    return blocks;
-}
+std::vector<Block> blocks_of(const std::string& page) { return blocks_in(contents(root / page)); }
 
 /// A line `$ build/lostbits …` of a console block.
 struct Command {
@@ -171,8 +146,7 @@ void lay_out(const Scratch& scratch, const std::string& page) {
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
     for (const std::string& from : {std::string("README.md"), page}) {
         for (const Block& block : blocks_of(from)) {
-            std::string text;
-            for (const std::string& line : block.lines) text += line + "\n";
+            const std::string text = block.text();
             if (text.find("#include <lostbits_plugin.hpp>") != std::string::npos) (void)scratch.write("mine.cpp", text);
             if (block.language != "toml") continue;
             const std::pair<const char*, const char*> files[] = {{"lostbits-scene/", "mine.toml"},
