@@ -23,6 +23,8 @@ Outcome run(const std::string& arguments, const fs::path& folder, const std::str
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
 }
 
+void draw_pictures() { setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_SHIPPED_IMAGES, 1); }
+
 std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     std::istringstream in(contents(file));
     const auto split = [](const std::string& line) {

@@ -30,6 +30,9 @@ struct Outcome {
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
+/// From now on `run` has the image module that ships, for a test that looks at pictures; before, tests/plain_images.cpp.
+void draw_pictures();
+
 /// Whether a text contains another.
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 

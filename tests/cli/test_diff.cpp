@@ -191,7 +191,7 @@ TEST_CASE("diff: a file that the machine does not let us read exits with 3") {
 }
 
 TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     const Scratch scratch;
     write_exr(scratch.path() / "a.exr", 2);
     write_exr(scratch.path() / "b.exr", 2.5);
@@ -211,7 +211,7 @@ TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
 }
 
 TEST_CASE("diff: an EXR of several parts, part by part and by name") {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     const Scratch scratch;
     write_parts(scratch.path() / "a.exr", {{"press.f32", 1}, {"press.f64", 2}, {"truth", 3}});
     write_parts(scratch.path() / "b.exr", {{"press.f32", 1}, {"press.f64", 2.5}, {"truth", 3}});
@@ -300,7 +300,7 @@ TEST_CASE("diff: two folders without a file select nothing") {
 }
 
 TEST_CASE("diff: what map writes is the same as itself, and another form is not") {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     const Scratch scratch;
     const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv --exr -i ";
     for (const char* out : {"one", "two"}) REQUIRE(run(map + "sphere.press -o " + out, scratch.path()).code == 0);

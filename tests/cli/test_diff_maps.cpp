@@ -56,7 +56,7 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
 }
 
 TEST_CASE("diff: two forms of one folder, and the difference as a picture, from tables and from EXR alike") {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     const Scratch scratch;
     const std::string map = "map rtg-fig-7-3-4100-oblique --size 48x36 -f f32 -i sphere.schoolbook -i sphere.unified ";
     REQUIRE(run(map + "--pixels csv -o csv", scratch.path()).code == 0);

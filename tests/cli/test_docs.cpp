@@ -166,7 +166,7 @@ void hold(const std::string& page) {
     if (commands.empty()) return;
     // `diff` reads pictures again.
     if (std::ranges::any_of(commands, [](const Command& c) { return c.arguments.starts_with("diff "); }))
-        setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+        draw_pictures();
     else unsetenv("LOSTBITS_IMAGE_MODULE");
     const Scratch scratch;
     lay_out(scratch, page);

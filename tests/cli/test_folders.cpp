@@ -191,6 +191,7 @@ TEST_CASE("a run that is stopped before it has results leaves those that were th
 }
 
 TEST_CASE("every file that can hold it says the command, what was set, and the version") {
+    draw_pictures();
     const Scratch scratch;
     static_cast<void>(scratch.write("mine.toml", good_scene));
     const fs::path folder = scratch.path() / "out/mine";

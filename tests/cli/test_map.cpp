@@ -22,7 +22,7 @@ using lostbits::output::image::ExrImage;
 namespace {
 
 std::vector<std::string> part_names(const std::filesystem::path& path) {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     return lostbits::output::image::image_backend().exr_parts(path);
 }
 

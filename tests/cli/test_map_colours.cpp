@@ -15,13 +15,14 @@ using lostbits::output::image::outcome_colours;
 namespace {
 
 lostbits::output::image::PngImage png(const std::filesystem::path& path) {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     return lostbits::output::image::image_backend().read_png(path);
 }
 
 }  // namespace
 
 TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
+    draw_pictures();
     const Scratch scratch;
     const auto r = run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv -v -o '" +
                        scratch.path().string() + "'");
@@ -51,6 +52,7 @@ TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a r
 }
 
 TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
+    draw_pictures();
     const Scratch scratch;
     const std::string what = "map near-benign --size 32x24 -i sphere.schoolbook -f f32 ";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };

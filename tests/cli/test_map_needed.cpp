@@ -22,7 +22,7 @@ using namespace lostbits::output::map;
 namespace {
 
 lostbits::output::image::ImageBackend& backend() {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     return image_backend();
 }
 
@@ -59,6 +59,7 @@ lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
 }  // namespace
 
 TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story") {
+    draw_pictures();
     const Scratch scratch;
     const auto r =
         run("map rtg-fig-7-3-2000-oblique --size 48x40 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --bits-needed "
@@ -138,6 +139,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
 }
 
 TEST_CASE("bits needed: the map beside them is as without") {
+    draw_pictures();
     const Scratch scratch;
     // More pixels than a band has, so that rows come in two instalments.
     const std::string what =
@@ -207,6 +209,7 @@ TEST_CASE("bits needed and the envelope refuse what makes no sense, and write no
 }
 
 TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
+    draw_pictures();
     const Scratch scratch;
     const std::string what =
         "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits --exr -o "

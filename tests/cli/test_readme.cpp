@@ -11,7 +11,7 @@ namespace test_readme {
 using namespace lostbits::test;
 
 TEST_CASE("the picture and the table of the README are what the program makes") {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     const Scratch scratch;
     REQUIRE(run("map rtg-fig-7-3-4100-oblique -o '" + scratch.path().string() + "'").code == 0);
     const auto made = scratch.path() / "rtg-fig-7-3-4100-oblique";

@@ -21,7 +21,7 @@ using lostbits::output::image::ExrImage;
 namespace {
 
 auto& backend() {
-    setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1);
+    draw_pictures();
     return lostbits::output::image::image_backend();
 }
 
@@ -79,6 +79,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 }
 
 TEST_CASE("the layers, the pictures and the table say the same") {
+    draw_pictures();
     const Scratch scratch;
     REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 -o '" +
                 scratch.path().string() + "'")
