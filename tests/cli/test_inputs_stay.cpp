@@ -191,6 +191,7 @@ TEST_CASE("what an axis cannot be set to is said with its place in the file") {
 
 TEST_CASE("an image module without room says so") {
     if (under_sanitizer) return;  // which takes terabytes of addresses
+    draw_pictures();
     const Inputs inputs;
     const auto r = run("map mine.toml -i sphere.press -f f32 -o out", inputs / "", "ulimit -v 250000;");
     INFO(r.err);

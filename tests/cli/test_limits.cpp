@@ -54,6 +54,7 @@ std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds)
 }  // namespace
 
 TEST_CASE("a picture that claims more than its file can hold is refused before memory is taken") {
+    draw_pictures();
     const Scratch scratch;
     static_cast<void>(scratch.write("a.exr", exr_head(16384)));
     static_cast<void>(scratch.write("b.exr", exr_head(16384) + "x"));
