@@ -1,5 +1,5 @@
 // Sphere tracing: steps as long as the distance to the surface, until it is below a threshold.
-// lostbits: direction=unit roots=near
+// lostbits: direction=unit roots=near inside=zero
 #define HIT_EPS 0.001
 #define MAX_STEPS 64
 #define MAX_DIST 20.0
