@@ -196,7 +196,7 @@ const offered = [
         'yuka.sphere_test': ['5553, intersectsBoundingSphere', 'roots=none'],
         'yuka.box': ['5587, intersectAABB', 'roots=first'] }],
     [rapier, '@dimforge/rapier3d-compat', 'parry 0.31.1', {
-        'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=miss', ...single],
+        'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=exit', ...single],
         'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single] }],
 ];
 

@@ -29,7 +29,7 @@ Answer<double> box(const Ray<double>& r, const Box<double>& b) {
 LOSTBITS_FORMS(form<sphere>("simbody.sphere")
                    .unit_direction()
                    .first_root()
-                   .origin_misses()
+                   .origin_exits()
                    .ignores_end()
                    .from("Simbody 3.7, ContactGeometry_Sphere.cpp:84, intersectsRay"),
                form<box>("simbody.box")

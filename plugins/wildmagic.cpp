@@ -44,7 +44,7 @@ constexpr Form contract(Form form, const char* where) {
 constexpr auto at = "Wild Magic 5.17, Wm5IntrRay3Sphere3.cpp:60, Find",
                at_box = "Wild Magic 5.17, Wm5IntrRay3Box3.cpp:97, Find";
 
-LOSTBITS_FORMS(contract(form<sphere<float>>("wildmagic.sphere"), at).origin_misses(),
-               contract(form<sphere<double>>("wildmagic.sphere"), at).origin_misses(),
+LOSTBITS_FORMS(contract(form<sphere<float>>("wildmagic.sphere"), at).origin_exits(),
+               contract(form<sphere<double>>("wildmagic.sphere"), at).origin_exits(),
                contract(form<box<float>>("wildmagic.box"), at_box),
                contract(form<box<double>>("wildmagic.box"), at_box))

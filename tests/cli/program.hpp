@@ -30,7 +30,7 @@ struct Outcome {
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
-/// From now on `run` has the image module that ships, for a test that looks at pictures; before, tests/plain_images.cpp.
+/// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
 void draw_pictures();
 
 /// Whether a text contains another.

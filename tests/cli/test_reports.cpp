@@ -29,6 +29,7 @@ TEST_CASE("every claim measures as stated, in the long tests on three further dr
         REQUIRE(once.code == 0);
         return;
     }
+    draw_pictures();
     const Scratch scratch;
     const std::string made = (scratch.path() / "reports").string();
     std::filesystem::create_directories(made);
