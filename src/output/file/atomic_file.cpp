@@ -150,9 +150,11 @@ int open_new(const std::function<std::string()>& make, const std::function<void(
             forget();
             continue;
         }
-        if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno != EWOULDBLOCK) return fd;  // no locks here: nobody removes it
+        const bool is_locked = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+        if (!is_locked && errno != EWOULDBLOCK) return fd;  // no locks here: nobody removes it
+        // Who else has the lock is about to remove the file, though its name may still be there.
         struct stat info {};
-        if (::fstat(fd, &info) != 0 || info.st_nlink > 0) return fd;
+        if (is_locked && (::fstat(fd, &info) != 0 || info.st_nlink > 0)) return fd;
         ::close(fd);
         forget();
     }
