@@ -16,13 +16,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <thread>
 #include <vector>
 
+#include "intersect/process/child.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
@@ -141,8 +141,7 @@ private:
         while (Clock::now() < until) {
             while (waitpid(-1, nullptr, WNOHANG) > 0) {}
             if (errno == ECHILD) return;
-            std::ifstream children(fmt::format("/proc/self/task/{}/children", getpid()));
-            for (pid_t child = 0; children >> child;) kill(child, SIGKILL);
+            for (const int child : intersect::process::children()) kill(child, SIGKILL);
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
     }

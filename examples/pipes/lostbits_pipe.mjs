@@ -5,7 +5,7 @@
 import { readSync, writeSync } from "node:fs";
 
 /** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
-function read(bytes) {
+export function read(bytes) {
     const buffer = new ArrayBuffer(bytes), view = new Uint8Array(buffer);
     for (let got = 0; got < bytes;) {
         let more = 0;
@@ -21,7 +21,8 @@ function read(bytes) {
     return buffer;
 }
 
-function write(view) {
+/** All bytes of a Uint8Array, to standard output. */
+export function write(view) {
     for (let put = 0; put < view.length;) {
         try {
             put += writeSync(1, view, put, view.length - put);

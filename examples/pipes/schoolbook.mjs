@@ -2,7 +2,7 @@
 // A ray/sphere intersector in JavaScript behind a pipe:
 //   lostbits map near-benign --pipe 'node examples/pipes/schoolbook.mjs' -o out
 // Replace `schoolbook` by your own. Whatever is printed must go to standard error (console.error).
-import { readSync, writeSync } from "node:fs";
+import { read, write } from "./lostbits_pipe.mjs";
 
 /** The first t >= 0 where the ray meets the sphere, or undefined. Numbers of JavaScript are doubles. */
 function schoolbook(ox, oy, oz, dx, dy, dz, x, y, z, radius) {
@@ -20,34 +20,6 @@ function schoolbook(ox, oy, oz, dx, dy, dz, x, y, z, radius) {
 const header = ["lostbits-pipe/1", "name=js.schoolbook", "shape=sphere", "format=f64", "roots=first",
     "title=the schoolbook formula in JavaScript", "", ""].join("\n");
 
-/** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
-function read(bytes) {
-    const buffer = new ArrayBuffer(bytes), view = new Uint8Array(buffer);
-    for (let got = 0; got < bytes;) {
-        let more = 0;
-        try {
-            more = readSync(0, view, got, bytes - got);
-        } catch (error) {
-            if (error.code === "EAGAIN") continue;
-            if (error.code !== "EOF") throw error;
-        }
-        if (more === 0) return undefined;
-        got += more;
-    }
-    return buffer;
-}
-
-function write(buffer) {
-    const view = new Uint8Array(buffer);
-    for (let put = 0; put < view.length;) {
-        try {
-            put += writeSync(1, view, put, view.length - put);
-        } catch (error) {
-            if (error.code !== "EAGAIN") throw error;
-        }
-    }
-}
-
 write(new TextEncoder().encode(header));
 for (let request = read(20); request; request = read(20)) {
     const [, , n, solids, ends] = new Uint32Array(request);  // magic, form, rays, solids, ends
@@ -63,5 +35,5 @@ for (let request = read(20); request; request = read(20)) {
         hit[i] = t === undefined ? 0 : 1;
         nearFar[2 * i] = t ?? 0;
     }
-    write(answer);
+    write(new Uint8Array(answer));
 }

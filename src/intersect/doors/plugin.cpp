@@ -89,9 +89,7 @@ namespace {
 bool is_machine_code(const fs::path& file) {
     std::array<char, 4> first{};
     std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    return std::string_view(first.data(), first.size()) ==
-           "\x7f"
-           "ELF";
+    return std::string_view(first.data(), first.size()) == "\177ELF";
 }
 
 }  // namespace

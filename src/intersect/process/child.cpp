@@ -18,7 +18,6 @@
 #include <mutex>
 #include <set>
 #include <thread>
-#include <vector>
 
 #include "intersect/process/shared_room.hpp"
 #include "number/error.hpp"
@@ -46,17 +45,6 @@ bool ends_within(int process, std::chrono::milliseconds time) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
-}
-
-/// The processes whose parent is this one.
-std::vector<int> children() {
-    std::vector<int> all;
-    std::error_code error;
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
-        std::ifstream list(thread.path() / "children");
-        for (int child = 0; list >> child;) all.push_back(child);
-    }
-    return all;
 }
 
 /// What has left the group of its process (setsid) is adopted by this one when that process ends, and ended.
@@ -106,6 +94,16 @@ int end_group(int process) {
 }
 
 }  // namespace
+
+std::vector<int> children() {
+    std::vector<int> all;
+    std::error_code error;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
+        std::ifstream list(thread.path() / "children");
+        for (int child = 0; list >> child;) all.push_back(child);
+    }
+    return all;
+}
 
 Child::Child(std::string command, ChildTerms terms) : command_(std::move(command)), terms_(std::move(terms)) {
     const auto to_child = make_pipe(), from_child = make_pipe();

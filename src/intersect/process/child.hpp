@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "intersect/process/stop_token.hpp"
 
@@ -14,6 +15,9 @@ namespace lostbits::intersect::process {
 /// wake on another processor takes up to 40 µs, many times as long as a batch does; where both share one, the other
 /// runs at once.
 inline constexpr int looks_before_sleep = 30;
+
+/// The processes whose parent is this one, adopted ones among them.
+[[nodiscard]] std::vector<int> children();
 
 struct ChildTerms {
     std::string who;      ///< begins messages
