@@ -41,3 +41,22 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config.cmake
     ${CMAKE_CURRENT_BINARY_DIR}/lostbits-config-version.cmake
               cmake/FindMPFR.cmake cmake/FindMPFI.cmake cmake/isa.cmake cmake/formulas.cmake
         DESTINATION ${package_dir})
+
+# What a compiler called by hand needs to make a library of forms: c++ -shared mine.cpp -o mine.so @form.flags
+function(lostbits_form_flags file library)
+    list(TRANSFORM ARGN REPLACE "(.+)" "\"-I\\1\"" OUTPUT_VARIABLE includes)
+    list(JOIN includes " " includes)
+    file(GENERATE OUTPUT ${file} CONTENT "-std=c++20 -O2 -fPIC -fvisibility=hidden -Wfatal-errors
+$<JOIN:${LOSTBITS_ARITHMETIC_FLAGS}, > -DGLM_FORCE_XYZW_ONLY ${includes}
+\"${library}\" -lmpfi -lmpfr -Wl,--exclude-libs,ALL
+")
+endfunction()
+lostbits_form_flags(${PROJECT_BINARY_DIR}/form.flags $<TARGET_FILE:lostbits_core> ${PROJECT_SOURCE_DIR}/src
+    ${PROJECT_SOURCE_DIR}/plugins ${PROJECT_BINARY_DIR}/include)
+lostbits_form_flags(${PROJECT_BINARY_DIR}/installed/form.flags @PREFIX@/${CMAKE_INSTALL_LIBDIR}/liblostbits_core.a
+    @PREFIX@/${CMAKE_INSTALL_INCLUDEDIR})
+install(CODE "file(READ \"${PROJECT_BINARY_DIR}/installed/form.flags\" flags)")
+install(CODE [[
+    string(REPLACE @PREFIX@ "${CMAKE_INSTALL_PREFIX}" flags "${flags}")
+    file(WRITE "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/lostbits/form.flags" "${flags}")
+]])

@@ -23,6 +23,7 @@ set(CPACK_PACKAGE_CONTACT "lostbits")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES TRUE)
+set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
 # Two packages: what the plugins are linked with is more than all the rest.
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL Unspecified)

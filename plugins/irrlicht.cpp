@@ -27,6 +27,7 @@ bool box(const Ray<float>& ray, const Box<float>& b) {
 LOSTBITS_FORMS(form<sphere>("irrlicht.sphere")
                    .unit_direction()
                    .near_root()
+                   .inside_near()
                    .ignores_end()
                    .from("Irrlicht 1.8.5, line3d.h:113, getIntersectionWithSphere"),
                form<box>("irrlicht.box").unit_direction().from("Irrlicht 1.8.5, aabbox3d.h:253, intersectsWithLine"))

@@ -1,9 +1,11 @@
 #include "analysis/choice/options.hpp"
 
 #include <fnmatch.h>
+#include <glob.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 
 #include "analysis/choice/select.hpp"
@@ -56,6 +58,34 @@ void add_changes(const shell::Command& command, SceneChoice& scenes, const std::
     command.add("--size", scenes.size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", scenes.variant, "One variant of a scene that has several (default: all)");
     command.add_set(scenes.set, "Change a number of the scene first: " + example);
+}
+
+namespace {
+
+std::vector<std::string> files_like(const std::string& pattern) {
+    glob_t found{};
+    std::vector<std::string> files;
+    if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+    globfree(&found);
+    return files;
+}
+
+}  // namespace
+
+void find_in_data(const shell::Command& command, const std::filesystem::path& data) {
+    constexpr std::string_view prefix = "data/";
+    for (const shell::Option& option : command.options()) {
+        if (!option.is_argument()) continue;
+        std::vector<std::string> words;
+        for (const std::string& word : option.words()) {
+            std::vector<std::string> there;
+            if (word.starts_with(prefix) && files_like(word).empty())
+                there = files_like((data / word.substr(prefix.size())).string());
+            if (there.empty()) there.push_back(word);
+            std::ranges::move(there, std::back_inserter(words));
+        }
+        if (words != option.words()) option.replace(words);
+    }
 }
 
 std::vector<std::string> words_in(const std::string& command) {

@@ -133,9 +133,9 @@ bool Option::takes_several() const {
 }
 const std::vector<std::string>& Option::words() const { return option_->results(); }
 
-void Option::replace(const std::string& word) const {
+void Option::replace(const std::vector<std::string>& words) const {
     option_->clear();
-    option_->add_result(word);
+    for (const std::string& word : words) option_->add_result(word);
     option_->run_callback();
 }
 

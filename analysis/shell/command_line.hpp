@@ -54,8 +54,8 @@ public:
     [[nodiscard]] bool takes_several() const;                     ///< where it stands
     [[nodiscard]] const std::vector<std::string>& words() const;  ///< as they were given
 
-    /// As if this word had been given.
-    void replace(const std::string& word) const;
+    /// As if these words had been given.
+    void replace(const std::vector<std::string>& words) const;
 
 private:
     CLI::Option* option_;

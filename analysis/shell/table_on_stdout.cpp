@@ -49,7 +49,7 @@ TableOnStdout::TableOnStdout(const Command& program) {
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
     scratch_ = intersect::device::make_temporary_folder("lostbits");
-    chosen.replace((is_folder_ ? scratch_ : scratch_ / "table").string());
+    chosen.replace({(is_folder_ ? scratch_ : scratch_ / "table").string()});
 }
 
 TableOnStdout::~TableOnStdout() {

@@ -139,25 +139,27 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
     return !printed.empty() && shown[0] == printed[0] && shows(shown.subspan(1), printed.subspan(1));
 }
 
-/// The files that pages tell to save, as they stand there, and the data of the project.
+/// The files that a page tells to save: "Save this as `NAME`", and the block that follows.
+void save_files(const Scratch& scratch, const std::string& page) {
+    static const std::regex told(R"([Ss]ave (this|it) as\s+`([^`]+)`)");
+    const auto lines = lines_of(contents(root / page));
+    std::size_t begin = 0;
+    for (const Block& block : blocks_of(page)) {
+        std::string text, name;
+        for (std::size_t i = begin; i < block.first - 1; ++i) text += lines[i] + "\n";
+        for (std::sregex_iterator m(text.begin(), text.end(), told), end; m != end; ++m) name = (*m)[2];
+        if (!name.empty()) (void)scratch.write(name, block.text());
+        begin = block.first + block.lines.size();
+    }
+}
+
+/// Those files, the data of the project, and what a library of forms is compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch.path() / "data");
     for (const char* folder : {"plugins", "examples"})
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
-    for (const std::string& from : {std::string("README.md"), page}) {
-        for (const Block& block : blocks_of(from)) {
-            const std::string text = block.text();
-            if (text.find("#include <lostbits_plugin.hpp>") != std::string::npos) (void)scratch.write("mine.cpp", text);
-            if (block.language != "toml") continue;
-            const std::pair<const char*, const char*> files[] = {{"lostbits-scene/", "mine.toml"},
-                                                                 {"lostbits-sweep/", "my-sweep.toml"},
-                                                                 {"profile = \"timing\"", "my-timed.toml"},
-                                                                 {"lostbits-claims/", "my-claims.toml"}};
-            const auto kind = std::ranges::find_if(
-                files, [&text](const auto& file) { return text.find(file.first) != std::string::npos; });
-            if (kind != std::end(files)) (void)scratch.write(kind->second, text);
-        }
-    }
+    fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch.path() / "build");
+    for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
 }
 
 /// Runs the commands of a page in their order, in one folder.

@@ -217,4 +217,23 @@ TEST_CASE("JUnit says how long each claim took") {
     CHECK(std::abs(std::stod(suite[1]) - sum) < 1e-4);
 }
 
+TEST_CASE("what the documents call data/… is found from any folder, and what lies here under that name comes first") {
+    const Scratch elsewhere;
+    const std::string judge = "judge data/dumps/far-sphere.csv --format f32 --sphere 0,0,0,1 -o out";
+    const auto found = run(judge, elsewhere.path());
+    INFO(found.err);
+    CHECK(found.code == 0);
+    CHECK(has(found.out, "1536 rays of"));
+    const auto several = run("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
+    INFO(several.err);
+    CHECK(several.code == 0);
+    CHECK(std::distance(fs::directory_iterator(elsewhere.path() / "swept"), fs::directory_iterator()) > 1);
+    fs::create_directories(elsewhere.path() / "data/dumps");
+    (void)elsewhere.write("data/dumps/far-sphere.csv", "ox,oy,oz,dx,dy,dz,t,hit\n0,0,-5,0,0,1,4,1\n");
+    CHECK(has(run(judge + "2", elsewhere.path()).out, "1 ray"));
+    const auto none = run("judge data/dumps/none.csv --format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
+    CHECK(none.code == 2);
+    CHECK(has(none.err, "data/dumps/none.csv"));
+}
+
 }  // namespace test_shell

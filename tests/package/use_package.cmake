@@ -29,3 +29,7 @@ step(${WORK_DIR}/prefix/bin/lostbits explain near-benign --pixel 128,128 -i exam
 if(NOT last_output MATCHES "tca")
     message(FATAL_ERROR "explain does not name the form's own intermediates:\n${last_output}")
 endif()
+
+# The same by one command line, without CMake.
+step(${CXX} -shared ${FORM_DIR}/geometric.cpp -o ${WORK_DIR}/by_hand.so @${WORK_DIR}/prefix/lib/lostbits/form.flags)
+step(${WORK_DIR}/prefix/bin/lostbits plugin check ${WORK_DIR}/by_hand.so)
