@@ -49,7 +49,7 @@ function(lostbits_form_flags file library)
     file(GENERATE OUTPUT ${file} CONTENT "-std=c++20 -O2 -fPIC -fvisibility=hidden -Wfatal-errors
 $<JOIN:${LOSTBITS_ARITHMETIC_FLAGS}, > -DGLM_FORCE_XYZW_ONLY ${includes}
 \"${library}\" -lmpfi -lmpfr -Wl,--exclude-libs,ALL
-")
+" TARGET lostbits_core)
 endfunction()
 lostbits_form_flags(${PROJECT_BINARY_DIR}/form.flags $<TARGET_FILE:lostbits_core> ${PROJECT_SOURCE_DIR}/src
     ${PROJECT_SOURCE_DIR}/plugins ${PROJECT_BINARY_DIR}/include)

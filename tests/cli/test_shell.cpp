@@ -224,7 +224,8 @@ TEST_CASE("what the documents call data/… is found from any folder, and what l
     INFO(found.err);
     CHECK(found.code == 0);
     CHECK(has(found.out, "1536 rays of"));
-    const auto several = run("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
+    const auto several =
+        run("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
     INFO(several.err);
     CHECK(several.code == 0);
     CHECK(std::distance(fs::directory_iterator(elsewhere.path() / "swept"), fs::directory_iterator()) > 1);
