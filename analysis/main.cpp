@@ -154,7 +154,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         return Exit::bad_input;
     }
     common.typed = choice::typed(program);
-    choice::find_in_data(program.given().back(), choice::data_folder(common.data));
+    choice::find_in_data(program.given().back(), common.data);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
     if (!named("shader") && !named("devices")) choice::decide_where(common.doors, named("check"));

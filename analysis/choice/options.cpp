@@ -72,7 +72,7 @@ std::vector<std::string> files_like(const std::string& pattern) {
 
 }  // namespace
 
-void find_in_data(const shell::Command& command, const std::filesystem::path& data) {
+void find_in_data(const shell::Command& command, const std::string& data) {
     constexpr std::string_view prefix = "data/";
     for (const shell::Option& option : command.options()) {
         if (!option.is_argument()) continue;
@@ -80,7 +80,7 @@ void find_in_data(const shell::Command& command, const std::filesystem::path& da
         for (const std::string& word : option.words()) {
             std::vector<std::string> there;
             if (word.starts_with(prefix) && files_like(word).empty())
-                there = files_like((data / word.substr(prefix.size())).string());
+                there = files_like((data_folder(data) / word.substr(prefix.size())).string());
             if (there.empty()) there.push_back(word);
             std::ranges::move(there, std::back_inserter(words));
         }

@@ -1,7 +1,6 @@
 // What was typed, and names by globs.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -34,8 +33,8 @@ struct Typed {
 Typed typed(const shell::Command& program);
 
 /// Arguments that begin with `data/`, as those of the documents do, where nothing here is called so and in the data
-/// folder something is: replaced by that. `*`, `?` and `[…]` stand for characters, as in a shell.
-void find_in_data(const shell::Command& command, const std::filesystem::path& data);
+/// folder (`data` is `--data`) something is: replaced by that. `*`, `?` and `[…]` stand for characters, as in a shell.
+void find_in_data(const shell::Command& command, const std::string& data);
 
 /// The words of a command as `shell_word` wrote them.
 std::vector<std::string> words_in(const std::string& command);
