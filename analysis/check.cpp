@@ -63,7 +63,7 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
                                                        "\" is used in another file too; each id may be used once");
                 const bool chosen = o.selects(claim.id);
                 if (chosen && claim.profile != profile) others.emplace(name_of(claim.profile));
-                else if (chosen) claims.push_back(std::move(claim));
+                else if (chosen) claims.emplace_back(std::move(claim)).named = !o.files.empty();
             }
         }
     }
@@ -102,8 +102,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
-    fmt::print("         reproduce: {}{}\n", terminal_line(output::claim::reproduce(claim)),
-               terminal_line(output::blame::where_forms_are_from()));
+    fmt::print("         reproduce: {}\n", terminal_line(output::claim::reproduce(claim)));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,

@@ -39,11 +39,15 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
                                      choice::formats_of(form), form.native32 ? "f32" : "f64"));
-    if (!form.is_template())
+    if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
             "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
-            "number they can (docs/your-own-form.md). `lostbits map` and `sweep` measure it as it is",
-            o.form));
+            "number they can (docs/your-own-form.md). Without {} explain says what its answer is worth",
+            o.form,
+            o.json     ? "--json"
+            : o.fpcore ? "--fpcore"
+            : o.latex  ? "--latex"
+                       : "--c"));
     const choice::AskedRay asked = choice::find_ray(o.words, {&form, format}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});

@@ -197,11 +197,11 @@ Exit run(const JudgeWords& o, const Common& common) {
                 o.file, result.rounded, dump->format().name);
         if (result.answers > 10 && result.floats == result.answers &&
             dump->format().shape.precision > binary32.precision)
-            fmt::print(
-                stderr,
-                "lostbits: {}: the t of all {} hits is a number of f32, and was judged as one of {}; if the answers "
-                "were computed in float, say --format f32\n",
-                o.file, result.answers, dump->format().name);
+            fmt::print(stderr,
+                       "lostbits: {}: the t of all {} hits is a number of f32, exactly or as a decimal of it, and was "
+                       "judged as "
+                       "one of {}; if the answers were computed in float, say --format f32\n",
+                       o.file, result.answers, dump->format().name);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
         print_judged(request, result);
         print_pairs(request.rows, request.metrics, result.summaries);
@@ -210,7 +210,9 @@ Exit run(const JudgeWords& o, const Common& common) {
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
     note_suspicions({request.rows.begin(), request.rows.begin() + (request.answered ? 1 : 0)}, common,
-                    [&result](const measure::map::MapRow&) { return measure::contract::suspicion(result.first); });
+                    [&result](const measure::map::MapRow&) {
+                        return measure::contract::suspicion(result.first, measure::contract::Whose::file);
+                    });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }
 

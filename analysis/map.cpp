@@ -327,7 +327,7 @@ void add_map(const shell::Command& program, const Common& common) {
     command.add("--against", o->against,
                 "A form to hold the others against, without asking what is true: where their decisions or "
                 "their t differ is drawn and counted");
-    command.add("--envelope", o->envelope, "Draw lost bits paler where input rounding alone explains them");
+    command.add("--envelope", o->envelope, "Draw lost bits paler where half an ulp in each input would cost as many");
     add_shard(command, o->shard);
     command.add("-o,--out", o->out, "Folder for the results").required();
     command.runs([o, &common] { return run(*o, common); });

@@ -7,6 +7,7 @@
 
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
+#include "analysis/choice/select.hpp"
 #include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
@@ -193,7 +194,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
             work.units += scene.pixels() * fit.size();
-            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty()});
+            std::string named = choice::name_of_scene(scene, data);
+            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named)});
         }
     }
     for (const auto& path : subjects.sweeps)

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/choice/select.hpp"
 #include "analysis/choice/timed.hpp"
 #include "measure/choice/room.hpp"
 #include "measure/map/culprit_order.hpp"
@@ -169,12 +170,14 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     const auto summaries = measure::map::run_map(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
+    auto index = data.index(summaries, work.own_size);
+    index["named"] = work.named;
     return {.id = scene.id,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
             .rows = keys_of(work.rows),
-            .index = data.index(summaries, work.own_size),
+            .index = std::move(index),
             .blobs = data.blobs(),
             .table = output::page::summary_table(request, summaries),
             .sheet = {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
@@ -183,8 +186,10 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
 }
 
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
-    return scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
-                                                                                 : axes_part(work, stop);
+    SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
+                                                                                           : axes_part(work, stop);
+    part.json["named"] = choice::name_of_sweep(work.path, work.data);
+    return part;
 }
 
 ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<MapRow>& rows,

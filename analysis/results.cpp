@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analysis/choice/select.hpp"
+#include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
@@ -55,7 +56,8 @@ Divided divide(const std::string& word, const std::string& out, const std::vecto
     for (const auto& file : files) inputs.add_file(file);
     for (const std::string& plugin : common.doors.plugins) {
         std::error_code ignored;
-        if (std::filesystem::is_regular_file(plugin, ignored)) inputs.add_file(plugin);
+        const std::string file = plugin.substr(intersect::doors::prefix_of_plugin(plugin).size());
+        if (std::filesystem::is_regular_file(file, ignored)) inputs.add_file(file);
     }
     if (common.joined) {
         common.joined->check_inputs(inputs.value());

@@ -170,8 +170,14 @@ Behind open_each(const DoorWords& words, int threads) {
         const auto library = intersect::doors::find_plugin(named);
         scene::toml::note_read(library);
         const bool apart = is_isolated(library, words);
-        add(apart ? isolated(library, terms) : intersect::doors::load_plugin(library), found.forms);
-        if (!apart) add(intersect::doors::load_formulas(library), found.formulas);
+        auto forms = apart ? isolated(library, terms) : intersect::doors::load_plugin(library);
+        auto formulas = apart ? std::vector<intersect::doors::Formula>() : intersect::doors::load_formulas(library);
+        if (const std::string prefix = intersect::doors::prefix_of_plugin(named); !prefix.empty()) {
+            for (auto& form : forms) intersect::doors::rename(form, prefix);
+            for (auto& formula : formulas) intersect::doors::rename(formula, prefix);
+        }
+        add(std::move(forms), found.forms);
+        add(std::move(formulas), found.formulas);
         again += " --plugin " + shell_word(named);
     }
     for (const std::string& command : words.pipes) {

@@ -14,7 +14,7 @@ namespace lostbits::analysis::choice {
 
 /// Options of every command that takes forms.
 struct DoorWords {
-    std::vector<std::string> plugins;  ///< libraries, see `find_plugin`
+    std::vector<std::string> plugins;  ///< libraries, see `find_plugin`, perhaps with NAME= before them
     std::vector<std::string> pipes;    ///< commands for the shell
     std::vector<std::string> shaders;  ///< files of GLSL, see `read_shader`
     std::vector<std::string> devices;  ///< that run them, of `device_kinds` or `all`; empty: the first that there is

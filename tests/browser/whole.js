@@ -144,7 +144,7 @@ async function copies({ browser, report, grids, lostbits }) {
         await cells.locator("#copy-sweep-command").click();
         assert.equal(
             await cells.locator("#sweep-view pre.copied").textContent(),
-            "lostbits sweep contact -i sphere.unified -f f64 -o out");
+            "lostbits sweep extremes/contact -i sphere.unified -f f64 -o out");
         lostbits(...command.replace("-o out", `-o ${folder}/out`).split(" ").slice(1));
         assert.ok(fs.existsSync(path.join(folder, "out/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f64.csv")));
     } finally { fs.rmSync(folder, { recursive: true }); }

@@ -54,6 +54,13 @@ Answer<float> far_first(Rays ray, Spheres sphere) {
     return {both.far};
 }
 
+/// 0 for every hit.
+Answer<float> nothing_ahead(Rays ray, Spheres sphere) {
+    Answer<float> t = first(ray, sphere);
+    t.near = 0;
+    return t;
+}
+
 Answer<float> both_ways(Rays ray, Spheres sphere) { return right(ray, sphere); }
 
 Answer<float> crash(Rays, Spheres) {
@@ -115,6 +122,7 @@ LOSTBITS_FORMS(form<right>("odd.right").whole_line(),                       //
                form<squared>("odd.squared").first_root(),                   //
                form<far_first>("odd.far_first").first_root(),               //
                form<both_ways>("odd.both_ways"),                            //
+               form<nothing_ahead>("odd.nothing_ahead").first_root(),       //
                form<crash>("odd.crash").first_root(),                       //
                form<overflow>("odd.overflow").first_root(),                 //
                form<throws>("odd.throws").first_root(),                     //

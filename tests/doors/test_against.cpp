@@ -50,7 +50,7 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
     CHECK((is(6, Against::other_t) && apart[6] == std::ldexp(1.0, 150)));
     CHECK((is(7, Against::same_t) && apart[7] == 0));
     measure::answer::hold_against(b, a, false, binary32, which, apart);
-    CHECK((is(0, Against::both_hit) && std::isnan(apart[0])));
+    CHECK((is(0, Against::incomparable_t) && std::isnan(apart[0])));
     CHECK(is(2, Against::other_alone_hits));
 }
 
@@ -64,6 +64,9 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
     CHECK(count(self, "both_miss") + count(self, "same_t") == 64 * 48);
     CHECK(self["apart_max"] == "0");
     CHECK(count(rival, "other_t") > 100);
+    // Both hit, whether their t are alike, differ, or cannot be compared.
+    CHECK(count(rival, "both_hit") == count(rival, "same_t") + count(rival, "other_t"));
+    CHECK(count(self, "both_hit") == count(self, "same_t"));
     CHECK(std::stod(rival["apart_max"]) > 2);
     CHECK(contents(folder.path() / "out/near-benign/sphere.schoolbook.f32.against.png").size() > 1000);
     const Outcome predicate = run(map + "-i odd.predicate --against sphere.unified" + odd, folder.path());
@@ -71,8 +74,9 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]")
     CHECK_FALSE(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.apart.png"));
     CHECK(std::filesystem::exists(folder.path() / "out/near-benign/odd.predicate.f32.against.png"));
     auto said = row_of(folder, "odd.predicate");
-    CHECK(count(said, "both_hit") > 100);
-    CHECK(count(said, "both_hit") + count(said, "both_miss") + count(said, "alone_hits") +
+    CHECK(count(said, "incomparable_t") > 100);
+    CHECK(count(said, "both_hit") == count(said, "incomparable_t"));
+    CHECK(count(said, "incomparable_t") + count(said, "both_miss") + count(said, "alone_hits") +
               count(said, "other_alone_hits") ==
           64 * 48);
 }

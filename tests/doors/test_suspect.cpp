@@ -1,6 +1,7 @@
 // A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,7 +53,86 @@ TEST_CASE("suspicion: each wrong contract is known by its answers", "[doors]") {
     }
     CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
     CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
-    CHECK(suspicion(judged([](double, double, double) { return 17.0; })).empty());  // nothing known explains it
+    // Nothing known explains it: the number is said anyway.
+    const std::string unknown = suspicion(judged([](double, double, double) { return 17.0; }));
+    CHECK(has(unknown, " have a t that is off by more than 0.4%"));
+    CHECK(has(unknown, "no mistake that is known here explains nine in ten"));
+    const std::string none = suspicion(judged([](double, double, double) { return HUGE_VAL; }));
+    CHECK(has(none, "500 have a t that is not a finite number"));
+}
+
+TEST_CASE("suspicion: t in other units is known by one factor, which is said", "[doors]") {
+    using measure::contract::suspicion;
+    const auto off_by = [](double factor) {
+        return suspicion(judged([factor](double t, double, double) { return factor * t; }));
+    };
+    CHECK(has(off_by(1000), "t is in other units: it is 1000 times what is right: millimetres for metres?"));
+    CHECK(has(off_by(0.001), "0.001 times what is right: metres for millimetres?"));
+    CHECK(has(off_by(0.0254), "metres for inches?"));
+    CHECK(has(off_by(7.5), "t is in other units: it is 7.5 times what is right"));
+    // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
+    int n = 0;
+    CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
+    std::vector<measure::contract::Judged> alike;
+    for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
+    CHECK_FALSE(has(suspicion(alike), "units"));
+}
+
+TEST_CASE("suspicion: what is wrong from inside is told apart", "[doors]") {
+    using measure::contract::suspicion;
+    using measure::contract::Whose;
+    // From inside of a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
+    const auto asked = [](const auto& right, const auto& told, Whose whose = Whose::intersector) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 200; ++i) {
+            const double z = -2.5 + 0.01 * i, near = -3 - z, far = 3 - z;
+            measure::contract::Judged j{.ray = {{0, 0, z}, {0, 0, 1}},
+                                        .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                        .truly_hits = true,
+                                        .true_t = right(near, far),
+                                        .other_measure = right(near, far),
+                                        .hit = true};
+            j.t = told(near, far);
+            all.push_back(j);
+        }
+        return suspicion(all, whose);
+    };
+    const auto near = [](double t, double) { return t; };
+    const auto far = [](double, double t) { return t; };
+    const auto none = [](double, double) { return 0.0; };
+    const auto size = [](double t, double) { return std::fabs(t); };
+    CHECK(asked(far, far).empty());
+    CHECK(asked(none, none).empty());
+    CHECK(
+        has(asked(far, none), "it answers 0 from inside, where another t is right; say so (inside_zero, inside=zero)"));
+    CHECK(has(asked(far, none, Whose::file), "; say --inside zero"));
+    CHECK(has(asked(none, far), "it answers with the exit, where 0 is right; say so (inside_exit"));
+    CHECK(has(asked(none, far, Whose::file), "; say --inside exit"));
+    CHECK(has(asked(far, size), "the near root without its sign"));
+    CHECK_FALSE(has(asked(far, near), "without its sign"));
+}
+
+TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by misses", "[doors]") {
+    const auto asked = [](bool ever_hits) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 300; ++i) {
+            // The ray from (x, 0, -5) along z is exchanged for one from (0, 0, 1) along d = (x, 0, -5), whose t has
+            // d² t² - 10 t + 1 - r² = 0.
+            const double x = -0.45 + 0.003 * i, half = std::sqrt(0.25 - x * x), d2 = x * x + 25;
+            measure::contract::Judged j{.ray = {{x, 0, -5}, {0, 0, 1}},
+                                        .solid = Solid<double>(Sphere<double>{{0, 0, 0}, 0.5}),
+                                        .truly_hits = true,
+                                        .true_t = 5 - half,
+                                        .other_measure = 5 - half,
+                                        .hit = ever_hits};
+            j.t = ever_hits ? (5 - std::sqrt(25 - 0.75 * d2)) / d2 : std::nan("");
+            all.push_back(j);
+        }
+        return measure::contract::suspicion(all);
+    };
+    CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
+    CHECK_FALSE(has(asked(false), "exchanged"));
+    CHECK(has(asked(false), "wrong on 300 of 300 rays: 300 miss what they should hit"));
 }
 
 TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early", "[doors]") {
@@ -76,8 +156,10 @@ TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not fo
     const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
     CHECK(has(asked(of_half), "taken for a diameter"));
     CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // of a form that tells no t
-    CHECK(
-        asked([](double t, double) { return t; }).empty());  // too few steps: right in the middle, a miss near the rim
+    // Too few steps: right in the middle, a miss near the rim.
+    const std::string early = asked([](double t, double) { return t; });
+    CHECK(has(early, "miss what they should hit"));
+    CHECK_FALSE(has(early, "radius"));
 }
 
 TEST_CASE("suspicion: of every form of the catalogue nothing, from outside and from inside", "[doors]") {
@@ -103,6 +185,7 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
     CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: wrong on "));
     CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "taken for its square"));
     CHECK(has(map("odd.far_first", "near-benign"), "far root"));
+    CHECK(has(map("odd.forgetful", "near-benign"), "odd.forgetful f32: wrong on "));  // a number for each call
     for (const std::string form : {"odd.right", "odd.first", "odd.predicate", "odd.unit"}) {
         INFO(form);
         CHECK(map(form, "camera-inside").empty());
@@ -112,6 +195,34 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
     CHECK(has(sweep.err, "far root"));
     const Outcome quiet = run("map near-benign -q --size 48x32 -f f32 -o out -i odd.far_first" + odd, folder.path());
     CHECK(quiet.err.empty());
+}
+
+TEST_CASE("suspicion: no infinite condition acquits the exit where 0 is right, nor a t far off a tangent", "[doors]") {
+    const Scratch folder;
+    const std::string cases = folder.write("cases.toml", R"(schema = "lostbits-sweep/1"
+title = "t = 0, and a tangent"
+source = "-"
+[[case]]
+name = "from the surface"
+spheres = [{ centre = [0, 0, 0], radius = 3 }]
+rays = [{ origin = [0, 0, -3], direction = [0, 0, 1] }]
+[[case]]
+name = "touching"
+spheres = [{ centre = [0, 0, 0], radius = 3 }]
+rays = [{ origin = [3, 0, -8], direction = [0, 0, 1] }]
+)");
+    const Outcome o =
+        run("sweep " + cases + " -i odd.far_first -i odd.nothing_ahead -i sphere.unified -f f32 -o out" + odd,
+            folder.path());
+    INFO(o.err);
+    REQUIRE(o.code == 0);
+    std::map<std::string, std::string> verdict;
+    for (auto& row : read_csv(folder.path() / "out/cases/cases.csv"))
+        verdict[row["form"] + " " + row["case"]] = row["verdict"];
+    CHECK(verdict["odd.far_first from the surface"] == "wrong_value");  // 6 for 0
+    CHECK(verdict["odd.nothing_ahead touching"] == "wrong_value");      // 0 for 8
+    CHECK(verdict["odd.far_first touching"] == "right");                // both roots are 8
+    CHECK(verdict["sphere.unified from the surface"] == "right");
 }
 
 TEST_CASE("suspicion: what asks for operations says which rows it leaves out", "[doors]") {

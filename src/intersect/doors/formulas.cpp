@@ -70,6 +70,12 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     return formulas;
 }
 
+void rename(Formula& formula, const std::string& prefix) {
+    Info* const info = new Info(*formula.row.info);  // kept as long as `lasting_text`, and for the same reason
+    info->name = lasting_text(prefix + std::string(info->name));
+    formula.row.info = info;
+}
+
 void enroll_formulas(const std::vector<Formula>& formulas) {
     std::vector<table::Intersector> rows;
     std::vector<simd::OwnPacks> packs;

@@ -40,6 +40,9 @@ using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);
 /// where it was compiled with other headers than this program, or says what makes no sense of a form.
 std::vector<Formula> load_formulas(const std::filesystem::path& library);
 
+/// The formula under a name that begins so, see `prefix_of_plugin`.
+void rename(Formula& formula, const std::string& prefix);
+
 /// As rows of the table, and of the packs. InputError for a name that is taken.
 void enroll_formulas(const std::vector<Formula>& formulas);
 

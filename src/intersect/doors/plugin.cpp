@@ -66,8 +66,23 @@ ForeignForm foreign(const lb_form& form, const std::string& from, const process:
 
 }  // namespace
 
-fs::path find_plugin(const std::string& named) {
+std::string prefix_of_plugin(const std::string& named) {
     std::error_code ignored;
+    const std::size_t end = named.find('=');
+    if (end == std::string::npos || named.substr(0, end).find('/') != std::string::npos ||
+        fs::is_regular_file(named, ignored))
+        return "";
+    return named.substr(0, end) + ".";
+}
+
+void rename(ForeignForm& form, const std::string& prefix) {
+    form.contract.name = prefix + form.contract.name;
+    require_sense(form.contract, "--plugin " + prefix.substr(0, prefix.size() - 1) + "=" + form.from);
+}
+
+fs::path find_plugin(const std::string& word) {
+    std::error_code ignored;
+    const std::string named = word.substr(prefix_of_plugin(word).size());
     const fs::path given(named);
     if (fs::is_regular_file(given, ignored)) return given;
     if (named.find('/') != std::string::npos) throw InputError(named + ": there is no such library");

@@ -15,7 +15,15 @@ namespace lostbits::intersect::doors {
 /// Where a library lies that the command line names: a path as it stands; a name without a slash is looked for in
 /// $LOSTBITS_PLUGIN_PATH (folders separated by colons), in `plugins` beside the program and in the installed
 /// `lib/lostbits/plugins`, also with `.so` added. InputError that says where it looked.
+/// Before it may stand NAME=, see `prefix_of_plugin`.
 std::filesystem::path find_plugin(const std::string& named);
+
+/// `new.` of `new=mine.so`: what the names of its forms begin with then, so that two builds of one library can be in
+/// one run. Empty where there is no NAME=, or a file has that name.
+std::string prefix_of_plugin(const std::string& named);
+
+/// The form under a name that begins so. InputError where that is not a name.
+void rename(ForeignForm& form, const std::string& prefix);
 
 /// A library that is loaded, and stays so.
 struct Library {

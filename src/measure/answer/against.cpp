@@ -19,7 +19,7 @@ double distance(double t, double other, const FloatFormat& format) {
 Against classify(bool hit, bool other_hit, double t, double other, bool comparable) {
     if (!hit) return other_hit ? Against::other_alone_hits : Against::both_miss;
     if (!other_hit) return Against::alone_hits;
-    if (!comparable) return Against::both_hit;
+    if (!comparable) return Against::incomparable_t;
     return is_same(t, other) ? Against::same_t : Against::other_t;
 }
 

@@ -10,11 +10,12 @@
 
 namespace lostbits::measure::answer {
 
-/// `both_hit` where their t cannot be compared: one tells none, or one gets unit directions and the other does not.
-enum class Against : std::uint8_t { both_miss, same_t, other_t, both_hit, alone_hits, other_alone_hits };
+/// `incomparable_t` where both hit and their t cannot be compared: one tells none, or one gets unit directions and the
+/// other does not.
+enum class Against : std::uint8_t { both_miss, same_t, other_t, incomparable_t, alone_hits, other_alone_hits };
 
-inline constexpr std::array<std::string_view, 6> against_names{"both_miss", "same_t",     "other_t",
-                                                               "both_hit",  "alone_hits", "other_alone_hits"};
+inline constexpr std::array<std::string_view, 6> against_names{"both_miss",      "same_t",     "other_t",
+                                                               "incomparable_t", "alone_hits", "other_alone_hits"};
 
 /// Whether the two t mean the same.
 bool are_comparable(const intersect::Info& a, const intersect::Info& b);

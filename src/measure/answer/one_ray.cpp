@@ -48,6 +48,11 @@ double OneRay::condition(const intersect::Info& info) const {
     return band_->condition(index_, convention(info));
 }
 
+double OneRay::reach(const intersect::Info& info, const Format& format) const {
+    band_->find_condition();
+    return band_->reach(index_, convention(info), info.direction, format);
+}
+
 truth::Certified OneRay::true_t(const intersect::Info& info) const {
     const truth::Truth found = truth(info);
     return info.direction == intersect::Direction::unit ? found.distance : found.t;

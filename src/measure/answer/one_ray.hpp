@@ -40,6 +40,9 @@ public:
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
+    /// Where κ says that all bits of the format are lost: how far half an ulp in each input can move t*, in the unit of
+    /// the form's answer; else NaN.
+    [[nodiscard]] double reach(const intersect::Info& info, const Format& format) const;
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] truth::Certified true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {

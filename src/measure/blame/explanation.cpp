@@ -126,14 +126,23 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const intersect::Target<double> target = aim;
     const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];
-    form.record(format, in.ray(*form.info), target, tmax, x.tape);
     x.names = intersect::table::input_names(form, target);
-    for (const TapeNode& n : x.tape.nodes) {
-        if (n.op == TapeOp::input) x.inputs.push_back(n.value);
+    if (form.is_template()) {
+        form.record(format, in.ray(*form.info), target, tmax, x.tape);
+        for (const TapeNode& n : x.tape.nodes) {
+            if (n.op == TapeOp::input) x.inputs.push_back(n.value);
+        }
+        x.attribution = attribute(x.tape, {.full = true});
+        x.hit = x.tape[x.tape.outputs.hit].value != 0;
+        x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+    } else {
+        const Ray<double> asked = in.ray(*form.info);
+        for (const Vec<double>& v : {asked.origin, asked.direction}) x.inputs.insert(x.inputs.end(), {v.x, v.y, v.z});
+        for (const double number : in.all.solids[static_cast<std::size_t>(x.solid)].used()) x.inputs.push_back(number);
+        x.inputs.push_back(tmax);
+        x.hit = answers.hit[in.index] != 0;
+        x.standing = standing_of(form, format, ray, x.hit, answers.t[in.index]);
     }
-    x.attribution = attribute(x.tape, {.full = true});
-    x.hit = x.tape[x.tape.outputs.hit].value != 0;
-    x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     x.truth = truth.decision;
     x.condition = x.inherent = missing;
     if (truth.is_hit()) {
@@ -142,11 +151,16 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
     }
     const int met = answers.object[in.index];
-    if (form.shape != Shape::sdf && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0)
-        x.missed = missed_solid(form, format, in, truth.object);
-    if (x.missed) {  // between two solids there is a distance, and no error
+    const bool elsewhere =
+        form.shape != Shape::sdf && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
+    if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, truth.object);
+    if (elsewhere) {  // between two solids there is a distance, and no error
         x.standing.outcome = answer::Outcome::wrong_object;
         x.standing.ulps = x.standing.lost = missing;
+    }
+    if (x.standing.outcome == Outcome::agree_hit) {
+        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, x.condition,
+                                      ray.reach(*form.info, format));
     }
     find_better(x, ray, beside);
     return x;

@@ -50,13 +50,16 @@ struct Explanation {
     std::optional<double> true_t = {};     ///< t*, correctly rounded to binary64
     double condition = 0;                  ///< κ; NaN for a miss
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
+    double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
     std::vector<Standing> better = {};     ///< forms of the same shape in the same format that do better, best first
     /// Of forms from outside that were asked whether they do better: why they did not answer.
     std::vector<std::string> silent = {};
 
     /// Lost bits beyond the envelope.
-    [[nodiscard]] double excess() const { return standing.lost > inherent ? standing.lost - inherent : 0; }
+    [[nodiscard]] double excess() const { return beyond; }
+    /// Whether the operations are known: those of a form that is compiled elsewhere are not.
+    [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
     /// The ulp of the format at the subject's exact value (of the larger side of a comparison).
     [[nodiscard]] double ulp_of_subject() const;
     /// The live cancellation of most bits that the error of operation `from` goes through, none where there is none of

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "intersect/simd/packed.hpp"
@@ -80,6 +81,16 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < all.size(); ++c) all[c].time = timings[c];
     return all;
+}
+
+Format computes_in(const MapRow& row) {
+    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || row.form->shape == Shape::sdf)
+        return row.format;
+    const Solid<float> solid = row.form->shape == Shape::sphere ? Solid<float>(Sphere<float>{{0, 0, 0}, 1})
+                                                                : Solid<float>(Box<float>{{-1, -1, -1}, {1, 1, 1}});
+    const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(solid),
+                                                   std::numeric_limits<float>::infinity());
+    return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;
 }
 
 std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {

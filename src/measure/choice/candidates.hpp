@@ -80,6 +80,10 @@ truth::BandNeeds needs_of(const map::MapRow& row);
 /// The worth of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
+/// The format that a row computes in: that of its inputs and answers, but where the formula goes to the wider one and
+/// back on the plainest ray.
+Format computes_in(const map::MapRow& row);
+
 /// What was timed, see `speed::SceneWork`.
 struct TimedRays {
     std::size_t rays = 0, solids = 0;

@@ -55,7 +55,8 @@ int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
 std::vector<Format> formats_of(const std::vector<MapRow>& rows) {
     std::vector<Format> formats;
     for (const MapRow& row : rows) {
-        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+        const Format format = computes_in(row);
+        if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
     std::ranges::sort(formats, [](const Format& a, const Format& b) {
         return a.shape.precision != b.shape.precision ? a.shape.precision < b.shape.precision : a.name < b.name;
@@ -77,7 +78,7 @@ void find_narrowest(Requirement& r, const std::vector<MapRow>& rows, const std::
     r.formats = formats_of(rows);
     std::vector<std::vector<Tried>> of_format(r.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const auto place = std::ranges::find(r.formats, rows[k].format) - r.formats.begin();
+        const auto place = std::ranges::find(r.formats, computes_in(rows[k])) - r.formats.begin();
         of_format[static_cast<std::size_t>(place)].push_back({meetings[k], static_cast<int>(place)});
     }
     r.any_meets.assign(r.formats.size(), 0);

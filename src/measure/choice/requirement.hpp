@@ -43,7 +43,7 @@ struct Requirement {
     int width = 0, height = 0;
     std::vector<int> cheapest{};    ///< by pixel, from the top left: a place among the candidates, or one of the above
     std::vector<int> narrowest{};   ///< the same, a place among `formats`
-    std::vector<Format> formats{};  ///< narrowest significand first
+    std::vector<Format> formats{};  ///< that rows compute in, narrowest significand first
     std::vector<std::uint64_t> met{};        ///< by candidate: pixels on which it meets the wish
     std::vector<std::uint64_t> taken{};      ///< by candidate: pixels on which it is the cheapest that does
     std::vector<std::uint64_t> any_meets{};  ///< by format: pixels on which any form does

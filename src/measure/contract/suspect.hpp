@@ -1,6 +1,7 @@
 // When an intersector from outside is wrong on most rays, arithmetic is seldom the reason: its contract is.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,16 @@ struct Judged {
 Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
               double t);
 
-/// What would explain answers most of which are wrong: those that are off by more than 2^-8 of t and wrong decisions,
-/// where at least half of all that are not rightly missed are so and one explanation fits nine in ten. In words, with
-/// what to write; empty where nothing is wrong, or nothing known explains it.
-///   a distance for t · the parameter for a distance · the radius's square, root, half or double · the far root · the
-///   wrong sign · what lies behind
-std::string suspicion(const std::vector<Judged>& rays);
+/// Whose answers they are: what to write about a file is no word of a library's contract.
+enum class Whose : std::uint8_t { intersector, file };
+
+/// What is wrong with answers most of which are: those that are off by more than 2^-8 of t and wrong decisions, where
+/// at least half of all that are not rightly missed are so. What explains nine in ten of them, in words with what to
+/// write; where nothing known does, how many are wrong, and how. Empty where fewer are.
+///   a distance for t · the parameter for a distance · the radius's square, root, half or double · origin and direction
+///   exchanged · 0, the exit or the near root without its sign from inside · the far root · the wrong sign · what lies
+///   behind · t in other units
+std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector);
 
 /// The same of a row on a small picture of a scene, or on the rays of a step of a sweep.
 std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row);

@@ -14,6 +14,7 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/map/measure_row.hpp"
 #include "number/error.hpp"
+#include "scene/dump/number_words.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -198,8 +199,10 @@ private:
         result_.rays += chunk.size();
         result_.rounded += chunk.rounded;
         for (const double t : chunk.t) {
+            const bool all = result_.floats == result_.answers;
             result_.answers += t != 0;
-            result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t));
+            result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
+                                         (all && scene::dump::is_float_in_decimal(t)));
         }
         if (request_.picture && result_.rays > pixels()) refuse_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)

@@ -56,8 +56,8 @@ struct JudgeResult {
     std::vector<map::MapSummary> summaries;  ///< one a row
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;  ///< numbers of the file that its format does not hold
-    /// Answers of the file with a t that is not 0, and those whose t binary32 holds: all of many, where they were
-    /// computed in it.
+    /// Answers of the file with a t that is not 0, and those whose t is a number of binary32 or a decimal of one: all
+    /// of many, where they were computed in it. The latter are counted until one is neither.
     std::uint64_t answers = 0, floats = 0;
     /// What the file's answers and the truth make of the first rays that either has a hit on, for
     /// `contract::suspicion`.

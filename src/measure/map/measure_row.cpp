@@ -190,13 +190,14 @@ private:
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
         const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
         if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
-        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
+        if (needs_ & metric::needs_condition)
+            sample.condition = result_.band->condition(i, row_.convention()),
+            sample.reach = result_.band->reach(i, row_.convention(), info.direction, row_.format);
         std::optional<truth::Certified> self;
-        if (needs_ & metric::needs_self) {
+        if (needs_ & metric::needs_self)
             self = answer::without_rounding(*row_.form, ray,
                                             in.target_for(*row_.form, static_cast<std::size_t>(truth_.object[i])));
-            if (self) sample.self = &*self;
-        }
+        if (self) sample.self = &*self;
         const Blame blame = blame_of(i, result_.answers->object[i]);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
         const OwnWords own_words(row_, needs_ & ~unsigned{metric::needs_way}, in, ray, i, asked_of(i));

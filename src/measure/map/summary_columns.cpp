@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 
+#include "measure/answer/against.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::map {
@@ -100,6 +101,21 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
     }
 }
 
+/// Of `against`: its hits in common, whatever their t.
+void add_both_hit(std::size_t m, Columns& columns) {
+    using answer::Against;
+    columns.push_back({"against_both_hit", Kind::count, "",
+                       "rays that both hit: the sum of against_same_t, against_other_t and against_incomparable_t",
+                       [m](const S& s) {
+                           const auto& counts = s.categories[m];
+                           if (sum(counts) == 0) return missing;
+                           std::uint64_t both = 0;
+                           for (const Against a : {Against::same_t, Against::other_t, Against::incomparable_t})
+                               both += counts[static_cast<std::size_t>(a)];
+                           return number(both);
+                       }});
+}
+
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
     const std::string name = column_name(metric),
                       over = metric.over == metric::Over::marches || metric.over == metric::Over::every
@@ -151,6 +167,7 @@ Columns summary_columns(const std::vector<const Metric*>& metrics) {
         if (metrics[m]->by_run()) add_culprit(*metrics[m], m, columns);
         else if (!metrics[m]->categories.empty()) add_categories(*metrics[m], m, columns);
         else add_statistics(*metrics[m], m, columns);
+        if (metrics[m]->name == "against") add_both_hit(m, columns);
     }
     return columns;
 }

@@ -57,7 +57,7 @@ double rounding_error(const Sample& s) {
 
 double condition_number(const Sample& s) { return s.condition; }
 double inherent(const Sample& s) { return truth::inherent_bits(s.condition, s.format->shape.precision); }
-double excess(const Sample& s) { return std::max(0.0, lost(s) - inherent(s)); }
+double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->shape, s.condition, s.reach); }
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
 double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
@@ -171,7 +171,8 @@ constexpr Metric table[] = {
     {.name = "excess_bits",
      .unit = "bits",
      .layer = "condition.excess",
-     .meaning = "lost_bits beyond inherent_bits: what the formula itself loses",
+     .meaning = "lost_bits beyond inherent_bits: what the formula itself loses; where inherent_bits is p, log2 of "
+                "|t - t*| over what half an ulp in each input can move t",
      .needs = needs_condition,
      .value = excess},
     {.name = "point_error",

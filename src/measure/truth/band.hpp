@@ -36,6 +36,10 @@ public:
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
+    /// Where κ of ray i says that all bits of the format are lost: how far half an ulp in each input can move its t, or
+    /// its distance, see `truth::reach`. After `find_condition`; else NaN.
+    [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
+                               const Format& format) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
     /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded

@@ -1,5 +1,7 @@
 #include "measure/truth/conditioning.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -89,6 +91,57 @@ double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convent
                                         : find_condition<12>(ray, solid, convention);
 }
 
+double as_double(double x) { return x; }
+double as_double(const Real& x) { return x.convert_to<double>(); }
+
+/// Σ |xᵢ ∂f/∂xᵢ|.
+template <class E, std::size_t N>
+E moved(const Problem<E, N>& problem, const Dual<E, N>& f) {
+    E sum(0);
+    for (std::size_t i = 0; i < N; ++i) sum = sum + abs(problem.x[i] * f.derivative(i));
+    return sum;
+}
+
+template <class E, class S>
+double reach_of_sphere(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double relative) {
+    const Problem<E, 10> problem(ray, solid);
+    const auto sphere = problem.solid.sphere();
+    const auto& d = problem.ray.direction;
+    const auto f = problem.ray.origin - sphere.centre;
+    const auto a = square(d), h = dot(f, d), r2 = square(sphere.radius);
+    const E half_ulp(relative);
+    const E squared = half_ulp * moved(problem, (a * r2 - square(cross(f, d))) / (a * a));
+    const double roots = as_double(E(half_ulp * moved(problem, -h / a) + sqrt(squared)));
+    if (t != 0) return std::min(linear, roots);
+    const auto c = square(f) - r2;
+    const E aside = half_ulp * moved(problem, c), slope = abs(h.value()) + abs(h.value());
+    if (abs(c.value()) > aside) return 0;
+    return slope > E(0) ? std::min(as_double(E(aside / slope)), roots) : roots;
+}
+
+template <class S>
+double reach_of_box(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double half_ulp) {
+    if (t != 0) return linear;
+    double most = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double o = as_double(ray.origin[k]), d = std::fabs(as_double(ray.direction[k]));
+        for (const S& side : {solid.box().lo[k], solid.box().hi[k]}) {
+            const double face = as_double(side), aside = half_ulp * (std::fabs(face) + std::fabs(o));
+            if (d > 0 && std::fabs(face - o) <= aside) most = std::max(most, aside / d);
+        }
+    }
+    return most;
+}
+
+template <class S>
+double reach_of(const Ray<S>& ray, const Solid<S>& solid, double t, double condition, int precision) {
+    const double half_ulp = std::ldexp(1.0, -precision), linear = condition * std::fabs(t) * half_ulp;
+    if (solid.shape == Shape::box) return reach_of_box(ray, solid, t, linear, half_ulp);
+    const double quick = reach_of_sphere<double>(ray, solid, t, linear, half_ulp);
+    // Beyond double's range a square is infinite, or nothing.
+    return std::isfinite(quick) && quick > 0 ? quick : reach_of_sphere<Real>(ray, solid, t, linear, half_ulp);
+}
+
 }  // namespace
 
 double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention) {
@@ -96,6 +149,28 @@ double condition(const Ray<double>& ray, const Solid<double>& solid, Convention 
 }
 double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention) {
     return condition_of(ray, solid, convention);
+}
+
+double reach(const Ray<double>& ray, const Solid<double>& solid, double t, double condition, int precision) {
+    return reach_of(ray, solid, t, condition, precision);
+}
+double reach(const Ray<Real>& ray, const Solid<Real>& solid, double t, double condition, int precision) {
+    return reach_of(ray, solid, t, condition, precision);
+}
+
+double excess_bits(double t, const Certified& truth, const FloatFormat& format, double condition, double reach) {
+    const int precision = format.precision;
+    const double inherent = inherent_bits(condition, precision);
+    if (inherent < precision || !std::isfinite(reach))
+        return std::max(0.0, lost_bits(ulp_error(t, truth, format), precision) - inherent);
+    if (std::isinf(t)) return precision;
+    const auto half_ulp = static_cast<int>(ulp_exponent(format, truth.floor_log2())) - 1;
+    const double allowed = std::max(reach, std::ldexp(1.0, half_ulp));
+    if (allowed == 0) return t == 0 ? 0 : precision;
+    const int scale = std::ilogb(allowed);
+    const double times = std::fabs(scaled_difference(exactly(t), truth, scale)) / std::ldexp(allowed, -scale);
+    if (!(times > 1)) return 0;
+    return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
 }
 
 double inherent_bits(double condition, int precision) { return lost_bits(condition / 2, precision); }

@@ -64,22 +64,23 @@ std::string& words_of_libraries() {
     return words;
 }
 
-bool is_from_outside(const intersect::table::Intersector& form) {
-    const auto own = intersect::table::catalogue();
-    return std::ranges::find(own, form.info, &intersect::table::Intersector::info) == own.end();
-}
-
 }  // namespace
 
 void say_where_forms_are_from(const std::string& words) { words_of_libraries() = words; }
 
 const std::string& where_forms_are_from() { return words_of_libraries(); }
 
+std::string where_form_is_from(std::string_view form) {
+    const bool own =
+        std::ranges::any_of(intersect::table::catalogue(), [form](const auto& row) { return row.info->name == form; });
+    return own || form.empty() ? "" : words_of_libraries();
+}
+
 std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
-    if (!row.form->is_template()) return "";
+    if (!row.form->native32 && !row.form->native64) return "";
     return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, row.form->info->name, row.format.name,
                        row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "",
-                       is_from_outside(*row.form) ? words_of_libraries() : "");
+                       where_form_is_from(row.form->info->name));
 }
 
 }  // namespace lostbits::output::blame

@@ -23,7 +23,11 @@ void say_where_forms_are_from(const std::string& words);
 /// The same words; empty where all forms are the catalogue's.
 [[nodiscard]] const std::string& where_forms_are_from();
 
-/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own.
+/// The same words where a form of that name is not the catalogue's; else nothing.
+[[nodiscard]] std::string where_form_is_from(std::string_view form);
+
+/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own, and
+/// with where a form from outside is from. Empty for the answers of a file, which nobody can ask again.
 std::string explain_command(const std::string& name, const measure::map::MapRow& row);
 
 }  // namespace lostbits::output::blame

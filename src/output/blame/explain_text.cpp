@@ -195,12 +195,19 @@ std::string verdict(const Explanation& x) {
     const std::string envelope = fmt::format("Condition {}: half an ulp in each input would cost {:.1f} bits",
                                              short_number(x.condition), x.inherent);
     if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";
-    if (x.excess() < 1) return envelope + "; input rounding alone explains this loss.";
+    if (x.excess() < 1 && x.rounded_inputs) return envelope + "; input rounding alone explains this loss.";
+    if (x.excess() < 1)
+        return envelope + (x.form->info->direction == intersect::Direction::unit || !rounding_explains(x)
+                               ? "; the formula loses no more than that."
+                               : fmt::format("; the problem is ill-conditioned in {}, and the formula loses no "
+                                             "more. The inputs are exact: wider arithmetic on them helps.",
+                                             x.format.name));
+    if (x.inherent >= x.format.shape.precision)
+        return envelope + fmt::format(", but cannot move t so far; the formula loses {:.1f} bits.", x.excess());
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
 std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
-    const OperationWords words(x);
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_text(x, march) + "\n";
     if (x.solids > 1 && x.form->shape != Shape::sdf)
@@ -222,6 +229,8 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
             file::decimal(x.given->x), file::decimal(x.given->y), file::decimal(x.given->z));
     }
     text += inputs_block(x) + "\n";
+    if (!x.has_tape()) return text;
+    const OperationWords words(x);
     if (march) text += march_samples(*march, x.format) + "\n";
     text +=
         table(x, words, all) +

@@ -55,7 +55,8 @@ std::string wrong_solid_sentence(const Explanation& x) {
 
 /// How much of the error is rounding's, in ulps; NaN where that is not asked.
 double rounding_ulps(const Explanation& x) {
-    if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return NAN;
+    if (x.standing.outcome != Outcome::agree_hit || !x.has_tape() || x.attribution.subject != x.tape.outputs.t)
+        return NAN;
     return x.attribution.error / x.ulp_of_subject();
 }
 
@@ -104,6 +105,9 @@ std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& marc
 
 /// The culprit, or why there is none to name.
 std::string blame_sentence(const Explanation& x, bool marches) {
+    if (!x.has_tape())
+        return "Its operations cannot be looked at, since it is compiled elsewhere; written as a form over any number "
+               "they can (docs/your-own-form.md).";
     if (names_culprit(x)) return culprit_sentence(x);
     const bool hit = x.standing.outcome == Outcome::agree_hit;
     if (!hit || x.attribution.subject == no_node || x.attribution.culprit == no_node) {
@@ -153,6 +157,8 @@ bool names_culprit(const Explanation& x) {
     return x.standing.outcome == Outcome::agree_hit && x.standing.lost >= worth_saying &&
            !(std::fabs(rounding_ulps(x)) < 1);
 }
+
+bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
 
 std::string verdict_text(const Explanation& x, const std::optional<MarchEnd>& march) {
     return outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + whose_loss(x, march) + "\n" +

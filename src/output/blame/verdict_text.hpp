@@ -24,6 +24,10 @@ inline constexpr double worth_saying = 1;
 /// does to the inputs, no operation lost.
 bool names_culprit(const measure::blame::Explanation& x);
 
+/// Whether the roundings of the operations make what is lost, so that wider arithmetic on the same inputs would keep
+/// it.
+bool rounding_explains(const measure::blame::Explanation& x);
+
 /// The sentences that stand first. `march` where the form marches.
 std::string verdict_text(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
 

@@ -26,7 +26,45 @@ namespace {
 double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
 
 std::string name_of_row(const Candidate& c) {
-    return fmt::format("{} in {}", c.row.form->info->name, c.row.format.name);
+    const Format inside = measure::choice::computes_in(c.row);
+    return fmt::format("{} in {}{}", c.row.form->info->name, c.row.format.name,
+                       inside == c.row.format ? "" : fmt::format(", which computes in {}", inside.name));
+}
+
+std::string width_of(const Candidate& c) {
+    return c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa);
+}
+
+/// Whether the times of two differ by no more than each varies: their middle halves overlap.
+bool is_as_fast(const Candidate& a, const Candidate& b) {
+    return a.time.low_quartile <= b.time.high_quartile && b.time.low_quartile <= a.time.high_quartile;
+}
+
+/// Who else is as fast as the fastest; null for none.
+const Candidate* rival_of(const Candidate& fastest, const std::vector<Candidate>& all) {
+    const Candidate* rival = nullptr;
+    for (const Candidate& c : all) {
+        if (&c != &fastest && is_as_fast(c, fastest) && (!rival || c.time.median < rival->time.median)) rival = &c;
+    }
+    return rival;
+}
+
+/// Who was timed one ray at a time beside others in registers.
+std::string unequal_widths(const std::vector<Candidate>& all) {
+    constexpr std::size_t most = 6;
+    std::string names;
+    std::string_view wide;
+    std::size_t scalar = 0;
+    for (const Candidate& c : all) {
+        if (c.isa != "scalar") wide = c.isa;
+        else if (++scalar <= most) names += fmt::format("{}{}", names.empty() ? "" : ", ", name_of_row(c));
+    }
+    if (scalar == 0 || wide.empty()) return "";
+    if (scalar > most) names += fmt::format(" and {} more", scalar - most);
+    return fmt::format(
+        "Timed one ray at a time, for they take no more: {}; the others in registers of {} bits. --single times all "
+        "one ray at a time.\n",
+        names, wide);
 }
 
 std::string kept(const Worth& worth, int precision, const Wish& wish) {
@@ -136,12 +174,20 @@ std::string costs(const Chosen& chosen, const Candidate& c) {
     const Wish& wish = chosen.request.wish;
     std::string text;
     const auto fast = *measure::choice::fastest(all), accurate = *measure::choice::most_accurate(all);
-    if (&all[fast] == &c) text += "  It is the fastest of all.\n";
+    const auto of_other = [&](const Candidate& other) {
+        return fmt::format("{} ({:.2f} ns{}; {}, {})", name_of_row(other), nanoseconds(other),
+                           other.isa == c.isa ? "" : " " + width_of(other),
+                           kept(other.worth, other.row.format.shape.precision, wish), decisions(other.worth));
+    };
+    const Candidate* const rival = &all[fast] == &c           ? rival_of(c, all)
+                                   : is_as_fast(c, all[fast]) ? &all[fast]
+                                                              : nullptr;
+    if (rival)
+        text += fmt::format("  It is as fast as {}: their times differ by less than they vary.\n", of_other(*rival));
+    else if (&all[fast] == &c) text += "  It is the fastest of all.\n";
     else
-        text +=
-            fmt::format("  {} the time of the fastest, {} ({:.2f} ns; {}, {}).\n",
-                        times(nanoseconds(c) / nanoseconds(all[fast])), name_of_row(all[fast]), nanoseconds(all[fast]),
-                        kept(all[fast].worth, all[fast].row.format.shape.precision, wish), decisions(all[fast].worth));
+        text += fmt::format("  {} the time of the fastest, {}.\n", times(nanoseconds(c) / nanoseconds(all[fast])),
+                            of_other(all[fast]));
     if (&all[accurate] == &c) text += "  It is the most accurate of all.\n";
     else
         text += fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
@@ -189,8 +235,7 @@ std::string in_words(const Chosen& chosen) {
         const int precision = c.row.format.shape.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c),
                             kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
-        text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c),
-                            c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa));
+        text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c), width_of(c));
         const std::string assumed = assumptions(*c.row.form->info);
         text += assumed.empty() ? "  It assumes nothing of the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
@@ -198,7 +243,7 @@ std::string in_words(const Chosen& chosen) {
         text += next_ray(chosen);
     }
     if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
-    text += own_answers(chosen);
+    text += own_answers(chosen) + unequal_widths(chosen.all);
     return text + fmt::format("Times are of this run: {} rays of the {} against {} of its solids.\n", chosen.timed.rays,
                               chosen.request.rays ? "file" : "scene", chosen.timed.solids);
 }

@@ -20,7 +20,7 @@ using measure::choice::Requirement;
 
 const std::vector<file::Column> requirement_columns{
     {"form", "string", "", "form under test; any: whichever of them; none: no form in no format"},
-    {"format", "string", "", "format it computes in"},
+    {"format", "string", "", "format of its inputs and answers; of any: the format that the form computes in"},
     {"time_ns", "number", "ns", "per ray and solid, median of this run; missing for an emulated format"},
     {"met", "integer", "", "pixels on which it meets the wish"},
     {"met_fraction", "number", "1", "met/pixels"},

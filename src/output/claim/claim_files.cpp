@@ -122,10 +122,15 @@ const Metric* metric_of_column(const std::string& column) {
     return best;
 }
 
-std::string reproduce(const Claim& c) {
+namespace {
+
+/// What measures the claim again, without where its form is from.
+std::string command_of(const Claim& c) {
+    const std::string file = c.named ? " " + shell_word(c.where.source) : "";
     if (c.profile == Claim::Profile::timing)
-        return fmt::format("lostbits check --profile timing --filter {}", filter_word(c.id));
-    if (!c.table.empty() || c.exhaustive) return fmt::format("lostbits check --filter {} --measure", filter_word(c.id));
+        return fmt::format("lostbits check{} --profile timing --filter {}", file, filter_word(c.id));
+    if (!c.table.empty() || c.exhaustive)
+        return fmt::format("lostbits check{} --filter {} --measure", file, filter_word(c.id));
     if (!c.render.empty())
         return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),
                            c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
@@ -142,6 +147,10 @@ std::string reproduce(const Claim& c) {
     return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map",
                        shell_word(c.subject()), c.form, c.format, metric_option(c));
 }
+
+}  // namespace
+
+std::string reproduce(const Claim& c) { return command_of(c) + blame::where_form_is_from(c.form); }
 
 std::string offset_words(const Claim& c) {
     return fmt::format("{}, {}, {} points", c.strategy, c.side == "outside" ? "rays outside" : "rays inside", c.points);

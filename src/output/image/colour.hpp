@@ -45,7 +45,7 @@ inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[1],  // both_miss
     outcome_colours[0],  // same_t
     outcome_colours[6],  // other_t: gold
-    outcome_colours[5],  // both_hit: violet
+    outcome_colours[5],  // incomparable_t: violet
     outcome_colours[2],  // alone_hits: brown
     outcome_colours[3],  // other_alone_hits: lilac
 }};

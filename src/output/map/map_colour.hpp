@@ -50,7 +50,7 @@ image::Rgb8 pixel_colour(const image::ColourScale& scale, measure::answer::Outco
 inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
 /// A colour drawn back: half of it is page. Marks what the problem, not the form, is to blame for.
 image::Rgb8 paler(image::Rgb8 colour);
-inline constexpr const char* paler_means = "paler: input rounding alone explains it";
+inline constexpr const char* paler_means = "paler: half an ulp in each input would cost as much";
 
 /// `false miss`, `wrong solid`: an outcome in words.
 std::string plain_name(measure::answer::Outcome o);

@@ -61,9 +61,7 @@ std::vector<Column> SummaryTable::columns() const {
 void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
                        const NameOfRay& name_of_ray) const {
     const auto command = [&](const measure::map::WorstRay* ray) -> Cell {
-        // Answers of a file, and functions that are not written over our numbers, leave no tape to explain.
-        const bool explained = row.form->record && ray != nullptr && ray->x >= 0;
-        const std::string name = explained ? name_of_ray(*ray) : "";
+        const std::string name = ray != nullptr && ray->x >= 0 ? name_of_ray(*ray) : "";
         if (name.empty()) return {};
         return blame::explain_command(name, row);
     };

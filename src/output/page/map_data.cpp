@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "measure/truth/conditioning.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
@@ -24,12 +27,14 @@ using measure::metric::Metric;
 
 namespace {
 
-/// Functions of t, t* and κ alone; src/output/page/script/numbers.js has them again, and the browser test holds every
-/// pixel of a map against its CSV.
+/// Functions of t, t* and κ alone, `excess_bits` but where κ says nothing more; src/output/page/script/numbers.js has
+/// them again, and the browser test holds every pixel of a map against its CSV.
 constexpr std::array<std::string_view, 7> derived_metrics{
     "lost_bits", "correct_bits", "ulp_error", "relative_error", "absolute_error", "inherent_bits", "excess_bits"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
+/// Derived, and stored where κ excuses all bits: what t can reach decides there.
+bool is_reached(const Metric& m) { return m.name == "excess_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
 constexpr std::int16_t exact_bound = -32768;
@@ -103,7 +108,9 @@ public:
           t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             with_condition_ |= (measure::map::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
-            if (!is_derived(*request.metrics[m]) && !is_condition(*request.metrics[m]))
+            const Metric& metric = *request.metrics[m];
+            if (is_reached(metric)) reached_ = m;
+            if (is_reached(metric) || (!is_derived(metric) && !is_condition(metric)))
                 stored_.push_back({m, Layer(4, n)});
         }
     }
@@ -113,7 +120,10 @@ public:
             const std::size_t at = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (filled_) filled_->take(at, i, result, with_condition_);
             outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
-            for (auto& [m, layer] : stored_) layer.set(at, static_cast<float>(result.metrics[m][i]));
+            for (auto& [m, layer] : stored_) {
+                if (m != reached_ || is_beyond_condition(i, result))
+                    layer.set(at, static_cast<float>(result.metrics[m][i]));
+            }
             if (!result.answers->hit[i]) continue;
             object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
             places_.insert(result.answers->object[i]);
@@ -148,6 +158,12 @@ private:
         return std::bit_cast<std::uint64_t>(t);
     }
 
+    [[nodiscard]] bool is_beyond_condition(std::size_t i, const BandResult& result) const {
+        const int precision = row_.format.shape.precision;
+        return result.truth(i).is_hit() &&
+               measure::truth::inherent_bits(result.band->condition(i, result.convention), precision) >= precision;
+    }
+
     struct Stored {
         std::size_t metric;
         Layer layer;
@@ -156,7 +172,8 @@ private:
     std::size_t group_;
     Group* filled_;
     bool with_condition_ = false;
-    std::set<int> places_;  ///< of the solids that the form answers
+    std::optional<std::size_t> reached_ = {};  ///< the place of `excess_bits`
+    std::set<int> places_;                     ///< of the solids that the form answers
     Layer outcome_, object_, t_;
     std::vector<Stored> stored_;
 };
@@ -189,7 +206,8 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
               {"meaning", m.meaning},
               {"marches", m.over == measure::metric::Over::marches},
               {"blamed", m.over == measure::metric::Over::blamed},
-              {"kind", is_derived(m)     ? "derived"
+              {"kind", is_reached(m)     ? "reached"
+                       : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"
                                          : "stored"}};
     if (paint.scale()) {  // one a format, as the pictures have it
@@ -239,6 +257,8 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
             {"taped", is_taped(row)},
             {"coding", coding_name(row.format)},
             {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+            {"formula", row.form->is_template()},
+            {"from", blame::where_form_is_from(row.form->info->name)},
             {"group", group},
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},

@@ -6,6 +6,7 @@
 
 #include "measure/map/summary_columns.hpp"
 #include "measure/truth/missing.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/page/text.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
@@ -40,9 +41,13 @@ Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>&
         outcomes.push_back(at(c).outcomes);
         true_hits.push_back(at(c).true_hits);
     }
-    return {
-        {"form", row.form->info->name}, {"format", row.format.name},       {"precision", row.format.shape.precision},
-        {"values", std::move(values)},  {"outcomes", std::move(outcomes)}, {"true_hits", std::move(true_hits)}};
+    return {{"form", row.form->info->name},
+            {"format", row.format.name},
+            {"precision", row.format.shape.precision},
+            {"from", blame::where_form_is_from(row.form->info->name)},
+            {"values", std::move(values)},
+            {"outcomes", std::move(outcomes)},
+            {"true_hits", std::move(true_hits)}};
 }
 
 Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,

@@ -51,6 +51,8 @@ struct Claim {
     Evidence evidence = Evidence::none;
     std::string lemma;  ///< the inequality of a proof, or where it stands
     toml::Where where;  ///< of the claim, for messages
+    /// The command line named its file; else it is one of the data folder.
+    bool named = false;
 
     // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or
     // its speed; or what a choice makes of it

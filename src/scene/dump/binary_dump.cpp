@@ -89,7 +89,37 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     return records.count > 0;
 }
 
+void BinaryDump::refuse_reversed(const Records& records) const {
+    // Of nonzero floating numbers. Lengths of scenes lie in this range; of random bits a sixth or less do.
+    const auto is_usual = [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; };
+    std::size_t numbers = 0, usual = 0, usual_reversed = 0;
+    std::string strange;  // the first of them
+    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
+        const BinaryColumn& column = lie_.columns[c];
+        if (!layout_->columns()[c].slot || column.type.kind != ItemType::Kind::floating) continue;
+        ItemType reversed = column.type;
+        reversed.big_endian = !reversed.big_endian;
+        for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
+            const char* const at = records.bytes.data() + i * lie_.record_size + column.offset;
+            const double x = column.type.read(at).value;
+            if (x == 0) continue;
+            ++numbers;
+            usual += is_usual(x) ? 1 : 0;
+            usual_reversed += is_usual(reversed.read(at).value) ? 1 : 0;
+            if (!is_usual(x) && strange.empty())
+                strange = fmt::format(
+                    "record {}: {} is {}, and nearly all numbers are as strange; with their bytes in the other order "
+                    "they are of usual size, so the {} significant byte comes first; write {}:f{}{} in --columns",
+                    i + 1, column.name, x, reversed.big_endian ? "most" : "least", column.name, 8 * column.type.size,
+                    reversed.big_endian ? "be" : "");
+        }
+    }
+    if (numbers >= 6 && 10 * usual <= numbers && 10 * usual_reversed >= 9 * numbers)
+        throw InputError(source_.name() + ": " + strange);
+}
+
 Chunk BinaryDump::decode(const Records& records) const {
+    if (records.first == 0 && !lie_.records) refuse_reversed(records);
     Chunk chunk;
     chunk.first = records.first;
     struct Reader {

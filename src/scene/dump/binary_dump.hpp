@@ -39,6 +39,8 @@ protected:
     [[nodiscard]] ByteSource& source() { return source_; }
 
 private:
+    /// InputError where the numbers of these records, raw ones, have their bytes in the other order.
+    void refuse_reversed(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
     ByteSource source_;

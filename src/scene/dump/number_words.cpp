@@ -110,4 +110,15 @@ Word NumberWords::read_slowly(std::string_view text) const {
     return word;
 }
 
+bool is_float_in_decimal(double x) {
+    const auto narrow = static_cast<float>(x);
+    char text[64];
+    const auto reads_as = [&](std::to_chars_result written) {
+        double read = 0;
+        return read_whole(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), read) && read == x;
+    };
+    return reads_as(std::to_chars(text, text + sizeof text, narrow)) ||
+           reads_as(std::to_chars(text, text + sizeof text, narrow, std::chars_format::general, 9));
+}
+
 }  // namespace lostbits::scene::dump

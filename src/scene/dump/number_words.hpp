@@ -30,4 +30,7 @@ private:
     int digits_;  ///< that tell the numbers of the format apart
 };
 
+/// Whether a double is what a decimal of a binary32 number reads as: one of nine digits, or the shortest.
+bool is_float_in_decimal(double x);
+
 }  // namespace lostbits::scene::dump

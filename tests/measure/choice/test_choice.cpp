@@ -5,6 +5,7 @@
 #include "catch.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/room.hpp"
+#include "output/choice/choice_text.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_choice {
@@ -78,6 +79,45 @@ TEST_CASE("every row is timed, on rays of the scene, and worth what a map says")
     CHECK(all[0].worth.wrong > 0);
     CHECK(all[1].worth.wrong == 0);
     CHECK(all[1].worth.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
+}
+
+TEST_CASE("a form is the fastest beyond the noise alone, and a form without registers is said") {
+    const Scene scene = scene_named("near-benign");
+    const ChoiceRequest request = request_of(scene, 16);
+    const auto said = [&](double first, double second, double spread, std::string_view isa) {
+        std::vector<Candidate> all{candidate(first * 1e-9, 0, 20), candidate(second * 1e-9, 0, 20)};
+        all[1].row = row_of("sphere.double_inside", "f32");
+        for (Candidate& c : all) {
+            c.isa = "512";
+            c.time.low_quartile = c.time.median * (1 - spread);
+            c.time.high_quartile = c.time.median * (1 + spread);
+        }
+        all[1].isa = isa;
+        return output::choice::in_words({request, all, {2000, 1}, cheapest(all, request.wish)});
+    };
+    const std::string near = said(1, 1.002, 0.02, "512"), apart = said(1, 1.5, 0.02, "512");
+    CHECK(near.find("It is the fastest of all") == std::string::npos);
+    CHECK(near.find("It is as fast as sphere.double_inside in f32, which computes in f64 (1.00 ns;") !=
+          std::string::npos);
+    CHECK(near.find("differ by less than they vary") != std::string::npos);
+    CHECK(apart.find("It is the fastest of all") != std::string::npos);
+    CHECK(apart.find("one ray at a time") == std::string::npos);
+    const std::string scalar = said(1, 1.5, 0.02, "scalar");
+    CHECK(scalar.find("Timed one ray at a time, for they take no more: sphere.double_inside in f32, which computes in "
+                      "f64; the others in registers of 512 bits") != std::string::npos);
+    // The other way round it is the one that is chosen.
+    CHECK(said(3, 1.5, 0.02, "scalar").find("It takes 1.50 ns a ray and solid, one ray at a time") !=
+          std::string::npos);
+}
+
+TEST_CASE("what a form computes in is seen in its operations") {
+    CHECK(computes_in(row_of("sphere.double_inside", "f32")).name == "f64");
+    for (const auto& form : intersect::table::intersectors()) {
+        if (form.info->name == "sphere.double_inside" || form.shape == Shape::sdf) continue;
+        INFO(form.info->name);
+        CHECK(computes_in({&form, *find_format("f32")}).name == "f32");
+        CHECK(computes_in({&form, *find_format("bf16")}).name == "bf16");
+    }
 }
 
 TEST_CASE("a stretched scene is the scene at factor 1, and shows the same picture from farther away") {

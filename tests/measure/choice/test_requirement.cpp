@@ -145,4 +145,21 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     CHECK(r.met[1] == r.pixels());
 }
 
+TEST_CASE("a form that computes in double is no evidence that float is enough") {
+    const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
+    const auto rows = rows_of({"sphere.schoolbook", "sphere.double_inside"}, {"f32"});
+    const auto [request, all, r] = require(scene, rows, {1, 2}, 20);
+    const auto maps = maps_of(scene, rows);
+    REQUIRE(r.formats.size() == 2);
+    CHECK(r.formats[1].name == "f64");
+    std::uint64_t by_float = 0, by_double = 0;
+    for (std::size_t i = 0; i < r.pixels(); ++i) {
+        const bool narrow = maps[0].right(i, 20, 24);
+        by_float += narrow;
+        by_double += !narrow && maps[1].right(i, 20, 24);
+    }
+    CHECK(by_double > 0);
+    CHECK(r.needed == std::vector<std::uint64_t>{by_float, by_double});
+}
+
 }  // namespace lostbits::test::test_requirement

@@ -150,7 +150,7 @@ async function readRow(map, row, name) {
                                         planes.doubles();
     const stored = {};
     for (const metric of map.metrics) {
-        if (metric.kind === "stored") stored[metric.name] = planes.floats();
+        if (metric.kind === "stored" || metric.kind === "reached") stored[metric.name] = planes.floats();
     }
     return { row, truth, outcome, object, t, stored, painted: new Map() };
 }
@@ -160,6 +160,7 @@ const sampleAt = (pixels, i) => ({
     truth: pixels.truth.truth[i],
     rest: pixels.truth.rest[i],
     condition: pixels.truth.condition[i],
+    beyond: pixels.stored.excess_bits?.[i],
     row: pixels.row
 });
 

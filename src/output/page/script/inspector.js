@@ -100,6 +100,15 @@ function endOfMarch(map, pixels, i) {
         "";
 }
 
+/** Of a loss within the envelope: whether rounded inputs explain it, or wider arithmetic on exact ones helps. */
+function whoseEnvelope(map, row) {
+    if (map.inputs === "own" || row.precision < 24 || row.emin > -126 || row.emax < 127)
+        return "input rounding alone explains this loss.";
+    if (row.direction === "unit" || row.form.startsWith("sdf.")) return "the formula loses no more than that.";
+    return `the problem is ill-conditioned in ${row.format}, and the formula loses no more. ` +
+        "The inputs are exact: wider arithmetic on them helps.";
+}
+
 /**
  * Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. Of a march
  * neither may be, and whether it is where the march ended or its rounding takes the march itself: `explain` has it.
@@ -116,12 +125,14 @@ function verdictText(map, pixels, i) {
             `${envelope} costs ${costs} bits.`;
     const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
     if (lost < 1) return `${alone}. Less than one bit is lost.`;
-    if (derived.excess_bits(s) < 1) return `${alone}; input rounding alone explains this loss.`;
+    if (derived.excess_bits(s) < 1) return `${alone}; ${whoseEnvelope(map, pixels.row)}`;
     if (marches)
         return `${alone}; the other ${fixed(derived.excess_bits(s), 1)} bits are lost where the march ended${
                    pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` :
                                               ""} or by its rounding: ` +
             "lostbits explain says which.";
+    if (derived.inherent_bits(s) >= pixels.row.precision)
+        return `${alone}, but cannot move t so far; the formula loses ${fixed(derived.excess_bits(s), 1)} bits.`;
     return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
 }
 
@@ -130,8 +141,8 @@ function commandsFor(map, row, x, y, metric) {
     const size = map.own_size ? "" : ` --size ${map.width}x${map.height}`;
     const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
     return {
-        map: `lostbits map ${map.id} -i ${row.form} -f ${row.format}${drawn}${size} --pixels csv -o out`,
-        explain: `lostbits explain ${map.id}${size} --pixel ${x},${y} -i ${row.form} -f ${row.format}`,
+        map: `lostbits map ${map.named} -i ${row.form} -f ${row.format}${row.from}${drawn}${size} --pixels csv -o out`,
+        explain: `lostbits explain ${map.named}${size} --pixel ${x},${y} -i ${row.form} -f ${row.format}${row.from}`,
     };
 }
 

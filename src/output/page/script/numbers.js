@@ -98,5 +98,9 @@ const derived = {
         const size = Math.max(0.5, s.condition / 2);
         return size > 0.5 ? Math.min(Math.log2(size) + 1, s.row.precision) : 0;
     },
-    excess_bits: (s) => Math.max(0, derived.lost_bits(s) - derived.inherent_bits(s)),
+    /** Where the envelope is all bits, what t can reach decides, which is stored. */
+    excess_bits(s) {
+        const inherent = derived.inherent_bits(s);
+        return inherent < s.row.precision ? Math.max(0, derived.lost_bits(s) - inherent) : s.beyond ?? 0;
+    },
 };

@@ -120,8 +120,10 @@ async function showOperations(element, map, row, x, y) {
         element.replaceChildren(make(
             "p", { className: "hint" },
             row.form.startsWith("sdf.") ? "A march has its own operations for every ray. " :
-                                          "This form has its own operations for every ray. ",
-            make("code", {}, commandsFor(map, row, x, y, metricNow()).explain), " shows them."));
+                row.formula             ? "This form has its own operations for every ray. " :
+                                          "This form is compiled elsewhere, so its operations are not known. ",
+            make("code", {}, commandsFor(map, row, x, y, metricNow()).explain),
+            row.formula ? " shows them." : " shows what does better."));
         return;
     }
     const { walk, tape, solid } = found, ulp = walk.subject < 0 ? NaN : walk.ulpOfSubject(row), body = make("tbody");

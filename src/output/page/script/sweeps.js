@@ -255,9 +255,10 @@ function buildSweeps() {
         onsets: make("div"),
         copied: make("pre", { className: "copied", hidden: true })
     });
-    const { copied } = sweepParts,
-                   command = () => `lostbits sweep ${state.sweep} -i ${sweepParts.now.chosen.form} -f ${
-                       sweepParts.now.chosen.format} -o out`;
+    const { copied } = sweepParts, command = () => {
+        const { named } = sweepParts.now.sweep, { form, format, from } = sweepParts.now.chosen;
+        return `lostbits sweep ${named} -i ${form} -f ${format}${from} -o out`;
+    };
     const button = (id, words, text) =>
         make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
     root.append(

@@ -1,0 +1,143 @@
+// Libraries by name: two builds of one in one run, and commands about their forms that can be pasted.
+#include <filesystem>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+namespace test_builds {
+
+using namespace lostbits::test;
+
+namespace {
+
+std::string library(const std::string& name) { return std::string(LOSTBITS_LIBRARIES) + "/" + name + ".so"; }
+std::string plugin(const std::string& name) { return " --plugin " + library(name); }
+
+/// The line of a form in a summary, without its name.
+std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form,
+                                          const std::string& format) {
+    for (auto& row : read_csv(summary)) {
+        if (row["form"] == form && row["format"] == format) return row;
+    }
+    FAIL("no row " << form << " " << format);
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("plugin: explain says what an answer is worth, and no more of a form that is compiled elsewhere", "[doors]") {
+    const Scratch folder;
+    const std::string ray = "explain --sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1 -f f32";
+    const Outcome told = run(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
+    INFO(told.out << told.err);
+    REQUIRE(told.code == 0);
+    CHECK(has(told.out, "Its operations cannot be looked at, since it is compiled elsewhere"));
+    CHECK(has(told.out, "radius"));
+    // Above the operations it has the words of the form that it copies.
+    const Outcome own = run(ray + " -i sphere.schoolbook", folder.path());
+    const auto first = [](const std::string& text) {
+        const auto begin = text.find("\n\n") + 2;
+        return text.substr(begin, text.find('\n', begin) - begin);
+    };
+    CHECK(first(told.out) == first(own.out));
+    CHECK(has(first(told.out), "the true t is"));
+    const Outcome far = run(ray + " -i odd.far_first" + plugin("odd_plugin"), folder.path());
+    CHECK(has(far.out, "Better on this ray:"));
+    const Outcome touching =
+        run("explain --sphere 0,0,0,3 --ray 3,0,-8,0,0,1 -f f32 -i odd.nothing_ahead" + plugin("odd_plugin"),
+            folder.path());
+    CHECK(has(touching.out,
+              "Condition inf: half an ulp in each input would cost 24.0 bits, but cannot move t so far; "
+              "the formula loses 12.4 bits."));
+    for (const std::string what : {" --json", " --fpcore", " --latex", " --c"}) {
+        const Outcome refused = run(ray + what + " -i odd.first" + plugin("odd_plugin"), folder.path());
+        CHECK(refused.code == 2);
+        CHECK(has(refused.err, "its operations cannot be looked at"));
+        CHECK(has(refused.err, "Without" + what));
+    }
+}
+
+TEST_CASE("plugin: two builds of one library are in one run, each under a name", "[doors]") {
+    const Scratch folder;
+    std::filesystem::create_directory(folder.path() / "next");
+    std::filesystem::copy_file(library("schoolbook"), folder.path() / "next/schoolbook.so");
+    const std::string both = plugin("schoolbook") + " --plugin new=next/schoolbook.so";
+    for (const std::string door : {"", " --isolate"}) {
+        const std::string map = "map near-benign --size 32x24 -f f32 --force -o out" + both + door;
+        const Outcome o = run(map + " -i '*example.schoolbook'", folder.path());
+        INFO(o.err);
+        REQUIRE(o.code == 0);
+        auto old = row_of(folder.path() / "out/near-benign/summary.csv", "example.schoolbook", "f32"),
+             fresh = row_of(folder.path() / "out/near-benign/summary.csv", "new.example.schoolbook", "f32");
+        CHECK(std::stoi(old["agree_hit"]) > 50);
+        CHECK(old["lost_bits_max"] == fresh["lost_bits_max"]);
+        // Its commands name the library so again, and can be pasted.
+        const std::string pasted = fresh["worst_explain"];
+        CHECK(has(pasted, "-i new.example.schoolbook -f f32 --plugin "));
+        CHECK(has(pasted, " --plugin new=next/schoolbook.so"));
+        CHECK(run(pasted.substr(9) + door, folder.path()).code == 0);
+    }
+    const std::string file = folder.write(
+        "rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0,-6,0,0,1,1,5\n0.5,0,-6,0,0,1,1,5.133975\n");
+    for (const std::string& words : std::initializer_list<std::string>{
+             "map near-benign --size 16x12 -i new.example.schoolbook --against example.schoolbook -f f32 --force -o "
+             "out",
+             "judge " + file + " --sphere 0,0,0,1 --format f32 -i '*.schoolbook' -o out",
+             "diff near-benign --size 16x12 -i new.example.schoolbook --against example.schoolbook -f f32 -o out"}) {
+        const Outcome o = run(words + both, folder.path());
+        INFO(words << ": " << o.err);
+        CHECK((o.code == 0 || words.starts_with("diff")));
+    }
+    for (const std::string words :
+         {"trade --quick --repetitions 1 -i '*example.schoolbook' -f f32 -o out",
+          "choose near-benign --size 16x12 --bits 1 --quick -i '*example.schoolbook' -f f32 -o out"}) {
+        const Outcome o = run(words + both, folder.path());
+        INFO(words << ": " << o.out << o.err);
+        CHECK(o.code == 0);
+    }
+    const Outcome twice =
+        run("list intersectors" + plugin("schoolbook") + " --plugin next/schoolbook.so", folder.path());
+    CHECK(twice.code == 2);
+    CHECK(has(twice.err, "--plugin new=next/schoolbook.so calls its forms new.example.schoolbook"));
+    const Outcome bad = run("list intersectors --plugin sphere=next/schoolbook.so", folder.path());
+    CHECK(bad.code == 2);
+    CHECK(has(bad.err, "begin the names of the forms that ship"));
+    CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such library"));
+}
+
+TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[doors]") {
+    const Scratch folder;
+    std::filesystem::create_directory(folder.path() / "my scenes");
+    std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",
+                               folder.path() / "my scenes/mine.toml");
+    const std::string claim = "\"\nstatement = \"odd.right is wrong\"\nsource = \"-\"\nverdict = \"holds\"\n";
+    const std::string claims = folder.write(
+        "my scenes/claims.toml",
+        "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"by-map" + claim +
+            "[claim.given]\nscene = \"mine.toml\"\nform = \"odd.right\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
+            "\"false_miss_fraction\"\nin = [0.5, 0.6]\n");
+    const Outcome checked =
+        run("check '" + claims + "' --junit junit.xml --export-json claims.json" + plugin("odd_plugin"), folder.path());
+    CHECK(checked.code == 1);
+    const auto in_words = [](const std::string& text, const std::string& before) {
+        const auto begin = text.find(before) + before.size();
+        return text.substr(begin, text.find_first_of("\n\"", begin) - begin);
+    };
+    const std::string told = in_words(checked.out, "reproduce: lostbits ");
+    CHECK(has(told, "mine.toml' -i odd.right -f f32 -o out --plugin "));
+    CHECK(run(told, folder.path()).code == 0);
+    CHECK(has(contents(folder.path() / "junit.xml"), told));
+    // Of two libraries the words stand once.
+    CHECK(told.find("--plugin") == told.rfind("--plugin"));
+    const Outcome page =
+        run("report 'my scenes/mine.toml' --size 16x12 -i odd.first -f f32 --no-claims -o page" + plugin("odd_plugin"),
+            folder.path());
+    INFO(page.err);
+    REQUIRE(page.code == 0);
+    const std::string html = contents(folder.path() / "page/index.html");
+    CHECK(has(html, "\"named\":\"'my scenes/mine.toml'\""));
+    CHECK(has(html, "\"from\":\" --plugin " + library("odd_plugin") + "\""));
+}
+
+}  // namespace test_builds
