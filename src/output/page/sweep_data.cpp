@@ -7,6 +7,7 @@
 #include "measure/map/summary_columns.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/page/text.hpp"
+#include "output/plot/form_look.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
 #include "output/sweep/too_far.hpp"
@@ -41,8 +42,9 @@ Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>&
         true_hits.push_back(at(c).true_hits);
     }
     return {
-        {"form", row.form->info->name}, {"format", row.format.name},       {"precision", row.format.shape.precision},
-        {"values", std::move(values)},  {"outcomes", std::move(outcomes)}, {"true_hits", std::move(true_hits)}};
+        {"form", row.form->info->name},       {"format", row.format.name},   {"precision", row.format.shape.precision},
+        {"look", plot::form_look(*row.form)}, {"values", std::move(values)}, {"outcomes", std::move(outcomes)},
+        {"true_hits", std::move(true_hits)}};
 }
 
 Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
@@ -73,7 +75,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"title", request.sweep->title},
         {"kind", "line"},
         {"axis", axis.name},
-        {"unit", axis.unit},
+        {"label", axis.label},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
         {"is_drawn", request.sweep->is_drawn()},
