@@ -43,12 +43,18 @@ Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Commo
     const auto results = diff::compare_all(w.a, w.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
-    if (std::filesystem::is_regular_file(w.a) && std::filesystem::is_regular_file(w.b))
-        diff::print_made_differently(diff::made_differently(folder_of(w.a), folder_of(w.b)));
+    const bool files = std::filesystem::is_regular_file(w.a) && std::filesystem::is_regular_file(w.b);
+    if (files) diff::print_made_differently(diff::made_differently(folder_of(w.a), folder_of(w.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
     if (same && !common.quiet) fmt::print("same\n");
+    if (!same && files && !w.strict && diff::kind_of(w.a) == diff::FileKind::csv &&
+        diff::kind_of(w.b) == diff::FileKind::csv) {
+        const auto a = output::file::read_csv(w.a), b = output::file::read_csv(w.b);
+        if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
+            diff::print_verdict(output::diff::compare_rows(a, b, "", options).verdict, w.b);
+    }
     return same ? Exit::done : Exit::answer_is_no;
 }
 

@@ -78,8 +78,10 @@ void add_explain(const shell::Command& program, const Common& common) {
     words.stop = common.stop;
     command.add("SCENE", words.subject,
                 "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
-                "data/sweeps; none with --sphere or --box");
+                "data/sweeps, with --worst any sweep; none with --sphere or --box");
     command.add("--pixel", words.pixel, "Column and row of a pixel, from the left and from the top: 17,42");
+    command.add("--worst", words.worst,
+                "The worst ray of a scene or a sweep for the form: a wrong decision, or else the largest error");
     command.add("--size", words.size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,

@@ -10,7 +10,6 @@
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
-#include "analysis/choice/range.hpp"
 #include "analysis/choice/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"

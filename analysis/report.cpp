@@ -54,16 +54,10 @@ std::vector<std::string> ids_in(const std::filesystem::path& folder) {
     return ids;
 }
 
-bool is_sweep_file(const std::filesystem::path& path) {
-    const scene::toml::Node root = scene::toml::read_toml(path);
-    const scene::toml::Node* const schema = root.find("schema");
-    return schema != nullptr && schema->text.starts_with("lostbits-sweep/");
-}
-
 /// A path, or the name of a scene (perhaps with a variant) or of a sweep; scenes come first.
 void add_subject(Subjects& subjects, const std::string& word, const std::filesystem::path& data) {
     if (std::filesystem::is_regular_file(word)) {
-        if (is_sweep_file(word)) subjects.sweeps.push_back(word);
+        if (scene::sweep::is_sweep_file(word)) subjects.sweeps.push_back(word);
         else subjects.scenes.push_back({word});
         return;
     }
@@ -106,8 +100,8 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     return claims;
 }
 
-/// Those selected and those that a claim on the subject names, in the order of the catalogue. `-i` leaves the claims'
-/// out.
+/// Those selected and those that a claim on the subject names: one's own forms first, then in the order of the
+/// catalogue. `-i` leaves the claims' out.
 std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims,
                              bool with_claims) {
     for (const Claim& c : claims) {
@@ -118,7 +112,11 @@ std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> row
                                  [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; }))
             rows.push_back(row);
     }
-    const auto place = [](const MapRow& row) { return row.form - lostbits::intersect::table::intersectors().data(); };
+    const auto place = [](const MapRow& row) {
+        const auto own = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
+        const auto at = row.form - lostbits::intersect::table::intersectors().data();
+        return std::pair{at < own, at};
+    };
     std::ranges::stable_sort(rows, [&place](const MapRow& a, const MapRow& b) { return place(a) < place(b); });
     return rows;
 }

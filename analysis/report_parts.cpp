@@ -100,12 +100,13 @@ std::vector<output::page::Picture> line_pictures(const output::sweep::MeasuredSw
     std::vector<output::page::Picture> pictures;
     for (const Format& format : output::sweep::formats_of(sweep)) {
         const std::string what = fmt::format("{}, {}", sweep.request.sweep->title, format.name);
-        pictures.push_back(output::page::picture("99th percentile of lost bits: " + what, [&](const auto& to) {
+        pictures.push_back(output::page::plot_picture("99th percentile of lost bits: " + what, [&](const auto& to) {
             output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size);
         }));
-        pictures.push_back(output::page::picture("Share of wrong answers: " + what, [&](const auto& to) {
-            output::sweep::write_wrong_plot(to, sweep, format, size);
-        }));
+        for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
+            pictures.push_back(output::page::plot_picture(
+                output::sweep::wrong_title(outcome) + ": " + what,
+                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); }));
     }
     return pictures;
 }
@@ -160,7 +161,8 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";
-    output::map::SceneSheet sheet(request, file);
+    output::map::SceneSheet sheet(
+        request, file, work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height));
     output::page::MapData data(request);
     std::vector<std::unique_ptr<Both>> both;
     std::vector<MapSink*> sinks;
@@ -252,8 +254,8 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .wish = output::choice::in_words(work.wish),
             .words = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = page::picture(fmt::format("Time against kept bits on {}", work.scene.id),
-                                   [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
+            .front = page::plot_picture(fmt::format("Time against kept bits on {}", work.scene.id),
+                                        [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
 }
 
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
@@ -302,9 +304,9 @@ output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows,
                                  {}};
     const auto sets = measure::speed::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        part.pictures.push_back(
-            output::page::picture(fmt::format("Time against kept bits: {}", sets[s].title),
-                                  [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
+        part.pictures.push_back(output::page::plot_picture(
+            fmt::format("Time against kept bits: {}", sets[s].title),
+            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
     }
     return part;
 }

@@ -1,10 +1,12 @@
-// What was typed, and names by globs.
+// What was typed, names by globs, and the ends of a colour bar.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/shell/command_line.hpp"
+#include "output/map/map_colour.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -35,6 +37,11 @@ Typed typed(const shell::Command& program);
 /// Arguments that begin with `data/`, as those of the documents do, where nothing here is called so and in the data
 /// folder (`data` is `--data`) something is: replaced by that. `*`, `?` and `[…]` stand for characters, as in a shell.
 void find_in_data(const shell::Command& command, const std::string& data);
+
+/// `LO:HI`, in the unit of the metrics that are drawn; nothing where the text is empty. InputError for what is not a
+/// range, where the metrics have several units or no bar, and for an end that a logarithm cannot have.
+std::optional<output::map::BarRange> parse_range(const std::string& text,
+                                                 const std::vector<const measure::metric::Metric*>& drawn);
 
 /// The words of a command as `shell_word` wrote them.
 std::vector<std::string> words_in(const std::string& command);

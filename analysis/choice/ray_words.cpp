@@ -8,6 +8,7 @@
 
 #include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/worst_ray.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -82,22 +83,13 @@ OneRay pixel_of(const RayWords& words, const Scene& scene) {
 AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
     const auto scene = std::make_shared<const Scene>(load_one(words, data));
     require_solids(row, "scene " + scene->id, [&](Shape shape) { return scene->meets(shape); });
-    if (words.pixel.empty() == words.ray.empty())
+    if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
         throw InputError(
-            "explain: name one ray: --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a file of "
-            "cases");
+            "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
+            "file of cases");
+    if (words.worst) return worst_of_scene(scene, row, words.stop);
     return {scene,
             words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop})};
-}
-
-/// Ray K of a case, as its groups have them one after another.
-RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
-    RayGroup& from = groups[static_cast<std::size_t>(k / rays)];
-    const auto place = static_cast<std::size_t>(k % rays);
-    RayGroup one = scene::rays::group_of(from.rays[place]);
-    one.solids = std::move(from.solids);
-    if (!from.rays.tmax.empty()) one.rays.tmax.push_back(from.rays.tmax[place]);
-    return one;
 }
 
 /// A case by its name, and the ray after the last colon of what is not itself a name.
@@ -122,29 +114,59 @@ NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) 
                                  scene::toml::did_you_mean(counts ? name : text, names)));
 }
 
-/// Where the form does worst among the rays of a case: the ray that cases.csv names.
-int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row, intersect::process::StopToken stop) {
-    const auto summaries = measure::map::measure_groups(std::move(groups), {row},
-                                                        {measure::metric::find_metric("lost_bits")}, {.stop = stop});
-    const measure::map::WorstRay* const fault = summaries.front().fault();
-    const measure::map::WorstRay& worst = fault ? *fault : summaries.front().worst;
-    return worst.x < 0 ? 0 : worst.group * rays + static_cast<int>(worst.x);
+/// By each form's own word where a file of cases asks for that at all.
+std::optional<intersect::Touching> judged_of(const RayWords& words, const scene::sweep::CaseFile& file) {
+    if (!words.convention.empty()) return scene::sweep::convention_named(words.convention);
+    const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
+    return own ? std::nullopt : file.conventions[0];
+}
+
+/// Of a sweep the worst of all rays.
+AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem::path& path,
+                        const std::filesystem::path& data) {
+    using scene::sweep::SweepKind;
+    const SweepKind kind = scene::sweep::sweep_kind(path);
+    if (kind == SweepKind::cases) {
+        const scene::sweep::CaseFile file(path);
+        require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
+        row.judged = judged_of(words, file);
+        return worst_of_cases(file, row, words.stop);
+    }
+    if (kind != SweepKind::axes)
+        throw InputError("--worst: " + words.subject +
+                         " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
+                         "its tables have the command that explains the worst ray");
+    const scene::sweep::SweepFile sweep(path, data);
+    require_solids(row, "the sweep " + sweep.id, [&](Shape shape) { return sweep.meets(shape); });
+    row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
+    return worst_along(sweep, row, words.stop);
+}
+
+/// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
+std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data) {
+    if (std::filesystem::is_regular_file(subject)) {
+        if (scene::sweep::is_sweep_file(subject)) return subject;
+        return {};
+    }
+    if (std::filesystem::is_regular_file(data / "scenes" / (subject.substr(0, subject.find('.')) + ".toml"))) return {};
+    try {
+        return scene::sweep::find_sweep(subject, data);
+    } catch (const InputError&) {
+        return {};  // what it says of scenes is said where that is looked for
+    }
 }
 
 AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(words.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
-        throw InputError(words.subject +
-                         ": has no [[case]] tables, and --case names one of those; the rays of its "
-                         "results are in the column worst_explain of samples.csv");
+        throw InputError(
+            words.subject +
+            ": has no [[case]] tables, and --case names one of those; the rays of its "
+            "results are in the column worst_explain of samples.csv, and --worst explains the worst of them");
     const scene::sweep::CaseFile file(path);
     require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
     const auto [number, asked] = named_ray(file, words.named_case);
-    // By each form's own word where the file asks for that at all.
-    const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
-    row.judged = !words.convention.empty() ? scene::sweep::convention_named(words.convention)
-                 : own                     ? std::nullopt
-                                           : file.conventions[0];
+    row.judged = judged_of(words, file);
     const int rays = file.rays_of(number);
     auto groups = file.rays(number, row.format.shape);
     const int count = rays * static_cast<int>(groups.size());
@@ -227,6 +249,7 @@ void check(const RayWords& words) {
     without(!words.tmax.empty(), "--tmax", !words.boxes.empty() && words.spheres.empty(),
             "--box: only boxes know the end of a ray");
     without(!words.size.empty(), "--size", words.ray.empty() || own, "--pixel: a ray of one's own is of no picture");
+    without(words.worst, "--worst", words.named_case.empty() && !own, "a scene or a sweep, of all of whose rays it is");
     if (words.named_case.empty() && !own) return;
     for (const auto& [given, option] :
          {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
@@ -248,8 +271,12 @@ AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesyste
                             set, row.form->info->name));
     }
     if (!words.named_case.empty()) return of_case(words, row, data);
-    AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, row, data);
-    found.ray.judge_by(scene::sweep::convention_named(words.convention));
+    if (const auto sweep = words.worst ? sweep_named(words.subject, data) : std::nullopt)
+        return worst_of_sweep(words, row, *sweep, data);
+    MapRow judged = row;
+    judged.judged = scene::sweep::convention_named(words.convention);
+    AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, judged, data);
+    found.ray.judge_by(judged.judged);
     return found;
 }
 

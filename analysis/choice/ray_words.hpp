@@ -16,6 +16,7 @@ namespace lostbits::analysis::choice {
 struct RayWords {
     std::string subject;               ///< a scene or a file of cases; empty where the ray has its own solids
     std::string pixel, size, variant;  ///< of a scene
+    bool worst = false;                ///< of all pixels of a scene, or of all rays of a sweep
     std::string named_case;            ///< NAME or NAME:K, of a file of cases
     std::string ray, as;               ///< six numbers, and the format they are rounded to first
     std::vector<std::string> spheres, boxes;

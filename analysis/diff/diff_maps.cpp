@@ -137,6 +137,11 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
     return found;
 }
 
+void print_verdict(const output::diff::RowVerdict& verdict, const std::string& second) {
+    const std::string text = verdict.text(output::file::terminal_line(second));
+    if (!text.empty()) fmt::print("{}\n", text);
+}
+
 void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
@@ -161,6 +166,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
                        r.comparison.count == 1 ? "difference" : "differences");
         }
     }
+    print_verdict(d.rows.verdict, b);
 }
 
 std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, intersect::process::StopToken stop) {

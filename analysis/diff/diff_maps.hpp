@@ -32,7 +32,10 @@ struct MapDifference {
 [[nodiscard]] MapDifference compare_maps(const MapSides& sides, const output::diff::CompareOptions& options,
                                          bool pictures);
 
-/// `most` lines of each kind; `verbose`: all of them, and the differences of other files.
+/// The line that a difference ends with: in how many rows the second side is better, worse and the same.
+void print_verdict(const output::diff::RowVerdict& verdict, const std::string& second);
+
+/// The verdict comes last. `most` lines of each kind; `verbose`: all of them, and the differences of other files.
 void print(const MapDifference& difference, const MapSides& sides, bool verbose);
 
 /// A picture in `out` for each form and format of each map whose pixels both sides hold; their paths. InputError where

@@ -24,10 +24,14 @@ function executable() {
 }
 
 class Browser {
-    static async open() {
+    /** With `bars` a page has bars to scroll by, which are hidden otherwise. */
+    static async open({ bars = false } = {}) {
         const { chromium } = require("playwright-core");
-        return new Browser(await chromium.launch(
-            { executablePath: executable(), args: ["--no-sandbox"] }));  // root, in CI, has no sandbox
+        return new Browser(await chromium.launch({
+            executablePath: executable(),
+            args: ["--no-sandbox"],  // root, in CI, has no sandbox
+            ignoreDefaultArgs: bars ? ["--hide-scrollbars"] : []
+        }));
     }
     constructor(browser) { this.browser = browser; }
     /** The page of a file, with lists of what it asked for and what it complained about. */

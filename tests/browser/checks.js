@@ -95,6 +95,7 @@ async function main() {
         ...require("./grids.js"),
         ...require("./whole.js"),
         ...require("./manners.js"),
+        ...require("./result.js"),
         ...operations.promises
     };
     if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);

@@ -7,7 +7,14 @@ const settled = (page) => page.evaluate(() => new Promise((done) => setTimeout(d
 /** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
 const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
 
+/** What stands in an element's box on the page, in pixels. */
+const boxOf = (page, selector) => page.$eval(selector, (e) => {
+    const { left, right, top, bottom } = e.getBoundingClientRect();
+    return { left, right, top, bottom };
+});
+
 module.exports = {
+    boxOf,
     schoolbook,
     stateOf,
     settled,

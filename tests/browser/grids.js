@@ -158,7 +158,7 @@ async function walk({ browser, grids, at }) {
     await page.mouse.move(place.x, place.y);
     assert.match(
         await page.locator("#sweep-under").innerText(),
-        /^sphere\.unified in f32, radius, world units .*: lost bits max /);
+        /^sphere\.unified in f32, radius, in world units .*: lost bits max /);
     await page.mouse.click(place.x, place.y);
     assert.deepEqual([(await stateOf(page)).u, (await stateOf(page)).v], [20, 40]);
     await check();

@@ -2,7 +2,7 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { schoolbook, settled } = require("./common.js");
+const { boxOf, schoolbook, settled } = require("./common.js");
 
 /** Contrast of two colours as WCAG 2 defines it. */
 function contrast(a, b) {
@@ -18,12 +18,6 @@ function contrast(a, b) {
 const rgbOf = (text) =>
     (text.startsWith("#") ? text.match(/[0-9a-f]{2}/g).map((x) => parseInt(x, 16)) :
                             text.match(/\d+/g).slice(0, 3).map(Number));
-
-/** What stands in an element's box on the page, in pixels. */
-const boxOf = (page, selector) => page.$eval(selector, (e) => {
-    const { left, right, top, bottom } = e.getBoundingClientRect();
-    return { left, right, top, bottom };
-});
 
 /**
  * The first paragraph says what the page is and what to do first; what a scene shows stands open; neither half of a

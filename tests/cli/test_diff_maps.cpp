@@ -38,7 +38,20 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
           "largest changes, of 3 numbers that differ:\n"
           "  map sphere.half_b f32: lost_bits_p99 nan to 3\n"
           "  map sphere.press f32: lost_bits_p99 2 to 4.5\n"
-          "  map sphere.press f32: ulp_error_max 5 to 10\n");
+          "  map sphere.press f32: ulp_error_max 5 to 10\n"
+          // Where one side has no p99, and as many wrong decisions, neither is better.
+          "two is better in 0 rows, worse in 1, the same in 1: by wrong decisions, then by lost_bits_p99\n");
+    const auto back = run("diff two one", scratch.path()).out;
+    CHECK(
+        has(back, "\none is better in 1 row, worse in 0, the same in 1: by wrong decisions, then by lost_bits_p99\n"));
+    // Two tables by themselves end alike, if nothing has to stay as it was.
+    CHECK(has(run("diff one/map/summary.csv two/map/summary.csv", scratch.path()).out,
+              "two/map/summary.csv is better in 0 rows, worse in 1, the same in 1: by wrong decisions, then by "
+              "lost_bits_p99\n"));
+    CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
+    // What is left out or forgiven decides nothing.
+    CHECK(has(run("diff one two --ignore false_miss --tolerance lost_bits_p99=3", scratch.path()).out,
+              "two is better in 0 rows, worse in 0, the same in 2: by lost_bits_p99\n"));
     CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));
     CHECK(has(run("diff one two --pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);

@@ -1,6 +1,8 @@
 // Which ray `lostbits explain` is asked about, and what it is given.
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 #include "catch.hpp"
 #include "program.hpp"
 
@@ -113,6 +115,81 @@ TEST_CASE("a ray is asked alone, however many spheres there are") {
     const auto r = run("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
     REQUIRE(r.code == 0);
     CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
+}
+
+TEST_CASE("--worst takes the ray that the tables name: a wrong decision, or else the largest error") {
+    const Scratch folder;
+    const std::string with = " -i sphere.schoolbook -f f32";
+    const auto first = [&folder](const std::string& file) {
+        return lostbits::test::read_csv(folder.path() / file).front();
+    };
+    // Of a scene: where a decision is wrong the first that is so, and elsewhere the largest error.
+    for (const auto& [scene, column] :
+         {std::pair{"rtg-fig-7-3-4100-oblique --size 64x48", "fault"}, {"near-benign --size 64x48", "worst"}}) {
+        REQUIRE(run(std::string("map ") + scene + with + " -o map", folder.path()).code == 0);
+        const std::string id(scene, std::string_view(scene).find(' '));
+        const auto row = first("map/" + id + "/summary.csv");
+        CAPTURE(id);
+        CHECK(row.at("fault_explain").empty() == (std::string(column) == "worst"));
+        const std::string named = row.at(std::string(column) + "_explain");
+        const auto worst = run("explain " + (scene + (" --worst" + with)), folder.path());
+        REQUIRE(worst.code == 0);
+        const auto there = run(named.substr(named.find(' ') + 1), folder.path());
+        const auto end = worst.out.find('\n');
+        const auto pixel = named.find("--pixel ") + 8;
+        CHECK(worst.out.starts_with("Pixel " + named.substr(pixel, named.find(' ', pixel) - pixel) + ", the worst"));
+        CHECK(worst.out.substr(end + 1) == there.out);
+        CHECK(has(worst.out.substr(0, end), "the worst of 3072 for this form: "));
+    }
+    // Of a sweep, over all its steps; of cases, over all of them.
+    for (const std::string sweep : {"sphere-tilt --set views=16", "extremes/contact"}) {
+        CAPTURE(sweep);
+        const bool cases = sweep.starts_with("extremes");
+        const std::string id = cases ? "contact" : "sphere-tilt", file = cases ? "/cases.csv" : "/samples.csv";
+        REQUIRE(run("sweep " + sweep + with + " --seeds 0 -o sweep", folder.path()).code == 0);
+        std::string largest;
+        double most = -1;
+        bool wrong = false;
+        for (const auto& row : lostbits::test::read_csv(folder.path() / ("sweep/" + id + file))) {
+            if (!wrong && !row.at("fault_explain").empty()) {
+                wrong = true;
+                largest = row.at("fault_explain");
+            }
+            if (wrong || row.at("worst_ulp_error").empty()) continue;
+            const double size = std::fabs(lostbits::test::number_in(row.at("worst_ulp_error")));
+            if (size <= most) continue;
+            most = size;
+            largest = row.at("worst_explain");
+        }
+        REQUIRE_FALSE(largest.empty());
+        if (!cases) continue;
+        const auto worst = run("explain " + sweep + " --worst" + with, folder.path());
+        CAPTURE(largest, worst.err);
+        REQUIRE(worst.code == 0);
+        const auto there = run(largest.substr(largest.find(' ') + 1), folder.path());
+        // Each begins with a line on which case it is.
+        CHECK(worst.out.substr(worst.out.find('\n')) == there.out.substr(there.out.find('\n')));
+    }
+    const auto along = run("explain sphere-tilt --worst" + with, folder.path());
+    INFO(along.out << along.err);
+    CHECK(along.code == 0);
+    CHECK(has(along.out, "the worst of all steps for this form: "));
+
+    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+             {"near-benign --worst --pixel 1,1" + with, "name one ray"},
+             {"extremes/contact --worst --case x" + with, "--worst needs a scene or a sweep"},
+             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --worst" + with, "--worst needs a scene or a sweep"},
+             {"worst/near --worst" + with, "run `lostbits sweep` on it"},
+             {"near-benihn --worst" + with, "near-benign"},
+             {"box-distance --worst" + with, "try -i 'box.*'"},
+             {"near-benign --size 1x1 --set camera.look_at[2]=100 --worst" + with,
+              "has no worst ray in scene near-benign"}}) {
+        const auto r = run("explain " + arguments, folder.path());
+        INFO(arguments << "\n" << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+        CHECK(r.out.empty());
+    }
 }
 
 }  // namespace test_explain_ray

@@ -26,7 +26,7 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     INFO(r.err);
     REQUIRE(r.code == 0);
     for (const char* format : {"f32", "p16"}) {
-        for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "wrong"})
+        for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "false_hit", "false_miss"})
             CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
     }
     const auto samples = read_csv(scratch.path() / "s/samples.csv");

@@ -150,6 +150,13 @@ TEST_CASE("plugin: other commands take its forms too", "[doors]") {
     CHECK(read_csv(folder.path() / "out/sphere-distance/samples.csv").size() > 10);
     CHECK(run("trade --quick --repetitions 1 -i odd.first -f f32 -o out" + with, folder.path()).code == 0);
     CHECK(has(contents(folder.path() / "out/sphere/pareto.csv"), "odd.first,f32,scalar,"));
+    // One's own forms come first on the page, and one without a title has a caption all the same.
+    const std::string report =
+        "report near-benign --size 16x16 --no-claims -f f32 -i sphere.unified -i odd.first -o page";
+    CHECK(run(report + with, folder.path()).code == 0);
+    const std::string page = contents(folder.path() / "page/index.html");
+    CHECK(page.find("\"form\":\"odd.first\"") < page.find("\"form\":\"sphere.unified\""));
+    CHECK_FALSE(has(page, "\"title\":\"\""));
     const Outcome listed = run("list intersectors" + with, folder.path());
     CHECK(has(listed.out, "odd.predicate"));
     const std::string claims = folder.write(

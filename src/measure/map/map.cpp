@@ -83,6 +83,11 @@ const WorstRay* MapSummary::fault() const {
     return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, *most) - wrong_decisions.begin())].get();
 }
 
+const WorstRay* MapSummary::worst_ray() const {
+    if (const WorstRay* const wrong = fault()) return wrong;
+    return worst.x < 0 ? nullptr : &worst;
+}
+
 unsigned needs_of(const std::vector<const Metric*>& metrics) {
     unsigned needs = metric::needs_nothing;
     for (const Metric* m : metrics) needs |= m->needs;

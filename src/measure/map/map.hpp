@@ -89,6 +89,8 @@ struct MapSummary {
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
     /// The first ray of that; null where there is none.
     [[nodiscard]] const WorstRay* fault() const;
+    /// The ray to look at first: `fault`, else the one with the largest |ulp_error|; null where there is neither.
+    [[nodiscard]] const WorstRay* worst_ray() const;
     /// The hits that errors are measured on.
     [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hits}; }
     /// Rays that truly miss, whatever the form says.

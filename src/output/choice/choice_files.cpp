@@ -69,7 +69,7 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
                     "this run, bars from quartile to quartile. Named: the Pareto front, where fewer wrong "
                     "decisions count before more bits, and what is chosen.",
                     chosen.timed.rays, chosen.timed.solids, chosen.request.plan.repetitions)};
-    spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}};
+    spec.x = {"time per ray and solid, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<speed::FrontPoint> points;
     for (std::size_t k = 0; k < chosen.all.size(); ++k) {
@@ -84,9 +84,9 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     speed::add_front(spec, points);
     spec.keys = {{"f32", 0, 0},
                  {"f64", 0, 1},
-                 {"decides more rays wrongly than wished", 0, 0, false, true},
+                 {"decides more rays wrongly than wished", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    if (chosen.meets) spec.keys.push_back({"chosen", 3, 0});
+    if (chosen.meets) spec.keys.push_back({"chosen", 3, plot::ink_colour});
     return spec;
 }
 

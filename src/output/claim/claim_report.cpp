@@ -85,7 +85,7 @@ std::string picture_scene(const std::filesystem::path& folder, const std::vector
                                            .metrics = {measure::metric::find_metric("lost_bits")},
                                            .limit = {.stop = run.stop}};
     const std::string file = scene.id + ".png";
-    map::SceneSheet sheet(request, folder / "pictures" / file);
+    map::SceneSheet sheet(request, folder / "pictures" / file, scene.id);
     sheet.finish(measure::map::run_map(request, sheet.sinks()));
     return picture_link(scene.title, file);
 }
@@ -211,7 +211,10 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
         };
         if (shown.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
         if (shown.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
-        if (shown.wrong) sweep::write_wrong_plot(show("wrong"), measured, format);
+        if (!shown.wrong) continue;
+        for (const measure::answer::Outcome o : sweep::wrong_outcomes(measured, format))
+            sweep::write_wrong_plot(show(measure::answer::outcome_names[static_cast<std::size_t>(o)].data()), measured,
+                                    format, o);
     }
     return text;
 }

@@ -99,6 +99,11 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
     return v;
 }
 
+double number_in(std::string_view cell) {
+    const CellValue value = file::read_cell(cell);
+    return value.kind == Kind::number ? Exact(value).approximate() : std::nan("");
+}
+
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
     if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
         return {};

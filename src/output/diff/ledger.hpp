@@ -20,6 +20,8 @@ struct PairVerdict {
 
 /// Decimals are compared exactly; `as_text`: what is not the same text differs.
 PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text);
+/// A cell as a double; NaN where it is not a finite number.
+double number_in(std::string_view cell);
 /// `tolerance`: absolute and relative.
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance);
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "measure/answer/outcome.hpp"
+#include "measure/map/map.hpp"
 #include "output/diff/ledger.hpp"
 
 namespace lostbits::output::diff {
@@ -69,9 +70,50 @@ struct ColumnPair {
     const Tolerance* tolerance;
 };
 
+bool is_wrong(const std::string& name) {
+    return std::ranges::any_of(measure::map::wrong_decisions, [&name](measure::answer::Outcome o) {
+        return name == measure::answer::outcome_names[static_cast<std::size_t>(o)];
+    });
+}
+
+/// Row r of the one table and row q of the other, by the columns that both have.
+RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, std::size_t r, std::size_t q) {
+    RowVerdict verdict;
+    double wrong = 0, bits = 0;  // how much more the second has
+    for (const auto& [x, y, tolerance] : pairs) {
+        const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
+        if (!decisions && !lost) continue;
+        (decisions ? verdict.by_decisions : verdict.by_bits) = true;
+        if (!judge_cells(x->cells[r], y->cells[q], tolerance, false).differs) continue;
+        const double more = number_in(y->cells[q]) - number_in(x->cells[r]);
+        if (std::isnan(more)) continue;  // of no agreed hit there are no bits; its decisions tell
+        (decisions ? wrong : bits) += more;
+    }
+    if (!verdict.by_decisions && !verdict.by_bits) return verdict;
+    const double more = wrong != 0 ? wrong : bits;
+    ++(more < 0 ? verdict.better : more > 0 ? verdict.worse : verdict.even);
+    return verdict;
+}
+
 }  // namespace
 
+void RowVerdict::add(const RowVerdict& other) {
+    better += other.better;
+    worse += other.worse;
+    even += other.even;
+    by_decisions |= other.by_decisions;
+    by_bits |= other.by_bits;
+}
+
+std::string RowVerdict::text(const std::string& second) const {
+    if (better + worse + even == 0) return "";
+    return fmt::format("{} is better in {} row{}, worse in {}, the same in {}: by {}{}{}", second, better,
+                       better == 1 ? "" : "s", worse, even, by_decisions ? "wrong decisions" : "",
+                       by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : "");
+}
+
 void RowChanges::add(RowChanges other) {
+    verdict.add(other.verdict);
     rows += other.rows;
     changed += other.changed;
     count += other.count;
@@ -129,6 +171,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
         }
         ++found.rows;
         const std::size_t r = left.row.at(key), q = other->second;
+        found.verdict.add(judge_rows(pairs, r, q));
         OutcomeChange outcome{subject + key, {}, 0};
         bool differs = false;
         for (const auto& [x, y, tolerance] : pairs) {

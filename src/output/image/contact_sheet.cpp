@@ -13,7 +13,6 @@ constexpr int unit_height = 18;  // over a bar: it reaches above its line
 constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form
 constexpr int note_line = 14;
-constexpr std::size_t note_lines = 4;
 
 }  // namespace
 
@@ -35,7 +34,7 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     }
     const bool bar_a_line = spec_.scales.size() > 1;
     row_height_ =
-        std::max(thumb_height_ + 2 + 3 + static_cast<int>(note_lines) * note_line, bar_a_line ? line_bar : 0) +
+        std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line, bar_a_line ? line_bar : 0) +
         style::gap;
     block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
     const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
@@ -44,7 +43,7 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     int content = grid_width_;
     int bar_width = 0, bar_height = 0;
     for (const ColourScale& scale : spec_.scales) {
-        const int one = std::clamp(block_height_ - style::gap - static_cast<int>(note_lines) * note_line,
+        const int one = std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
                                    style::least_bar, style::most_bar);
         bars_.push_back(
             colour_bar(backend, scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
@@ -111,7 +110,7 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
         }
         rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     }
-    if (lines.size() <= note_lines) return lines;
+    if (lines.size() <= spec_.note_lines) return lines;
     // Too long for its place: cut in two near the middle, each half small or shortened.
     const auto space = note.find_last_of(" \n", note.size() / 2);
     const auto cut = space == std::string_view::npos ? note.size() / 2 : space;
@@ -137,19 +136,22 @@ void ContactSheet::draw_bars(Canvas& page, int top) const {
     }
 }
 
-void ContactSheet::finish(std::span<const LegendEntry> legend) {
+void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order) {
+    if (!order.empty() && order.size() != spec_.forms.size())
+        throw std::logic_error("contact sheet: forms are lacking");
     Canvas page(page_width_, page_height_);
     page.picture(style::margin, style::margin, heading_);
     const int top = style::margin + heading_.height() + style::gap;
     const auto per_block = static_cast<std::size_t>(columns_);
-    for (std::size_t form = 0; form < spec_.forms.size(); ++form) {
+    for (std::size_t place = 0; place < spec_.forms.size(); ++place) {
+        const std::size_t form = order.empty() ? place : order[place];
         const int x = style::margin + row_label_width_ + style::gap +
-                      static_cast<int>(form % per_block) * (cell_width_ + style::gap);
-        const int block_y = top + static_cast<int>(form / per_block) * (block_height_ + block_gap);
+                      static_cast<int>(place % per_block) * (cell_width_ + style::gap);
+        const int block_y = top + static_cast<int>(place / per_block) * (block_height_ + block_gap);
         page.text(x, block_y, fit_text(backend_, spec_.forms[form], style::text_size, true, cell_width_), style::ink);
         for (std::size_t format = 0; format < spec_.formats.size(); ++format) {
             const int y = block_y + column_head + static_cast<int>(format) * row_height_;
-            if (form % per_block == 0) {
+            if (place % per_block == 0) {
                 const auto label = backend_.render_text(spec_.formats[format], style::text_size, true);
                 page.text(style::margin, y + (thumb_height_ - label.height) / 2, label, style::ink);
             }

@@ -72,6 +72,7 @@ struct SheetSpec {
     std::string unit;                       ///< over a colour bar
     std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count it may get
     bool categories = false;                ///< the colours are names: cells are not averaged
+    std::size_t note_lines = 4;             ///< of small text under each cell
 };
 
 /// A grid of thumbnails: forms across, formats down, in blocks of at most seven forms. Cells may be fed at the same
@@ -84,12 +85,13 @@ public:
     /// Rows of the field of one cell, as Thumbnail::add_rows.
     void add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples);
 
-    /// The small text under one cell, such as `4% false miss\np99 3.2 bits`: four lines of about 25 letters, wrapped
-    /// where there is no line break, and shortened where there are more.
+    /// The small text under one cell, such as `4% false miss\np99 3.2 bits`: `note_lines` of about 25 letters each,
+    /// wrapped where there is no line break, and shortened where there are more.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
-    /// Draws the page and gives the file its final name; `legend` as for HeatmapWriter::finish.
-    void finish(std::span<const LegendEntry> legend);
+    /// Draws the page and gives the file its final name; `legend` as for HeatmapWriter::finish. `order` has the places
+    /// of the forms as they stand across; empty: as they came.
+    void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {});
 
 private:
     struct Cell {

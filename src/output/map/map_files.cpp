@@ -75,6 +75,7 @@ public:
           exr_(options.exr),
           pixels_(options.pixels_csv),
           keep_(options.keep),
+          named_(options.named),
           lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
         const std::string stem = row_name(row);
@@ -88,13 +89,14 @@ public:
                 .title = fmt::format(
                     "{} in {}: {}{}", row.form->info->name, row.format.name, m->name,
                     m->over == measure::metric::Over::pairs ? fmt::format(" {}", row.against->info->name) : ""),
-                .subtitle = {request.scene->title, std::string(row.form->info->title), paint.note()},
+                .subtitle = {request.scene->title, title_of(*row.form->info), paint.note()},
                 .width = request.scene->width,
                 .height = request.scene->height,
                 .scale = paint.scale(),
                 .unit = std::string(m->unit),
                 .legend = possible_legend(options, paint, request.scene->pixels()),
-                .widest_caption = paint.widest_caption(request.scene->pixels())};
+                .widest_caption = paint.widest_caption(request.scene->pixels()) +
+                                  worst_words(paint, {.x = request.scene->width, .y = request.scene->height})};
             if (const std::string note = input_note(*request.scene, std::span(&row, 1));
                 !note.empty() && !options.listed)
                 spec.subtitle.push_back(note);
@@ -127,10 +129,11 @@ public:
 
     void finish(const MapSummary& summary) {
         for (Drawing& d : drawings_) {
+            const measure::map::WorstRay* const worst = summary.worst_ray();
             d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
-                              d.paint.caption(summary, d.metric));
+                              d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
-                                    d.paint.glance(summary, d.metric));
+                                    cell_note(d.paint, summary, d.metric));
         }
         if (csv_) csv_->close();
     }
@@ -159,6 +162,16 @@ private:
         return piece;
     }
 
+    /// `; worst pixel 100, 90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
+    /// compiled elsewhere leaves nothing to explain.
+    [[nodiscard]] std::string worst_words(const MetricPaint& paint, const measure::map::WorstRay& worst) const {
+        if (!paint.names_worst()) return "";
+        const std::string place = fmt::format("; worst pixel {}, {}", worst.x, worst.y);
+        if (!row_.form->record) return place;
+        return place + ": " +
+               blame::explain_command(blame::name_of_pixel(named_, static_cast<int>(worst.x), worst.y), row_);
+    }
+
     /// The preview of a row that none of the metrics applies to.
     static std::vector<image::Rgb8> outcomes_of(const measure::map::BandResult& result) {
         std::vector<image::Rgb8> field(result.outcomes.size());
@@ -183,6 +196,7 @@ private:
     MapExr* exr_;
     bool pixels_;
     const KeepPiece& keep_;
+    const std::string& named_;
     std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
     std::uint64_t paler_ = 0;
     std::vector<Drawing> drawings_;
@@ -248,8 +262,10 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
         Total all{MapSummary(p.request.metrics)};
         if (is_enveloped(p.options, sheet.paint.metric())) all.inside = inside;
         MapSummary& total = all.summary;
+        std::vector<SheetCell> cells;
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
             if (!sheet.paint.applies_to(p.request.rows[r])) continue;
+            cells.push_back({sheet.form_of(p.request.rows[r]), &summaries[r]});
             total.rays += summaries[r].rays;
             for (const Metric* each : sheet.metrics)
                 all.without += sheet.paint.without_value(summaries[r], index_of(p.request.metrics, each));
@@ -257,7 +273,9 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
             for (std::size_t c = 0; c < total.categories[m].size(); ++c)
                 total.categories[m][c] += summaries[r].categories[m][c];
         }
-        sheet.page->finish(sheet_legend(sheet.paint, all, m));
+        sheet.page->finish(sheet_legend(sheet.paint, all, m),
+                           best_first(sheet.forms.size(), cells,
+                                      index_of(p.request.metrics, measure::metric::find_metric("lost_bits"))));
     }
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {

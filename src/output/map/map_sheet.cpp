@@ -50,17 +50,19 @@ void MapSheet::open(const MapRequest& request, const MapFilesOptions& options, b
     const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
     page = std::make_unique<image::ContactSheet>(
         image::image_backend(), options.folder / name,
-        image::SheetSpec{.title = request.scene->title,
-                         .subtitle = sheet_subtitle(
-                             *request.scene, options.listed ? std::span<const MapRow>() : request.rows, paint, several),
-                         .forms = forms,
-                         .formats = lines,
-                         .field_width = request.scene->width,
-                         .field_height = request.scene->height,
-                         .scales = std::move(scales),
-                         .unit = std::string(paint.metric().unit),
-                         .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
-                         .categories = !paint.scale()});
+        image::SheetSpec{
+            .title = request.scene->title,
+            .subtitle = sheet_subtitle(*request.scene, options.named,
+                                       options.listed ? std::span<const MapRow>() : request.rows, paint, several),
+            .forms = forms,
+            .formats = lines,
+            .field_width = request.scene->width,
+            .field_height = request.scene->height,
+            .scales = std::move(scales),
+            .unit = std::string(paint.metric().unit),
+            .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
+            .categories = !paint.scale(),
+            .note_lines = cell_note_lines});
 }
 
 std::vector<MapSheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {

@@ -39,6 +39,8 @@ public:
     /// What a glance at a row should take away, in at most four short lines: wrong decisions, as shares of all pixels,
     /// then how far off the agreed hits are, and how many they are.
     [[nodiscard]] std::string glance(const measure::map::MapSummary& summary, std::size_t m) const;
+    /// Whether the row's worst ray is worst by what is drawn: it has the largest error of all.
+    [[nodiscard]] bool names_worst() const { return metric_->over == measure::metric::Over::agreed_hits; }
     /// The same as a sentence, for below a picture.
     [[nodiscard]] std::string caption(const measure::map::MapSummary& summary, std::size_t m) const;
     /// As long as captions of pictures of so many pixels get.

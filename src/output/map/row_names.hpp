@@ -19,6 +19,12 @@ namespace lostbits::output::map {
     return std::string(info.name.substr(is_of_catalogue(info) ? info.name.find('.') + 1 : 0));
 }
 
+/// What a form says of itself, for captions; one from outside need not say anything.
+[[nodiscard]] inline std::string title_of(const intersect::Info& info) {
+    if (!info.title.empty()) return std::string(info.title);
+    return info.source.empty() ? "a form from outside" : "a form from outside: " + std::string(info.source);
+}
+
 /// `sphere.unified.f32`
 [[nodiscard]] inline std::string row_name(const measure::map::MapRow& row) {
     return std::string(row.form->info->name) + "." + row.format.name;

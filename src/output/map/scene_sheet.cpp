@@ -29,7 +29,7 @@ public:
         sheet_.add_rows(place_.form, place_.format, result.y0, field);
     }
     void finish(const measure::map::MapSummary& summary) {
-        sheet_.set_note(place_.form, place_.format, paint_.glance(summary, metric_));
+        sheet_.set_note(place_.form, place_.format, cell_note(paint_, summary, metric_));
     }
 
 private:
@@ -48,7 +48,8 @@ struct SceneSheet::Parts {
     std::vector<std::unique_ptr<SheetRow>> rows;
 };
 
-SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path) {
+SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path,
+                       const std::string& named) {
     const measure::metric::Metric* const lost = measure::metric::find_metric("lost_bits");
     image::ImageBackend& backend = image::image_backend();
     const auto metric = static_cast<std::size_t>(std::ranges::find(request.metrics, lost) - request.metrics.begin());
@@ -62,17 +63,18 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
     }
     const MetricPaint first(*lost, request.rows.front().format.shape, backend);
     const bool several = scales.size() > 1;
-    p.sheet =
-        std::make_unique<ContactSheet>(backend, path,
-                                       image::SheetSpec{.title = scene.title,
-                                                        .subtitle = sheet_subtitle(scene, request.rows, first, several),
-                                                        .forms = p.grid.forms,
-                                                        .formats = p.grid.formats,
-                                                        .field_width = scene.width,
-                                                        .field_height = scene.height,
-                                                        .scales = std::move(scales),
-                                                        .unit = "lost bits",
-                                                        .legend = without_counts(widest_legend(scene.pixels()))});
+    p.sheet = std::make_unique<ContactSheet>(
+        backend, path,
+        image::SheetSpec{.title = scene.title,
+                         .subtitle = sheet_subtitle(scene, named, request.rows, first, several),
+                         .forms = p.grid.forms,
+                         .formats = p.grid.formats,
+                         .field_width = scene.width,
+                         .field_height = scene.height,
+                         .scales = std::move(scales),
+                         .unit = "lost bits",
+                         .legend = without_counts(widest_legend(scene.pixels())),
+                         .note_lines = cell_note_lines});
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, p.grid.places[r],
                                                     MetricPaint(*lost, request.rows[r].format.shape, backend), metric));
@@ -89,12 +91,14 @@ std::vector<MapSink*> SceneSheet::sinks() {
 void SceneSheet::finish(const std::vector<measure::map::MapSummary>& summaries) {
     Parts& p = *parts_;
     measure::map::MapSummary total;
+    std::vector<SheetCell> cells;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         total.rays += summaries[r].rays;
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
         p.rows[r]->finish(summaries[r]);
+        cells.push_back({p.grid.places[r].form, &summaries[r]});
     }
-    p.sheet->finish(without_counts(outcome_legend(total)));
+    p.sheet->finish(without_counts(outcome_legend(total)), best_first(p.grid.forms.size(), cells, p.metric));
 }
 
 }  // namespace lostbits::output::map

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "measure/map/map.hpp"
@@ -13,7 +14,8 @@ namespace lostbits::output::map {
 /// name after `finish`.
 class SceneSheet {
 public:
-    SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path);
+    /// `named`: what names the scene to `lostbits explain`.
+    SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path, const std::string& named);
     ~SceneSheet();
     SceneSheet(const SceneSheet&) = delete;
     SceneSheet& operator=(const SceneSheet&) = delete;

@@ -2,6 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
@@ -19,14 +26,45 @@ std::string input_note(const scene::file::Scene& scene, std::span<const measure:
     return fmt::format("in {} the inputs are rounded too: errors include what that costs (metric input_error)", names);
 }
 
-std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, std::span<const measure::map::MapRow> rows,
-                                        const MetricPaint& paint, bool several) {
+std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
+                                        std::span<const measure::map::MapRow> rows, const MetricPaint& paint,
+                                        bool several) {
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run() ? "" : "; percentages are of all of them"),
                                    paint.note(several), paint.quantile_note(),
                                    rows.empty() ? "" : input_note(scene, rows)};
+    if (!rows.empty())
+        lines.push_back(fmt::format("forms: fewest wrong decisions in {} first, then the least p99 of lost bits there",
+                                    rows.front().format.name));
+    if (paint.names_worst())
+        lines.push_back(fmt::format(
+            "worst pixel X, Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT says how its answer came about",
+            named));
     std::erase(lines, "");
     return lines;
+}
+
+std::string cell_note(const MetricPaint& paint, const measure::map::MapSummary& summary, std::size_t m) {
+    const measure::map::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
+    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {}, {}", worst->x, worst->y) : "");
+}
+
+std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {
+    constexpr double none = std::numeric_limits<double>::infinity();  // of too few hits: behind all others
+    std::vector<std::optional<std::pair<std::uint64_t, double>>> worth(forms);
+    for (const auto& [form, summary] : cells) {
+        if (worth[form]) continue;
+        const double p99 = lost < summary->metrics.size() && summary->agreement().is_enough()
+                               ? summary->metrics[lost].quantile(0.99)
+                               : none;
+        worth[form].emplace(summary->wrong_count(), std::isnan(p99) ? none : p99);
+    }
+    std::vector<std::size_t> order(forms);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t form) {
+        return worth[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), none});
+    });
+    return order;
 }
 
 }  // namespace lostbits::output::map

@@ -24,7 +24,7 @@ void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
 }
 
 Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
-    return {{"name", axis.name}, {"unit", axis.unit}, {"values", array_of(values, number_json)}};
+    return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
 }
 
 }  // namespace

@@ -239,7 +239,8 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group) {
+Json summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group,
+                  const std::string& named) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
@@ -248,31 +249,34 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     const FloatFormat& f = row.format.shape;
-    return {{"form", row.form->info->name},
-            {"format", row.format.name},
-            {"title", row.form->info->title},
-            {"precision", f.precision},
-            {"emin", f.emin},
-            {"emax", f.emax},
-            {"taped", is_taped(row)},
-            {"coding", coding_name(row.format)},
-            {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
-            {"formula", row.form->is_template()},
-            {"from", blame::where_form_is_from(row.form->info->name)},
-            {"group", group},
-            {"outcomes", s.outcomes},
-            {"true_hits", s.true_hits},
-            {"statistics", std::move(statistics)},
-            {"worst", s.worst.x < 0 ? Json() : Json{{"x", s.worst.x}, {"y", s.worst.y}}}};
+    const measure::map::WorstRay* const worst = s.worst_ray();
+    return {
+        {"form", row.form->info->name},
+        {"format", row.format.name},
+        {"title", map::title_of(*row.form->info)},
+        {"precision", f.precision},
+        {"emin", f.emin},
+        {"emax", f.emax},
+        {"taped", is_taped(row)},
+        {"coding", coding_name(row.format)},
+        {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+        {"group", group},
+        {"outcomes", s.outcomes},
+        {"true_hits", s.true_hits},
+        {"statistics", std::move(statistics)},
+        {"worst_explain",
+         worst ? blame::explain_command(blame::name_of_pixel(named, static_cast<int>(worst->x), worst->y), row) : ""},
+        {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
 
 }  // namespace
 
 Json MapData::index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const {
     const scene::file::Scene& scene = *request_.scene;
+    const std::string named = own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height);
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
-        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group()));
+        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), named));
     std::set<int> places{0};
     for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
     for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());

@@ -41,9 +41,9 @@ std::string policy() {
 }
 
 std::string image(const Picture& p) {
-    return p.png.empty()
-               ? std::string()
-               : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), base64(p.png));
+    return p.png.empty() ? std::string()
+                         : fmt::format("<img{} alt=\"{}\" src=\"data:image/png;base64,{}\">\n",
+                                       p.is_plot ? " class=\"plotted\"" : "", html(p.alt), base64(p.png));
 }
 
 std::string images(const std::vector<Picture>& pictures) {
@@ -59,6 +59,15 @@ std::string without_scripts(const std::vector<Picture>& pictures) {
 /// Pictures for a page without scripts; where uPlot is missing, for every page.
 std::string instead_of_plots(const std::vector<Picture>& pictures) {
     return plot_script.text.empty() ? images(pictures) : without_scripts(pictures);
+}
+
+/// Where they are pictures for every reader: why, and what to do about it.
+std::string why_no_plots() {
+    if (!plot_script.text.empty()) return "";
+    return "<p class=\"no-plots\">The plots are pictures, since uPlot was not there when lostbits was built. To draw "
+           "them "
+           "here, with the numbers of each point: install npm, and type <code>./run</code> (or <code>npm ci "
+           "--omit=dev</code>, and build again) in the folder of lostbits.</p>\n";
 }
 
 /// The colours of the PNGs: the ramp, the outcomes and the hit without a value.
@@ -124,7 +133,8 @@ std::string maps_section(const Report& report) {
 std::string sweeps_section(const Report& report) {
     if (report.sweeps.empty()) return "";
     std::string text = "<section id=\"sweeps\"><h2>Sweeps</h2>\n<div id=\"sweep-view\" hidden></div>\n";
-    if (plot_script.text.empty()) text += "<p>This program was built without uPlot, so the plots are pictures.</p>\n";
+    if (std::ranges::any_of(report.sweeps, [](const SweepPart& s) { return s.kind == SweepPart::Kind::line; }))
+        text += why_no_plots();
     for (const SweepPart& s : report.sweeps) {
         text += fmt::format(
             "<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n",
@@ -146,6 +156,7 @@ std::string trades_section(const Report& report) {
     std::string text = fmt::format(
         "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n",
         machine_of(report));
+    text += why_no_plots();
     for (const TradePart& t : report.trades) {
         text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
                             html(t.shape), html(t.words), instead_of_plots(t.pictures));
@@ -191,12 +202,6 @@ std::string offsets_section(const Report& report) {
     return text + "</section>\n";
 }
 
-std::string claims_section(const Report& report) {
-    if (report.claims.empty()) return "";
-    return "<section id=\"claims\"><h2>Claims</h2>\n<div id=\"claim-view\" hidden></div>\n" + claims_table(report) +
-           "</section>\n";
-}
-
 std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 /// What the page is.
@@ -230,6 +235,19 @@ std::string verdicts(const Report& report) {
     return meaning.empty() ? text : fmt::format("{}<p class=\"hint\">{}</p>\n", text, meaning);
 }
 
+std::string claims_section(const Report& report) {
+    if (report.claims.empty()) return "";
+    return "<section id=\"claims\"><h2>Claims</h2>\n" + verdicts(report) + "<div id=\"claim-view\" hidden></div>\n" +
+           claims_table(report) + "</section>\n";
+}
+
+/// What was typed; last, since it is the result that is looked for first.
+std::string made_section(const Report& report) {
+    return fmt::format(
+        "<section id=\"made\"><h2>The command</h2>\n<p>{}, {}. Made by:</p>\n<pre class=\"words\">{}</pre></section>\n",
+        counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"), html(report.command));
+}
+
 std::string heading(const Report& report) {
     std::string text =
         fmt::format("<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n", what_it_is, what_to_do(report));
@@ -239,10 +257,8 @@ std::string heading(const Report& report) {
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.choices.empty()) text += "<a href=\"#choose\">Choice</a> ";
     if (!report.offsets.empty()) text += "<a href=\"#offsets\">Offsets</a> ";
-    if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a>";
-    text += "</nav>\n" + verdicts(report);
-    text += fmt::format("<p class=\"hint\">{}, {}. Made by <code>{}</code>.</p>\n", counted(report.maps.size(), "map"),
-                        counted(report.sweeps.size(), "sweep"), html(report.command));
+    if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a> ";
+    text += "<a href=\"#made\">Command</a></nav>\n";
     return text +
            "<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
            "every pixel.</p></noscript></header>\n";
@@ -277,13 +293,14 @@ std::string summary_table(const measure::map::MapRequest& request,
             for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
                 text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
         }
-        if (s.worst.x < 0) text += "<td>&ndash;</td></tr>\n";
+        const measure::map::WorstRay* const worst = s.worst_ray();
+        if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
         else
             text += fmt::format(
                 "<td><a class=\"jump\" href=\"#scene-{}\" "
                 "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
-                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name,
-                s.worst.x, s.worst.y, s.worst.x, s.worst.y);
+                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name, worst->x,
+                worst->y, worst->x, worst->y);
     }
     return text + "</tbody></table>\n";
 }
@@ -302,7 +319,7 @@ std::string page(const Report& report) {
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
             trades_section(report) + choices_section(report) + offsets_section(report) + claims_section(report) +
-            "</main>\n";
+            made_section(report) + "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {

@@ -16,7 +16,8 @@ namespace lostbits::output::page {
 /// A PNG and what it shows.
 struct Picture {
     std::string alt;
-    std::string png;  ///< its bytes
+    std::string png;       ///< its bytes
+    bool is_plot = false;  ///< lines or points on paper, whose colours mean nothing but which is which
 };
 
 struct MapPart {

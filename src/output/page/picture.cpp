@@ -30,4 +30,10 @@ Picture picture(std::string alt, const std::function<void(const std::filesystem:
     return {std::move(alt), bytes_of(file)};
 }
 
+Picture plot_picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
+    Picture plot = picture(std::move(alt), draw);
+    plot.is_plot = true;
+    return plot;
+}
+
 }  // namespace lostbits::output::page

@@ -26,5 +26,7 @@ private:
 
 /// What `draw` writes into the file that it is given.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
+/// The same of lines or points, which a dark page turns over.
+[[nodiscard]] Picture plot_picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
 
 }  // namespace lostbits::output::page

@@ -8,6 +8,7 @@
 #include "measure/truth/missing.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/page/text.hpp"
+#include "output/plot/form_look.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
 #include "output/sweep/too_far.hpp"
@@ -45,6 +46,7 @@ Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>&
             {"format", row.format.name},
             {"precision", row.format.shape.precision},
             {"from", blame::where_form_is_from(row.form->info->name)},
+            {"look", plot::form_look(*row.form)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
             {"true_hits", std::move(true_hits)}};
@@ -78,7 +80,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"title", request.sweep->title},
         {"kind", "line"},
         {"axis", axis.name},
-        {"unit", axis.unit},
+        {"label", axis.label},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
         {"is_drawn", request.sweep->is_drawn()},

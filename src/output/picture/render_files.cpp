@@ -34,7 +34,7 @@ bool any_stage(const RenderRequest& request, bool ShadeRule::*asks) {
 image::HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title,
                             const std::string& note, std::vector<image::LegendEntry> legend) {
     return {.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
-            .subtitle = {request.scene->title, std::string(row.form->info->title), note},
+            .subtitle = {request.scene->title, map::title_of(*row.form->info), note},
             .width = request.scene->width,
             .height = request.scene->height,
             .scale = std::nullopt,

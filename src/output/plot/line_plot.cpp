@@ -287,8 +287,8 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     if (spec.envelope) measured.count(*spec.envelope, lacking);
     std::vector<std::string> said = lacking.notes();
     if (lines.size() < spec.series.size())
-        said.push_back(fmt::format("{} lines for {} series: those with the same values throughout share one.",
-                                   lines.size(), spec.series.size()));
+        said.push_back(fmt::format("{} line{} for {} series: those with the same values throughout share one.",
+                                   lines.size(), lines.size() == 1 ? "" : "s", spec.series.size()));
     said.insert(said.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading(backend, {}, said, content);
     const int foot =

@@ -18,6 +18,9 @@ struct Series {
     std::vector<double> low, high;  ///< a band, drawn faint; both empty, or as long as x
     bool dashed = false;
     std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty = none
+    /// Of `look_count`: the colour and marker that it has in every plot, whatever is drawn beside it; none: the first
+    /// that no other series asks for.
+    std::optional<std::size_t> look = {};
 };
 
 /// A vertical line with a label above the frame: an onset, a prediction.
@@ -49,8 +52,8 @@ struct LinePlotSpec {
 /// Series with the same points (and band) are drawn once and share one line of the legend, which says how many they
 /// are, since many forms agree bit for bit. Each entry of the legend stands as near to the end of its line as the
 /// others allow, and a thin line leads there; where the legend needs two columns, it is only sorted as the lines end.
-/// Colours are handed out in the order of the series; when there are more than eight, markers tell them apart. What
-/// cannot be drawn is counted in a footnote.
+/// Series without a look of their own get colours in their order; when there are more than eight, markers tell them
+/// apart. What cannot be drawn is counted in a footnote.
 ///
 /// Throws EnvironmentError for an unwritable file, and std::invalid_argument for x, y and bands of different lengths,
 /// ends of axes as AxisRange, and a picture of less than 400 by 200 pixels.

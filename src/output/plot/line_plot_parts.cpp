@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <stdexcept>
 
 #include "output/plot/plot_frame.hpp"
 
@@ -16,90 +14,12 @@ using image::Stroke;
 
 namespace {
 
-// Okabe and Ito 2008 without the yellow, which a light page swallows, and with a wine red in its place.
-constexpr std::array<image::Rgb8, 8> palette{{
-    {0, 114, 178},
-    {213, 94, 0},
-    {0, 158, 115},
-    {204, 121, 167},
-    {32, 32, 36},
-    {230, 159, 0},
-    {86, 180, 233},
-    {136, 34, 85},
-}};
-constexpr int marker_kinds = 6;
-
-constexpr std::array<double, 2> dash{7, 4}, dots{2, 3};
-constexpr std::array<double, 4> dash_dot{11, 3, 2, 3};
-constexpr std::array<double, 6> dash_dot_dot{11, 3, 2, 3, 2, 3};
-
+constexpr int marker_kinds = look_count / line_colours;
 constexpr double marker_radius = 3.6;
 constexpr int sample_width = 34, sample_gap = 7, column_gap = 16, entry_gap = 4;
 constexpr int mark_gap = 8;
 
-bool same(const std::vector<double>& a, const std::vector<double>& b) {
-    // A NaN is where a NaN is; 0 and -0 are drawn alike.
-    return std::ranges::equal(a, b, [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
-}
-
-std::span<const double> dashes_of(int pattern) {
-    switch (pattern % 5) {
-        case 1: return dash;
-        case 2: return dash_dot;
-        case 3: return dots;
-        case 4: return dash_dot_dot;
-        default: return {};
-    }
-}
-
-void check(const Series& series) {
-    const bool band = !series.low.empty() || !series.high.empty();
-    if (series.x.size() != series.y.size() ||
-        (band && (series.low.size() != series.x.size() || series.high.size() != series.x.size()))) {
-        throw std::invalid_argument("line plot: series " + series.label + " has columns of different lengths");
-    }
-}
-
 }  // namespace
-
-std::vector<PlotLine> plot_lines(std::span<const Series> series) {
-    std::vector<PlotLine> lines;
-    std::vector<int> alike;  // series of each line
-    for (const auto& one : series) {
-        check(one);
-        const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
-            const Series& other = *line.series;
-            return same(one.x, other.x) && same(one.y, other.y) && same(one.low, other.low) &&
-                   same(one.high, other.high);
-        });
-        if (twin == lines.end()) {
-            lines.push_back({&one, one.label, {}, 0, {}});
-            alike.push_back(1);
-        } else {
-            twin->label += ", " + one.label;
-            ++alike[static_cast<std::size_t>(twin - lines.begin())];
-            if (!one.dashed && twin->series->dashed) twin->series = &one;
-        }
-    }
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-        if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " the same: " + lines[k].label;
-    }
-    std::map<std::string, std::size_t> families;
-    std::map<std::size_t, std::vector<int>> taken;
-    std::size_t next = 0;
-    for (auto& line : lines) {
-        std::size_t look = next;
-        if (!line.series->family.empty()) look = families.try_emplace(line.series->family, next).first->second;
-        if (look == next) ++next;
-        line.colour = palette[look % palette.size()];
-        line.marker = static_cast<int>(look / palette.size()) % marker_kinds;
-        int pattern = line.series->dashed ? 1 : 0;
-        while (std::ranges::count(taken[look], pattern) > 0) pattern = std::max(pattern + 1, 1);
-        taken[look].push_back(pattern);
-        line.dashes = dashes_of(pattern);
-    }
-    return lines;
-}
 
 void draw_marker(Stroke& stroke, Point c, int kind) {
     const double r = marker_radius;

@@ -11,6 +11,11 @@
 
 namespace lostbits::output::plot {
 
+inline constexpr std::size_t line_colours = 8;
+/// Colours, each with as many markers as there are: what series can be told apart by, apart from dashes.
+inline constexpr std::size_t look_count = 6 * line_colours;
+[[nodiscard]] image::Rgb8 look_colour(std::size_t look);
+
 /// Series that agree in every point, as the one line that is drawn for them.
 struct PlotLine {
     const Series* series;
@@ -20,8 +25,8 @@ struct PlotLine {
     std::span<const double> dashes;
 };
 
-/// One line for each group of series with the same points, in the order of the series, each with its own look as long
-/// as there are at most 48 families.
+/// One line for each group of series with the same points, in the order of the series. No two lines have the same
+/// colour, marker and dashes as long as there are at most 240.
 [[nodiscard]] std::vector<PlotLine> plot_lines(std::span<const Series> series);
 
 /// A filled marker of the given kind about 7 pixels across.

@@ -14,6 +14,8 @@ namespace {
 constexpr double least_extent = 1e-12;
 /// What is smaller is taken for 0: a step between subnormal numbers is not round any more.
 constexpr double least_size = 1e-300;
+/// Of the axis: between the place of 0 and the low end of a log axis.
+constexpr double below_low_end = 0.08;
 
 /// Multiples of 1, 2 or 5 times ten^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
@@ -36,7 +38,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
 
 }  // namespace
 
-AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values) : title_(axis.title), scale_(axis.scale) {
+AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
+    : title_(axis.title), scale_(axis.scale), zero_(axis.zero && is_log()), decimals_(axis.decimals) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
             throw std::invalid_argument("axis " + axis.title + ": an end without a place");
@@ -47,7 +50,7 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values) : 
     }
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const double value : values) {
-        if (!std::isfinite(value) || !has_place(value)) continue;
+        if (!std::isfinite(value) || !has_place(value) || (zero_ && value == 0)) continue;
         lo = std::min(lo, scaled(value));
         hi = std::max(hi, scaled(value));
     }
@@ -73,7 +76,9 @@ void AxisRange::widen(bool low_fixed, bool high_fixed) {
     }
 }
 
-bool AxisRange::has_place(double value) const noexcept { return is_log() ? value > 0 : !std::isnan(value); }
+bool AxisRange::has_place(double value) const noexcept {
+    return is_log() ? value > 0 || (zero_ && value == 0) : !std::isnan(value);
+}
 
 double AxisRange::scaled(double value) const noexcept {
     return scale_ == AxisSpec::Scale::linear ? value
@@ -83,11 +88,13 @@ double AxisRange::scaled(double value) const noexcept {
 
 double AxisRange::place(double s) const noexcept {
     // Halves first: hi - lo may overflow.
-    return std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e4, 1e4);
+    const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e4, 1e4);
+    return zero_ ? below_low_end + (1 - below_low_end) * share : share;
 }
 
 double AxisRange::position(double value) const noexcept {
     if (std::isinf(value)) return value > 0 ? 1 : 0;
+    if (zero_ && value == 0) return 0;
     return place(scaled(value));
 }
 
@@ -107,8 +114,15 @@ std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
     const auto exponents = round_values(lo_, hi_, most);
     const auto labels = labels_of(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i)
-        out.push_back({place(exponents[i]), (two ? "2^" : "10^") + labels[i]});
+        out.push_back({place(exponents[i]), power_label(exponents[i], labels[i])});
     return out;
+}
+
+std::string AxisRange::power_label(double exponent, const std::string& text) const {
+    const bool two = scale_ == AxisSpec::Scale::log2;
+    // 6 digits: 2^-4 is 0.0625, 2^16 is 65536.
+    if (decimals_) return image::tick_label(two ? std::exp2(exponent) : std::pow(10, exponent));
+    return (two ? "2^" : "10^") + text;
 }
 
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
@@ -126,7 +140,7 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
     std::vector<Tick> out;
     const auto labels = labels_of(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        out.push_back({place(exponents[i]), (two ? "2^" : "10^") + labels[i]});
+        out.push_back({place(exponents[i]), power_label(exponents[i], labels[i])});
     }
     if (two || step != 1 || hi_ - lo_ > 12) return out;
     for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
@@ -140,7 +154,11 @@ std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
 
 std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
     most = std::max(most, 2);
-    if (is_log()) return exponent_ticks(most);
+    if (is_log()) {
+        auto out = exponent_ticks(most);
+        if (zero_) out.insert(out.begin(), {0, "0"});
+        return out;
+    }
     const auto values = round_values(lo_, hi_, most);
     const auto labels = labels_of(values);
     std::vector<Tick> out;

@@ -13,6 +13,8 @@ struct AxisSpec {
     std::string title;
     Scale scale = Scale::linear;
     std::optional<double> low, high;  ///< the ends; where one is missing the data gives it
+    bool zero = false;                ///< of a log axis: 0 has a place of its own, below its low end
+    bool decimals = false;            ///< of a log axis: ticks are `0.5` and `64`, not `2^-1` and `2^6`
 };
 
 /// An axis whose ends are known.
@@ -23,7 +25,8 @@ public:
     /// ends that are not finite, not in order, or not positive on a log scale.
     AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
-    /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not.
+    /// Whether `value` has a place: infinities have, a NaN and what is not positive on a log scale have not, but for a
+    /// zero that has a place of its own.
     [[nodiscard]] bool has_place(double value) const noexcept;
 
     /// 0 at the low end, 1 at the high one, beyond them outside (at most 10^4, so that pixels stay countable); an
@@ -45,6 +48,7 @@ public:
 private:
     [[nodiscard]] double scaled(double value) const noexcept;
     [[nodiscard]] double place(double s) const noexcept;
+    [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
     void widen(bool low_fixed, bool high_fixed);
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
     /// Where less than two powers lie between the ends.
@@ -52,6 +56,7 @@ private:
 
     std::string title_;
     AxisSpec::Scale scale_;
+    bool zero_, decimals_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 

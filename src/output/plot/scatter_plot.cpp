@@ -21,7 +21,8 @@ namespace {
 
 constexpr int point_room = 14;
 constexpr double marker_half = 5, hole = 1.7, front_thickness = 1.6, leader_from = 13;
-constexpr std::array<Rgb8, 4> point_colours{{{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}}};
+constexpr std::array<Rgb8, ink_colour + 1> point_colours{
+    {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
 constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
 constexpr std::array<double, 2> dashes{5, 4};
 

@@ -10,6 +10,9 @@
 
 namespace lostbits::output::plot {
 
+/// Of the palette: in keys of what is not a colour, such as a marker.
+inline constexpr std::size_t ink_colour = 4;
+
 struct ScatterPoint {
     double x, y;
     double x_low, x_high;    ///< the spread of x, drawn as a thin bar

@@ -49,9 +49,9 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     }
     for (const KernelMark& mark : kernel_marks) {
         if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return is_marked_so(k, mark); }))
-            keys.push_back({mark.label, mark.marker, 0, true});
+            keys.push_back({mark.label, mark.marker, plot::ink_colour});
     }
-    keys.push_back({"decides some rays wrongly", 0, 0, false, true});
+    keys.push_back({"decides some rays wrongly", 0, plot::ink_colour, false, true});
     keys.push_back({"not on the Pareto front", 0, 0, true});
     return keys;
 }
@@ -88,7 +88,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const measure::speed::Tr
                      "Named: the Pareto front, and every form that is not of lostbits. Fewer wrong decisions count "
                      "before more bits, so it may step down to a "
                      "form that is never wrong."};
-    spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}};
+    spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {

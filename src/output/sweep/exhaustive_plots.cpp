@@ -11,6 +11,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/map/row_names.hpp"
+#include "output/plot/form_look.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -67,6 +68,7 @@ public:
     /// A level stretch a binade, by rising size.
     [[nodiscard]] plot::Series series(const Half& half, const OfTally& value) const {
         plot::Series series{.label = label(half), .x = {}, .y = {}, .low = {}, .high = {}};
+        series.look = plot::form_look(*request_.rows[half.row].form);
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!has_place(parts_[b]) || parts_[b].binade.negative != half.negative) continue;
             const auto [low, high] = sizes_of(parts_[b]);
@@ -80,13 +82,11 @@ public:
 
     [[nodiscard]] plot::AxisSpec axis() const {
         const auto& axis = request_.sweep->axis;
-        const std::string unit = axis.unit.empty() ? "" : fmt::format(" [{}]", axis.unit);
         // Less than two octaves have too few powers of two for ticks.
         const bool few = sizes_.high < 4 * sizes_.low;
-        return {axis.name + unit +
-                    (below_ == 0   ? ""
-                     : above_ == 0 ? ", below 0, in size"
-                                   : ", in size"),
+        return {axis.label + (below_ == 0   ? ""
+                              : above_ == 0 ? ", below 0, in size"
+                                            : ", in size"),
                 few ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, sizes_.low, sizes_.high};
     }
 
@@ -142,16 +142,15 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = drawn.subtitle(),
                              .x = drawn.axis(),
-                             .y = {"share of the binade's tried floats", S::log2, none_wrong, 1.0},
+                             .y = {"share of the binade's tried floats", S::log2, least_share, 1.0, true},
                              .series = {}};
-    wrong.subtitle.emplace_back("along the foot of the picture: none of the binade's floats");
+    wrong.subtitle.emplace_back("at 0, below the axis: none of the binade's floats");
     for (const Half& half : drawn.halves()) {
         lost.series.push_back(drawn.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
         }));
-        wrong.series.push_back(drawn.series(half, [](const FloatTally& t) {
-            return t.wrong() > 0 ? measure::truth::fraction(t.wrong(), t.floats()) : none_wrong;
-        }));
+        wrong.series.push_back(
+            drawn.series(half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); }));
     }
     return ExhaustivePlots{std::move(lost), std::move(wrong)};
 }

@@ -9,9 +9,8 @@
 
 namespace lostbits::output::sweep {
 
-/// A share of 0 has no place on a log scale, and one float of a whole binade is 2^-23 of it: lines of binades without a
-/// wrong decision run along the foot of the picture, at this.
-inline constexpr double none_wrong = 0x1p-24;
+/// One float of a whole binade: the least share of it but 0, which has a place of its own.
+inline constexpr double least_share = 0x1p-23;
 
 struct ExhaustivePlots {
     plot::LinePlotSpec lost_bits;  ///< of the worst float of each binade

@@ -9,9 +9,11 @@
 #include <limits>
 
 #include "measure/blame/culprits.hpp"
+#include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/culprit_table.hpp"
 #include "output/map/row_names.hpp"
+#include "output/plot/form_look.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/too_far.hpp"
@@ -29,10 +31,7 @@ using plot::Series;
 
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
     using S = plot::AxisSpec::Scale;
-    return {axis.unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit),
-            axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear,
-            {},
-            {}};
+    return {axis.label, axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
 }
 
 double wrong_share(const MapSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
@@ -62,6 +61,7 @@ struct Quantity {
     std::function<double(const MapSummary&)> value;
     std::function<double(const MapSummary&)> envelope;  ///< empty: none
     bool over_hits = false;                             ///< a quantile over agreed hits: withheld where they are few
+    std::string note = {};                              ///< ends the subtitle
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
 };
 
@@ -111,11 +111,15 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
     LinePlotSpec spec = plot_along(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
     spec.width = size.width;
     spec.height = size.height;
+    if (!quantity.note.empty()) spec.subtitle.back() += "; " + quantity.note;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
-        // The envelope is the problem's, not a form's: any row that sees hits all along gives it.
-        if (quantity.envelope && !spec.envelope) {
+        spec.series.back().look = plot::form_look(*request.rows[r].form);
+        // The envelope is the problem's, not a form's: any row that sees hits all along gives it, if its line is there
+        // to be held against it. A form that tells no t has an envelope and no line.
+        const auto& line = spec.series.back().y;
+        if (quantity.envelope && !spec.envelope && std::ranges::any_of(line, [](double y) { return !std::isnan(y); })) {
             Series envelope = series_of(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
             if (std::ranges::none_of(envelope.y, [](double y) { return std::isnan(y); }))
                 spec.envelope = std::move(envelope);
@@ -160,11 +164,42 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
 }
 
 void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
-                      PlotSize size) {
-    write_lines(
-        path, sweep, format,
-        {"Rays with the wrong answer", {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0}, wrong_share, {}},
-        size);
+                      Outcome outcome, PlotSize size) {
+    const auto share = [outcome](const MapSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
+    std::uint64_t most = 1;
+    for (const SweepStep& step : sweep.steps) {
+        for (const MapSummary& s : step.rows) most = std::max(most, s.rays);
+    }
+    // Nothing but 0 is less than one ray of a step.
+    Quantity quantity{wrong_title(outcome),
+                      {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
+                      share,
+                      {}};
+    quantity.note = "at 0, below the axis: none of a step's rays";
+    write_lines(path, sweep, format, quantity, size);
+}
+
+std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
+    std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
+    for (const Outcome o : {Outcome::wrong_object, Outcome::not_a_number}) {
+        const auto occurs = [&](const SweepStep& step) {
+            for (std::size_t r = 0; r < step.rows.size(); ++r) {
+                if (sweep.request.rows[r].format == format && step.rows[r].count(o) > 0) return true;
+            }
+            return false;
+        };
+        if (std::ranges::any_of(sweep.steps, occurs)) shown.push_back(o);
+    }
+    return shown;
+}
+
+std::string wrong_title(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::false_hit: return "False hits";
+        case Outcome::false_miss: return "False misses";
+        case Outcome::wrong_object: return "Hits of the wrong solid";
+        default: return "Answers that are not a number";
+    }
 }
 
 namespace {
@@ -206,6 +241,7 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
                  unfinished,
                  {},
                  false,
+                 {},
                  marches});
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {"Samples of the field, 99th percentile",
@@ -213,6 +249,7 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
                  [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
                  {},
                  false,
+                 {},
                  marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];
@@ -281,7 +318,9 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         const auto file = [&](const std::string& name) { return folder / fmt::format("{}.{}.png", name, format.name); };
         write_lost_bits_plot(file("lost_bits_p50"), sweep, format, 0.5);
         write_lost_bits_plot(file("lost_bits_p99"), sweep, format, 0.99);
-        write_wrong_plot(file("wrong"), sweep, format);
+        for (const Outcome o : wrong_outcomes(sweep, format))
+            write_wrong_plot(file(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)])), sweep,
+                             format, o);
         write_march_plots(folder, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const MapRow& row = request.rows[r];

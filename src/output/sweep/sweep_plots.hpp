@@ -18,8 +18,9 @@ struct MeasuredSweep {
 [[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
 
 /// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
-/// (inherent bits, where the request measures them) and the sweep's own marks; and `wrong.<format>.png`, the share of
-/// rays that are false hits, false misses or NaN; where culprits are measured, `culprit.<form>.<format>.png`. Two axes:
+/// (inherent bits, where the request measures them) and the sweep's own marks; `false_hit.<format>.png` and
+/// `false_miss.<format>.png`, the share of rays that are so, and the same of other wrong outcomes that occur; where
+/// culprits are measured, `culprit.<form>.<format>.png`. Two axes:
 /// `<form>.<format>.png`, the p99 of lost bits over the plane, with the colour of the commonest wrong outcome where
 /// more than half of the rays are wrong.
 void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep);
@@ -33,8 +34,13 @@ struct PlotSize {
 void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
                           PlotSize size = {});
 
-/// The share of rays with the wrong answer, in one format.
+/// The share of rays with one wrong outcome, in one format, on a log axis, below which 0 has its place.
 void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
-                      PlotSize size = {});
+                      measure::answer::Outcome outcome, PlotSize size = {});
+
+/// The outcomes that have such a plot: false hits and false misses, and of the other wrong ones those that occur.
+[[nodiscard]] std::vector<measure::answer::Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
+/// `False hits`
+[[nodiscard]] std::string wrong_title(measure::answer::Outcome outcome);
 
 }  // namespace lostbits::output::sweep

@@ -298,6 +298,12 @@ RayGroup SweepFile::first_rays() const {
     return std::move(rays(values).front());
 }
 
+bool is_sweep_file(const std::filesystem::path& path) {
+    const toml::Node root = toml::read_toml(path);
+    const toml::Node* const schema = root.find("schema");
+    return schema != nullptr && schema->text.starts_with("lostbits-sweep/");
+}
+
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     if (std::filesystem::is_regular_file(name_or_path)) return name_or_path;
     // `hard/padding`: by its whole name alone, as the search that found it has the same last part.

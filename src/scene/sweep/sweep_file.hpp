@@ -96,6 +96,9 @@ private:
     std::uint64_t further_ = 0;  ///< added to the seed of the family
 };
 
+/// Whether a file says that it is a sweep, of whatever kind. InputError where it cannot be read.
+bool is_sweep_file(const std::filesystem::path& path);
+
 /// A path to a file, or the id of one in `data_dir/sweeps`. InputError with did-you-mean.
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir);
 

@@ -20,6 +20,7 @@ SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& 
 struct AxisName {
     std::string name;        ///< column and label: `distance_over_radius`
     std::string unit;        ///< of its values; may be empty
+    std::string label;       ///< what plots call it, in words and with its unit: `distance, in radii`
     toml::Where where = {};  ///< of its name
 };
 

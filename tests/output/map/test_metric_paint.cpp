@@ -1,7 +1,9 @@
 // What the colours and captions of maps say.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
@@ -173,6 +175,38 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     CHECK(legend.back().label == "correct hit without a value");
     CHECK(legend.back().colour == image::outcome_colours[0]);
     CHECK(paint.colour(Outcome::wrong_object, 0) == image::outcome_colours[6]);
+}
+
+TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then those with the least p99",
+          "[metric_paint]") {
+    const auto of = [](double lost, std::uint64_t missed) {
+        MapSummary s = summary_of(lost, {{Outcome::agree_hit, 900 - missed}, {Outcome::false_miss, missed}});
+        for (auto& metric : s.metrics) metric.seal();
+        return s;
+    };
+    const MapSummary bad = of(0, 40), good = of(3, 0), better = of(2, 0), blind = of(0, 880);
+    // The second cell of the first form, in another format, does not count.
+    const std::vector<SheetCell> cells{{0, &bad}, {0, &better}, {1, &good}, {2, &blind}, {3, &better}, {4, &good}};
+    CHECK(best_first(5, cells, 0) == std::vector<std::size_t>{3, 1, 4, 0, 2});
+    // With as many wrong decisions, and too few hits for a p99: behind.
+    const MapSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
+    CHECK(best_first(2, std::vector<SheetCell>{{0, &few}, {1, &good}}, 0) == std::vector<std::size_t>{1, 0});
+
+    const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
+    MapSummary seen = of(3, 0);
+    CHECK_FALSE(has_word(cell_note(paint, seen, 0), "worst"));
+    seen.worst.x = 17;
+    seen.worst.y = 4;
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17, 4"));
+    // A wrong decision is worse than any error.
+    seen.outcomes[static_cast<std::size_t>(Outcome::false_hit)] = 1;
+    const auto place = std::ranges::find(lostbits::measure::map::wrong_decisions, Outcome::false_hit) -
+                       lostbits::measure::map::wrong_decisions.begin();
+    seen.faults[static_cast<std::size_t>(place)] = std::make_unique<lostbits::measure::map::WorstRay>();
+    seen.faults[static_cast<std::size_t>(place)]->x = 5;
+    seen.faults[static_cast<std::size_t>(place)]->y = 6;
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5, 6"));
+    CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32, backend()), seen, 0), "worst"));
 }
 
 }  // namespace test_metric_paint

@@ -54,6 +54,28 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
     CHECK_FALSE(range.has_place(no_value));
 }
 
+TEST_CASE("on a log axis 0 has a place of its own, below the low end, and times are decimals", "[plot]") {
+    using Scale = AxisSpec::Scale;
+    using Labels = std::vector<std::string>;
+    const AxisRange shares({"", Scale::log10, 1e-3, 1.0, true}, {0, 0.5});
+    CHECK(shares.has_place(0));
+    CHECK_FALSE(shares.has_place(-1e-9));
+    CHECK_FALSE(shares.has_place(no_value));
+    CHECK(shares.position(0) == 0);
+    // The first miss of a thousand rays is seen to be one: well above nothing.
+    CHECK(shares.position(1e-3) > 0.05);
+    CHECK(shares.position(1) == 1);
+    CHECK(labels(shares, 8) == Labels{"0", "10^-3", "10^-2", "10^-1", "10^0"});
+    CHECK_FALSE(AxisRange({"", Scale::log10, 1e-3, 1.0}, {}).has_place(0));
+    // The ends follow from what is positive.
+    CHECK(AxisRange({"", Scale::log10, {}, {}, true}, {0, 0.01, 1}).position(0.01) == Approx(shares.position(1e-3)));
+
+    CHECK(labels(AxisRange({"", Scale::log2, 0.25, 64.0, false, true}, {}), 12) ==
+          Labels{"0.25", "0.5", "1", "2", "4", "8", "16", "32", "64"});
+    CHECK(labels(AxisRange({"", Scale::log10, 0.01, 100.0, false, true}, {}), 8) ==
+          Labels{"0.01", "0.1", "1", "10", "100"});
+}
+
 TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
     using Scale = AxisSpec::Scale;
     const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();

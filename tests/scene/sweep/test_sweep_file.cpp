@@ -5,6 +5,8 @@
 
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/exhaustive_file.hpp"
 
 namespace test_sweep_file {
 
@@ -51,6 +53,53 @@ TEST_CASE("half way between two floats, in floats, lies between them until nothi
         CHECK((middle == a || middle == b));
     }
     CHECK(axis.middle(0x1p-3, 0x1p5) == 2);
+}
+
+TEST_CASE("every axis of the data says in words what it is, and another's follows from its name and unit") {
+    std::size_t axes = 0;
+    const auto is_words = [&axes](const AxisName& axis) {
+        CAPTURE(axis.name, axis.label);
+        ++axes;
+        CHECK(axis.label != axis.name);
+        CHECK(axis.label.find('_') == std::string::npos);
+        // A unit is said in words, after "in"; `r` is none.
+        if (!axis.unit.empty()) {
+            const std::string unit = axis.unit == "r" ? "radii" : axis.unit;
+            CHECK(axis.label.find(", in " + unit) != std::string::npos);
+        }
+    };
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps")) {
+        if (entry.path().extension() != ".toml") continue;
+        INFO(entry.path().string());
+        switch (sweep_kind(entry.path())) {
+            case SweepKind::axes:
+                for (const Axis& axis : SweepFile(entry.path(), LOSTBITS_DATA_DIR).axes) is_words(axis);
+                break;
+            case SweepKind::every_float: is_words(ExhaustiveFile(entry.path()).axis); break;
+            case SweepKind::cases:
+            case SweepKind::search: break;
+        }
+    }
+    CHECK(axes > 25);
+
+    const auto label = [](const std::string& keys) {
+        const Scratch folder;
+        const SweepFile sweep(
+            folder.write("s.toml",
+                         "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = "
+                         "\"near-benign\"\n[[axis]]\nspacing = \"linear\"\nfrom = 1\nto = 2\nsteps = 2\n"
+                         "set = [\"sphere[0].radius\"]\n" +
+                             keys),
+            LOSTBITS_DATA_DIR);
+        return sweep.axes.front().label;
+    };
+    CHECK(label("name = \"distance_radii\"\nunit = \"r\"\n") == "distance, in radii");
+    CHECK(label("name = \"gap_sizes\"\nunit = \"sizes\"\n") == "gap, in sizes");
+    CHECK(label("name = \"eye_height\"\nunit = \"m\"\n") == "eye height, in m");
+    CHECK(label("name = \"hit_eps\"\n") == "hit eps");
+    CHECK(label("name = \"scale\"\nunit = \"1\"\n") == "scale");
+    CHECK(label("name = \"x\"\nlabel = \"how far, in miles\"\n") == "how far, in miles");
 }
 
 }  // namespace test_sweep_file

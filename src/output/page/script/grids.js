@@ -149,7 +149,7 @@ function drawLabels(context, sweep, layout, frame) {
         context.restore();
     });
     if (!layout.up) return;
-    const [x, y] = sweep.axes.map(axisTitle);
+    const [x, y] = sweep.axes.map((axis) => axis.label);
     context.textAlign = "center";
     context.fillText(x, left + (layout.columns * w) / 2, top + layout.lines * h + 32);
     context.translate(10, top + (layout.lines * h) / 2);
@@ -221,7 +221,7 @@ function cellAt(i, j) {
         row: chosen,
         cell,
         place: [[sweep.axes[0], i], [sweep.axes[1], j]].map(
-            ([axis, k]) => [axisTitle(axis), decimal(axis.values[k]), hex(axis.values[k])])
+            ([axis, k]) => [axis.label, decimal(axis.values[k]), hex(axis.values[k])])
     };
 }
 

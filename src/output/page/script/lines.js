@@ -3,20 +3,41 @@
 
 const endGap = 14;  // pixels between the names of lines
 
-/** Forms whose values are the same all along, in the order of the first: they share a line. */
+/**
+ * Where a value stands on the axis of the statistic: shares by their logarithms, and 0 at a place of its own, half a
+ * decade below the least share that a step can have.
+ */
+function heights({ rows, statistic }) {
+    if (!isFraction(statistic)) return { of: (value) => value };
+    const most = Math.max(1, ...rows.flatMap((row) => row.outcomes.map((o) => o.reduce((a, b) => a + b, 0)))),
+          low = Math.log10(1 / most), foot = low - 0.5, decades = [];
+    for (let e = Math.ceil(low); e <= 0; ++e) decades.push(e);
+    return {
+        of: (value) =>
+            (value > 0       ? Math.log10(value) :
+                 value === 0 ? foot :
+                               NaN),
+        range: [foot - 0.1, 0.05],
+        ticks: [foot, ...decades],
+        text: (e) => (e === foot ? "0" : decimal(Number((10 ** e).toPrecision(6))))
+    };
+}
+
+/**
+ * Forms whose values are the same all along, in the order of the first: they share a line, in the look of the first.
+ */
 function lineGroups({ sweep, rows, statistic }, order) {
     const groups = new Map();
     for (const row of rows) {
         const y = order.map((k) => {
-            const value = drawnValue(sweep, row, statistic, k);
+            const value = sweepParts.heights.of(drawnValue(sweep, row, statistic, k));
             return Number.isFinite(value) ? value : null;
         });
         const key = JSON.stringify(y), group = groups.get(key);
         if (group) group.rows.push(row);
         else groups.set(key, { rows: [row], y });
     }
-    return [...groups.values()].map(
-        (g, k) => ({...g, colour: onPage(lineColours[k % lineColours.length]), dashed: k >= lineColours.length }));
+    return [...groups.values()].map((g) => ({...g, ...lineLook(g.rows[0].look) }));
 }
 
 /** `unified and 4 with the same values` */
@@ -108,12 +129,11 @@ function shadeTooFar(plot) {
 /** What the lines and the shade mean, in words: for who cannot read the names in the plot. */
 function drawLineKey() {
     const { sweep, chosen, rows } = sweepParts.now, { groups, lineKey } = sweepParts;
-    const sample = (colour) => swatch(colour.match(/[0-9a-f]{2}/g).map((x) => parseInt(x, 16)));
     const entries = groups.map((group) => {
         const names = make("span", {}, ` ${group.rows.map(shortName).join(", ")}`);
         if (group.rows.length > 1) names.append(make("small", {}, ` (${group.rows.length} forms, the same values)`));
         if (lastOf(group) < 0) names.append(make("small", {}, " (no values)"));
-        const entry = make("li", {}, sample(group.colour), names);
+        const entry = make("li", {}, lineSample(group), names);
         entry.classList.toggle("chosen", group.rows.includes(chosen));
         return entry;
     });
@@ -130,9 +150,10 @@ function plotSweep(now) {
     const { sweep, rows, chosen, statistic } = now;
     const log = sweep.spacing === "log2" && Math.min(...sweep.steps) > 0;
     const order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);  // some run downwards
+    sweepParts.heights = heights(now);
     const groups = lineGroups(now, order), { element } = sweepParts, size = plotSize(element);
     const data = [order.map((k) => sweep.steps[k]), ...groups.map((g) => g.y)];
-    const bits = statistic.includes("bits"), named = size.width >= 560;
+    const bits = statistic.includes("bits"), named = size.width >= 560, { range, ticks, text } = sweepParts.heights;
     Object.assign(sweepParts, { order, groups });
     element.replaceChildren();
     element.setAttribute(
@@ -148,14 +169,20 @@ function plotSweep(now) {
             padding: [null, named ? 24 + 7 * longest : null, null, null],
             scales: {
                 x: { time: false, distr: log ? 3 : 1, log: 2, range: () => ends },
-                y: { range: (_, low, high) => [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] }
+                y: { range: (_, low, high) => range ?? [0, bits ? Math.max(2, high * 1.05) : Math.max(0.05, high * 1.05)] }
             },
             axes: [
                 {
-                    ...axisLook(axisTitle({ name: sweep.axis, unit: sweep.unit })),
+                    ...axisLook(sweep.label),
                     values: (_, ticks) => ticks.map(tickText)
                 },
-                axisLook(words(statistic))
+                range ? {
+                    ...axisLook(`${words(statistic)}, on a log axis with 0 below it`),
+                    size: 66,
+                    splits: () => ticks,
+                    values: (_, places) => places.map(text)
+                } :
+                        axisLook(words(statistic))
             ],
             cursor: { focus: { prox: 24 }, points: { size: 6 } },
             focus: { alpha: 0.25 },
@@ -165,7 +192,7 @@ function plotSweep(now) {
                                       label: groupName(g, 2),
                                       stroke: g.colour,
                                       width: g.rows.includes(chosen) ? 3.5 : 1.25,
-                                      dash: g.dashed ? [6, 4] : undefined,
+                                      dash: g.dash,
                                       points: { show: false }
                                   }))
             ],
@@ -208,7 +235,7 @@ function drawStep(plot) {
     context.stroke();
     if (Number.isFinite(value)) {
         context.beginPath();
-        context.arc(x, plot.valToPos(value, "y", true), 5 * devicePixelRatio, 0, 2 * Math.PI);
+        context.arc(x, plot.valToPos(sweepParts.heights.of(value), "y", true), 5 * devicePixelRatio, 0, 2 * Math.PI);
         context.stroke();
     }
     context.restore();
@@ -217,11 +244,7 @@ function drawStep(plot) {
 /** The k-th step in rising order, under the chosen form. */
 function stepAt(k) {
     const { sweep, chosen } = sweepParts.now, cell = sweepParts.order[k], value = sweep.steps[cell];
-    return {
-        row: chosen,
-        cell,
-        place: [[axisTitle({ name: sweep.axis, unit: sweep.unit }), decimal(value), hex(value)]]
-    };
+    return { row: chosen, cell, place: [[sweep.label, decimal(value), hex(value)]] };
 }
 
 function onsetLines(row) {

@@ -44,13 +44,14 @@ function crosshair(canvas, map) {
 
 async function drawMap() {
     const map = mapNow(), metric = metricNow(), other = otherRow(), { canvas } = mapParts;
-    // Half of the room, in whole pixels a ray.
-    const room = Math.min(1024, Math.max(576, document.getElementById("map-view").clientWidth / 2));
-    const factor = Math.max(1, Math.floor(room / map.width));
+    // All the width; where the numbers stand beside it, less what they need, and no higher than the window. In whole
+    // pixels a ray, shown a little smaller.
+    const wide = document.getElementById("map-view").clientWidth, tall = (0.86 * innerHeight * map.width) / map.height,
+          room = Math.min(1024, wide >= 960 ? Math.min(wide - 484, Math.max(480, tall)) : wide);
+    const factor = Math.max(1, Math.ceil(room / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
-    mapParts.picture.style.width =
-        `${canvas.width + 2}px`;  // the slider is as long as the picture, whose frame is a pixel wide
+    canvas.style.width = mapParts.picture.style.width = `${room}px`;  // and the slider is as long as the picture
     nameHalves();
     const fields = await Promise.all(
         [rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
@@ -80,7 +81,7 @@ function drawPickers() {
     const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
     const pickers = [
         choice(
-            "scene", "pick-scene", index.maps.map((m) => [m.id, m.title]), state.scene,
+            "scene", "pick-scene", titled(index.maps), state.scene,
             (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
         choice(
             `${letterA()}form`, "pick-form", options(map.rows.map((r) => r.form)), state.form,
@@ -104,7 +105,17 @@ function drawPickers() {
     mapParts.slider.value = state.split;
     mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
     mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
+    mapParts.worst.replaceChildren(...worstOf(row));
     mapParts.showNote(map.note);
+}
+
+/** The worst pixel, and the command that explains it; nothing where none is worse than another. */
+function worstOf({ worst, worst_explain }) {
+    if (!worst) return [];
+    return [
+        `Worst pixel ${worst.x}, ${worst.y}${worst_explain ? ": " : ""}`,
+        ...(worst_explain ? [make("code", {}, worst_explain)] : [])
+    ];
 }
 
 async function drawInspector(at) {
@@ -224,6 +235,7 @@ function buildMaps() {
         slider:
             make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where B begins" }),
         under: make("p", { className: "hint", id: "under" }, "\u00a0"),
+        worst: make("p", { className: "hint", id: "worst-line" }),
         legend: make("div", { className: "legend" }),
         inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }),
         operations: make("div", { id: "operations" }),
@@ -253,7 +265,7 @@ function buildMaps() {
             "copy the link"));
     mapParts.picture = make(
         "div", { className: "picture" }, make("div", { className: "halves" }, canvas, mapParts.halfA, mapParts.halfB),
-        slider, mapParts.under, mapParts.legend);
+        slider, mapParts.under, mapParts.worst, mapParts.legend);
     root.append(
         mapParts.pickers, mapParts.what, note,
         make(

@@ -132,12 +132,15 @@ async function showOperations(element, map, row, x, y) {
     element.replaceChildren(
         make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${x}, ${y}`),
         make("p", { className: "sentence" }, culpritSentence(found, row, ulp) + sumsSentence(found, ulp)),
+        make("p", { className: "hint sideways" }, "The table goes on to the right: scroll it sideways."),
         make(
-            "table", { className: "operations" },
-            header(
-                "operation", "computed from", "computed", "without rounding", "off, ulp", "bits cancelled",
-                "local bits", "own, ulp", "of t, ulp"),
-            body),
+            "div", { className: "scrolls", tabIndex: 0, role: "region", "aria-label": "operations, scrolled sideways" },
+            make(
+                "table", { className: "operations" },
+                header(
+                    "operation", "computed from", "computed", "without rounding", "off, ulp", "bits cancelled",
+                    "local bits", "own, ulp", "of t, ulp"),
+                body)),
         make(
             "p", { className: "hint" },
             "own: its rounding, in ulps of its own result. " +

@@ -7,6 +7,28 @@ const lineColours = [
     "#332288", "#80801a"
 ];
 
+const lineDashes = [undefined, [6, 4], [2, 3], [10, 3, 2, 3]];
+
+/** What a form's line looks like, whatever is drawn beside it: `look` is its place in `look_count` of the pictures. */
+const lineLook = (look) => ({
+    colour: onPage(lineColours[look % lineColours.length]),
+    dash: lineDashes[Math.floor(look / lineColours.length)]
+});
+
+/** A piece of such a line, for a key. */
+function lineSample({ colour, dash }) {
+    const sample = make("canvas", { width: 30, height: 10, className: "line-sample", "aria-hidden": "true" }),
+          context = sample.getContext("2d");
+    context.strokeStyle = colour;
+    context.lineWidth = 2.5;
+    context.setLineDash(dash ?? []);
+    context.beginPath();
+    context.moveTo(1, 5);
+    context.lineTo(29, 5);
+    context.stroke();
+    return sample;
+}
+
 /** A line's colour on the page of the moment: on a dark one, two fifths of the way to white. */
 function onPage(colour) {
     if (!matchMedia("(prefers-color-scheme: dark)").matches) return colour;

@@ -152,6 +152,10 @@ function choice(label, id, options, value, onchange) {
     return make("label", {}, label + " ", select);
 }
 
+/** For a picker; two of one title are told apart by their files. */
+const titled = (parts) => parts.map(
+    ({ id, title }) => [id, parts.some((p) => p.id !== id && p.title === title) ? `${title} (${id})` : title]);
+
 const words = (name) =>
     name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_solid").replaceAll("_", " ");
 

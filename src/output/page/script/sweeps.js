@@ -14,7 +14,6 @@ function sweepOf(id) {
 }
 
 const asNumber = (v) => (v === null ? NaN : v === "inf" ? Infinity : v === "-inf" ? -Infinity : v);
-const axisTitle = (axis) => words(axis.name) + (axis.unit ? `, ${axis.unit}` : "");
 
 /** The chosen row's key: the one that was asked for here, else the map's, else as near to it as the sweep has. */
 function sweepKey() {
@@ -186,9 +185,7 @@ function walkedByKeys(element, keys) {
 function drawSweepPickers() {
     const { sweep, judged, rows, chosen, statistic } = sweepParts.now, held = document.activeElement?.id;
     sweepParts.pickers.replaceChildren(
-        choice(
-            "sweep", "pick-sweep", index.sweeps.map((s) => [s.id, s.title]), sweep.id,
-            (id) => goTo({ sweep: id, u: -1, v: -1 })),
+        choice("sweep", "pick-sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
         choice(
             "statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
             (s) => goTo({ statistic: s })),

@@ -16,7 +16,7 @@ function plotTrade(trade, set) {
         points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") }
     });
     const best = (p) => !p.dominated;
-    const timeAxis = {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map(tickText) };
+    const timeAxis = {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map((x) => (x ? rounded(x) : "")) };
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
     const plot =

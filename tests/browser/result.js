@@ -1,0 +1,150 @@
+// What the page promises of one's own result: it comes first, fits, names its worst ray, and is seen in the dark.
+"use strict";
+
+const assert = require("node:assert/strict");
+const { boxOf, settled } = require("./common.js");
+
+/** One's own result comes first: maps before claims, claims before the command; a map is as wide as there is room. */
+async function order({ browser, report }) {
+    const page = await browser.page(report);
+    const sections = await page.$$eval("main > section", (all) => all.map((e) => e.id));
+    assert.deepEqual(sections, ["maps", "sweeps", "trade", "choose", "offsets", "claims", "made"]);
+    assert.equal(await page.locator("header .tiles").count(), 0);
+    assert.equal(await page.locator("#claims .tiles").count(), 1);
+    assert.match(await page.locator("#made pre").innerText(), /^lostbits report near-benign /);
+    for (const width of [400, 900, 1280]) {
+        const narrow = await browser.page(report, { width, height: 900 });
+        await settled(narrow);
+        const map = await boxOf(narrow, "#map"), view = await boxOf(narrow, "#map-view"), room = view.right - view.left,
+              wide = map.right - map.left;
+        assert.ok(map.right <= view.right + 1, `${width}: the map ends at ${map.right} of ${view.right}`);
+        assert.ok(wide >= (width >= 1000 ? 0.55 : 0.97) * room, `${width}: the map takes ${wide} of ${room}`);
+        await narrow.context().close();
+    }
+    // Two scenes of one title are told apart, and others are not burdened with a name.
+    const names = async () => page.$$eval("#pick-scene option", (all) => all.map((e) => e.textContent));
+    assert.ok((await names()).every((name) => !name.includes("(near-benign)")));
+    await page.evaluate(() => {
+        index.maps[1].title = index.maps[0].title;
+        return goTo({});
+    });
+    const both = await names();
+    assert.equal(new Set(both).size, both.length, `${both}`);
+    assert.ok(both[0].endsWith("(near-benign)") && both[1].endsWith("(rtg-fig-7-3-4100-oblique)"), `${both}`);
+}
+
+/** Below the map stands its worst pixel, with a command that explains it; a click on the button goes there. */
+async function worst({ browser, report, lostbits }) {
+    const page =
+        await browser.page(report, { hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32" });
+    const line = await page.locator("#worst-line").innerText(),
+          [, x, y, command] = line.match(/^Worst pixel (\d+), (\d+): lostbits (explain .*)$/);
+    await page.locator("#worst").click();
+    const now = await page.evaluate(() => [state.x, state.y]);
+    assert.deepEqual(now, [Number(x), Number(y)]);
+    assert.match(lostbits(...command.split(" ")), /sphere\.schoolbook in f32/);
+    // It is the one that the program takes for the worst.
+    const told = lostbits("explain", "rtg-fig-7-3-4100-oblique", "--worst", "-i", "sphere.schoolbook", "-f", "f32");
+    assert.ok(told.startsWith(`Pixel ${x},${y}, the worst of `), told.slice(0, 80));
+}
+
+/** At 400 pixels the table of operations has a bar to scroll it by, and a word that it goes on. */
+async function sideways({ browser, report }) {
+    const hash = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&x=60&y=60";
+    const barred = await browser.constructor.open({ bars: true });
+    try {
+        const page = await barred.page(report, { hash, width: 400, height: 800 });
+        const box = page.locator("#operations .scrolls");
+        await box.waitFor();
+        const { hidden, bar } = await box.evaluate(
+            (e) => ({ hidden: e.scrollWidth - e.clientWidth, bar: e.offsetHeight - e.clientHeight }));
+        assert.ok(hidden > 100, `only ${hidden} pixels are out of sight`);
+        assert.ok(bar >= 8, `a bar of ${bar} pixels`);
+        assert.ok(await page.locator("#operations .sideways").isVisible());
+        await box.focus();
+        await page.keyboard.press("ArrowRight");
+        await settled(page);
+        assert.ok(await box.evaluate((e) => e.scrollLeft) > 0, "the arrow key does not scroll it");
+    } finally { await barred.close(); }
+    const narrow = await browser.page(report, { hash, width: 400, height: 800 });
+    await narrow.locator("#operations .scrolls").waitFor();
+    assert.equal(await narrow.evaluate(() => document.documentElement.scrollWidth), 400);
+    const wide = await browser.page(report, { hash, width: 1600, height: 900 });
+    await wide.locator("#operations .scrolls").waitFor();
+    assert.ok(await wide.locator("#operations .sideways").isHidden());
+}
+
+/** In the dark no plot is white paper: those that are pictures turn over, and drawn ones have the page's ground. */
+async function dark({ browser, report }) {
+    const bare = await browser.page(report, { scripts: false });
+    const filters = (where) => bare.locator(where).evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
+    await bare.emulateMedia({ colorScheme: "light" });
+    assert.ok((await filters("img")).every((f) => f === "none"));
+    await bare.emulateMedia({ colorScheme: "dark" });
+    for (const where of ["#sweeps img", "#trade img", "#choose img"]) {
+        const all = await filters(where);
+        assert.ok(all.length > 0, where);
+        assert.ok(all.every((f) => f.startsWith("invert(0.9)")), `${where}: ${all}`);
+    }
+    // Colours of maps are numbers: they stay.
+    const kept = await filters("#maps img, #offsets img");
+    assert.ok(kept.length > 0 && kept.every((f) => !f.includes("invert")), `${kept}`);
+    const page = await browser.page(report);
+    await page.emulateMedia({ colorScheme: "dark" });
+    await settled(page);
+    const light = await page.evaluate(() => {
+        const { ctx, bbox } = sweepParts.plot,
+                          { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
+        let n = 0;
+        for (let i = 0; i < data.length; i += 4)
+            n += data[i + 3] > 128 && Math.min(data[i], data[i + 1], data[i + 2]) > 235;
+        return n / (data.length / 4);
+    });
+    assert.ok(light < 0.02, `${light} of a plot is white`);
+}
+
+/**
+ * Shares stand on a log axis with 0 below it, a form's line looks the same whatever stands beside it, axes are words.
+ */
+async function shares({ browser, report, sweep }) {
+    const page = await browser.page(
+        report, { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=false_miss_fraction` });
+    await settled(page);
+    const seen = await page.evaluate(() => {
+        const { plot, heights, now, groups } = sweepParts, y = (v) => plot.valToPos(heights.of(v), "y");
+        const rays = now.chosen.outcomes[0].reduce((a, b) => a + b, 0);
+        return {
+            places: [0, 1 / rays, 0.1, 1].map(y),
+            range: [plot.scales.y.min, plot.scales.y.max].map((v) => plot.valToPos(v, "y")),
+            text: heights.ticks.map(heights.text),
+            axis: plot.axes[0].label,
+            looks: now.rows.map((r) => [r.form, r.look]),
+            drawn: groups.map((g) => [g.rows[0].form, g.colour, g.dash])
+        };
+    });
+    const [none, one, tenth, all] = seen.places, [foot, top] = seen.range;
+    assert.ok(
+        foot >= none && none - one > 15 && one > tenth && tenth > all && all >= top, `${seen.places} ${seen.range}`);
+    assert.equal(seen.text[0], "0");
+    assert.equal(seen.text.at(-1), "1");
+    assert.equal(seen.axis, "tangent of the angle to the axis");
+    assert.equal(new Set(seen.looks.map(([, look]) => look)).size, seen.looks.length);
+    // Alone on its page, and among others: the same line.
+    const only = await browser.page(
+        report.replace("report/index.html", "odd/sweep/index.html"),
+        { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
+    const [alone] = await only.evaluate(() => sweepParts.groups.map((g) => [g.colour, g.dash, g.rows[0].look]));
+    const look = seen.looks.find(([form]) => form === "sphere.unified")[1];
+    assert.deepEqual(alone, await page.evaluate((look) => [lineLook(look).colour, lineLook(look).dash, look], look));
+    // All looks that there are differ.
+    const looks = await page.evaluate(() => Array.from({ length: 48 }, (_, k) => JSON.stringify(lineLook(k))));
+    assert.equal(new Set(looks).size, 48);
+}
+
+module.exports = {
+    order,
+    worst,
+    sideways,
+    dark,
+    shares
+};

@@ -1,0 +1,136 @@
+// What can be told apart in pictures: forms in every plot, and whatever stands in one legend.
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "output/helpers.hpp"
+#include "output/map/metric_paint.hpp"
+#include "output/map/row_names.hpp"
+#include "output/plot/form_look.hpp"
+#include "output/plot/line_plot_parts.hpp"
+#include "output/speed/trade_plot.hpp"
+
+namespace test_looks {
+
+using namespace lostbits;
+using namespace lostbits::output;
+using intersect::table::Intersector;
+using output::test::backend;
+
+namespace {
+
+/// A level line.
+plot::Series level(const std::string& label, double y) { return {label, {1, 2, 4}, {y, y, y}, {}, {}}; }
+
+}  // namespace
+
+TEST_CASE("a line keeps the look that is its own, and no two lines look alike", "[looks]") {
+    using Look = std::tuple<int, int, int, int, std::vector<double>>;
+    const auto look_of = [](const plot::PlotLine& line) {
+        return Look{line.colour.r, line.colour.g, line.colour.b, line.marker, {line.dashes.begin(), line.dashes.end()}};
+    };
+    const auto with_look = [](int k, std::size_t look) {
+        plot::Series one = level(std::to_string(k), k);
+        one.look = look;
+        return one;
+    };
+    // Beside whatever stands before it, after it, or asks for nothing.
+    const Look alone = look_of(plot::plot_lines(std::vector{with_look(1, 19)})[0]);
+    const auto among = plot::plot_lines(std::vector{level("a", 2), with_look(3, 0), with_look(1, 19), level("b", 4)});
+    CHECK(look_of(among[2]) == alone);
+    CHECK(look_of(plot::plot_lines(std::vector{with_look(1, 0), level("a", 2)})[1]) ==
+          look_of(plot::plot_lines(std::vector{with_look(2, 1)})[0]));
+
+    // Every look and pattern that there is, whether asked for or not.
+    for (const int asked : {0, 1, 5, 1000}) {
+        std::vector<plot::Series> many;
+        for (int k = 0; k < 240; ++k) {
+            plot::Series one = level(std::to_string(k), k);
+            if (asked > 0 && k % 3 == 0) one.look = static_cast<std::size_t>(k % asked);
+            many.push_back(std::move(one));
+        }
+        std::set<Look> seen;
+        for (const plot::PlotLine& line : plot::plot_lines(many)) seen.insert(look_of(line));
+        CAPTURE(asked);
+        CHECK(seen.size() == many.size());
+    }
+}
+
+TEST_CASE("a form has its look by its place in the catalogue, one from outside by its name", "[looks]") {
+    std::map<Shape, std::set<std::size_t>> looks;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        const std::size_t look = plot::form_look(form);
+        CAPTURE(form.info->name);
+        CHECK(look < plot::look_count);
+        CHECK(looks[form.shape].insert(look).second);
+        CHECK(plot::form_look(Intersector(form)) == look);  // whichever copy of the row it is
+    }
+    // Marches stand beside the forms of either shape.
+    for (const std::size_t look : looks[Shape::sdf]) {
+        CHECK_FALSE(looks[Shape::sphere].contains(look));
+        CHECK_FALSE(looks[Shape::box].contains(look));
+    }
+    const auto from_outside = [](const char* name, Shape shape) {
+        const intersect::Info info{.name = name, .title = "", .source = ""};
+        return plot::form_look({.info = &info, .shape = shape, .native32 = {}, .native64 = {}});
+    };
+    for (const char* name : {"mine.sphere", "glm.sphere", "a", ""}) {
+        const std::size_t look = from_outside(name, Shape::sphere);
+        CHECK(look < plot::look_count);
+        CHECK(look == from_outside(name, Shape::sphere));
+        for (const auto& [shape, taken] : looks) CHECK_FALSE(taken.contains(look));
+    }
+    CHECK(from_outside("mine.sphere", Shape::sphere) != from_outside("glm.sphere", Shape::sphere));
+}
+
+TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[looks]") {
+    for (const measure::metric::Metric& metric : measure::metric::metrics()) {
+        if (metric.by_run()) continue;  // its operations have a test of their own
+        CAPTURE(metric.name);
+        std::set<std::tuple<int, int, int>> colours;
+        const auto entries = map::MetricPaint(metric, binary32, backend()).widest(1);
+        for (const image::LegendEntry& entry : entries) {
+            CAPTURE(entry.label);
+            CHECK(colours.insert({entry.colour.r, entry.colour.g, entry.colour.b}).second);
+        }
+    }
+}
+
+TEST_CASE("every key of speed against accuracy looks another way", "[looks]") {
+    std::vector<measure::speed::TradeKernel> kernels;
+    for (const auto& row : {testing::row("sphere.unified", "f32"), testing::row("sphere.unified", "f64")}) {
+        for (const char* isa : {"scalar", "128", "256", "512"}) kernels.push_back({row, row.form->info, isa});
+    }
+    const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
+                                                              measure::metric::find_metric("excess_bits")};
+    const measure::speed::TradeRequest request{.kernels = kernels, .metrics = metrics, .loads = {{"l1", 1024, 0.5}}};
+    measure::speed::TradeResult result{.times = {}, .operations = {}, .row_of = {}, .rows = {}};
+    for (std::size_t k = 0; k < kernels.size(); ++k) {
+        result.times.push_back({{}});
+        result.operations.emplace_back();
+        result.row_of.push_back(k);
+    }
+    const auto sets = measure::speed::ray_sets(Shape::sphere);
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        auto& rows = result.rows.emplace_back();
+        for (std::size_t k = 0; k < kernels.size(); ++k) rows.emplace_back(metrics);
+    }
+    const auto spec = speed::trade_plot(request, result, 0);
+    std::set<std::tuple<int, std::size_t, bool, bool>> seen;
+    for (const auto& key : spec.keys) {
+        CAPTURE(key.label);
+        CHECK(seen.insert({key.marker, key.faint ? 0 : key.colour, key.faint, key.hollow}).second);
+    }
+    CHECK(spec.keys.size() == 8);
+    CHECK(spec.x.decimals);
+}
+
+TEST_CASE("a form without a title has a caption", "[looks]") {
+    CHECK(map::title_of({.name = "a.b", .title = "its own", .source = "x"}) == "its own");
+    CHECK(map::title_of({.name = "a.b", .title = "", .source = "libfar 1.2"}) == "a form from outside: libfar 1.2");
+    CHECK(map::title_of({.name = "a.b", .title = "", .source = ""}) == "a form from outside");
+}
+
+}  // namespace test_looks
