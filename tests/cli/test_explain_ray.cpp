@@ -117,7 +117,7 @@ TEST_CASE("a ray is asked alone, however many spheres there are") {
     CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
 }
 
-TEST_CASE("--worst takes the ray that the tables name: a wrong decision, or else the largest error") {
+TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision, or else the largest error") {
     const Scratch folder;
     const std::string with = " -i sphere.schoolbook -f f32";
     const auto first = [&folder](const std::string& file) {

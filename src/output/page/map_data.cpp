@@ -260,6 +260,8 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
         {"taped", is_taped(row)},
         {"coding", coding_name(row.format)},
         {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+        {"formula", row.form->is_template()},
+        {"from", blame::where_form_is_from(row.form->info->name)},
         {"group", group},
         {"outcomes", s.outcomes},
         {"true_hits", s.true_hits},
