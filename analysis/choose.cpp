@@ -53,26 +53,26 @@ bool are_files(const ChooseOptions& o) {
 
 /// InputError for an option of files beside a scene, and the other way round.
 void refuse_others(const ChooseOptions& o, bool files) {
-    const std::pair<const char*, bool> of_files[] = {{"--file-format", !o.format.empty()},
-                                                     {"--skip", o.skip != 0},
-                                                     {"--sphere", !o.spheres.empty()},
-                                                     {"--box", !o.boxes.empty()},
-                                                     {"--scene", !o.RayFileWords::scene.empty()},
-                                                     {"--miss", !o.miss.empty()},
-                                                     {"--direction", o.direction != "any"},
-                                                     {"--touching", o.touching != "hit"},
-                                                     {"--at-origin", o.at_origin != "hit"},
-                                                     {"--inside", o.inside != "usual"}};
+    const std::pair<const char*, bool> of_files[] = {
+        {"--file-format", !o.format.empty()},        {"--skip", o.skip != 0},
+        {"--scene", !o.RayFileWords::scene.empty()}, {"--miss", !o.miss.empty()},
+        {"--direction", o.direction != "any"},       {"--touching", o.touching != "hit"},
+        {"--at-origin", o.at_origin != "hit"},       {"--inside", o.inside != "usual"}};
+    std::vector<std::pair<std::string, bool>> solids;
+    for (const ShapeRow& row : shape_rows)
+        solids.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());
     const std::pair<const char*, bool> of_scenes[] = {
         {"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}};
     const auto refuse = [](const auto& options, const std::string& why) {
         for (const auto& [name, given] : options) {
-            if (given) throw InputError(std::string(name) + why);
+            if (given) throw InputError(fmt::format("{}{}", name, why));
         }
     };
     if (files) return refuse(of_scenes, ": is about a scene, and these are files of rays; leave it out");
-    refuse(of_files, ": is about files of rays, and " + o.subjects.front() +
-                         " is taken for a scene; leave it out, or say --container csv, npy or raw");
+    const std::string of_a_scene = ": is about files of rays, and " + o.subjects.front() +
+                                   " is taken for a scene; leave it out, or say --container csv, npy or raw";
+    refuse(of_files, of_a_scene);
+    refuse(solids, of_a_scene);
     if (o.subjects.size() > 1)
         throw InputError(o.subjects[1] +
                          ": a choice is for one scene, or for files of rays, which end in .csv or "

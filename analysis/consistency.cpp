@@ -107,7 +107,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
-        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return shape != Shape::sdf && s.meets(shape); },
+        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return is_solid(shape) && s.meets(shape); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);

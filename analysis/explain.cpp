@@ -8,6 +8,7 @@
 #include "analysis/choice/ray_words.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "geometry/number_names.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/escape.hpp"
@@ -86,8 +87,10 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
                 "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    command.add("--sphere", words.spheres, "A sphere for --ray, in place of a scene: CX,CY,CZ,R; may be repeated");
-    command.add("--box", words.boxes, "A box for --ray, in place of a scene: LX,LY,LZ,HX,HY,HZ; may be repeated");
+    for (const ShapeRow& row : shape_rows)
+        command.add(
+            fmt::format("--{}", row.name), words.solids.of(row.shape),
+            fmt::format("A {} for --ray, in place of a scene: {}; may be repeated", row.name, option_words(row.shape)));
     command.add("--tmax", words.tmax, "Where the ray ends; with --box");
     command.add("--as", words.as,
                 "A format that the numbers of --ray, --sphere, --box and --tmax are rounded to first");

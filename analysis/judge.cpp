@@ -75,7 +75,7 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
                         o.file, name_of(shape)));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
-    const auto meets = [&](Shape s) { return s == shape || (s == Shape::sdf && marches); };
+    const auto meets = [&](Shape s) { return s == shape || (!is_solid(s) && marches); };
     const auto asked = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), meets);
     if (asked.empty())
         throw NothingSelected(

@@ -75,10 +75,14 @@ Listing metric_table() {
 
 /// Rules for the origin of the next ray, and how many operations each costs.
 Listing strategies() {
-    Listing l{{"name", "operations_sphere", "operations_box", "source", "title"}, {}};
-    for (const measure::offset::Strategy& s : measure::offset::strategies())
-        l.rows.push_back({std::string(s.name), std::to_string(s.operations(Shape::sphere)),
-                          std::to_string(s.operations(Shape::box)), std::string(s.source), std::string(s.title)});
+    Listing l{{"name"}, {}};
+    for (const ShapeRow& shape : shape_rows) l.columns.push_back("operations_" + std::string(shape.name));
+    l.columns.insert(l.columns.end(), {"source", "title"});
+    for (const measure::offset::Strategy& s : measure::offset::strategies()) {
+        auto& row = l.rows.emplace_back(1, std::string(s.name));
+        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(s.operations(shape.shape)));
+        row.insert(row.end(), {std::string(s.source), std::string(s.title)});
+    }
     return l;
 }
 
@@ -116,7 +120,7 @@ Listing labels() {
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     for (const intersect::table::Intersector& form : lostbits::intersect::table::intersectors()) {
         auto all = measure::blame::labels_of(
-            form, {form.shape == Shape::sdf ? std::span(solids).first(1) : std::span(solids), &march});
+            form, {!is_solid(form.shape) ? std::span(solids).first(1) : std::span(solids), &march});
         std::ranges::sort(all);  // the order of the tape is the compiler's where arguments are evaluated
         l.rows.push_back({std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))});
     }

@@ -38,9 +38,9 @@ std::vector<Scene> renderable(std::vector<Scene> scenes) {
                 fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
                             "`lostbits map`",
                             scene.path.string()));
-        if (!scene.meets(Shape::sphere))
-            throw InputError(fmt::format("{}: render draws spheres, and scene \"{}\" has none; use `lostbits map`",
-                                         scene.path.string(), scene.id));
+        if (!scene.meets(scene::file::rendered_shape))
+            throw InputError(fmt::format("{}: render draws {}, and scene \"{}\" has none; use `lostbits map`",
+                                         scene.path.string(), row_of(scene::file::rendered_shape).plural, scene.id));
     }
     return scenes;
 }
@@ -97,7 +97,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
     const auto forms = choice::select_forms(choice::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
     const auto rows = choice::fitting(choice::cross(forms, choice::select_formats(o.formats)),
-                                      [](Shape shape) { return shape == Shape::sphere; });
+                                      [](Shape shape) { return shape == scene::file::rendered_shape; });
     if (rows.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");

@@ -258,7 +258,8 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
     if (o.trade) {
-        for (const Shape shape : {Shape::sphere, Shape::box}) {
+        for (const ShapeRow& solid : shape_rows) {
+            const Shape shape = solid.shape;
             const auto rows = choice::fitting(timed_rows(o), [shape](Shape form) { return form == shape; });
             if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, common.stop));
         }

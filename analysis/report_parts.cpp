@@ -232,10 +232,8 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     auto scenes = choice::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        if (!scene.meets(Shape::sphere) && !scene.meets(Shape::box))
-            throw NothingSelected("--offsets " + scene.id +
-                                  ": has spheres and boxes together, or is for marches alone; choose a scene of one of "
-                                  "the two");
+        if (std::ranges::none_of(shape_rows, [&](const ShapeRow& row) { return scene.meets(row.shape); }))
+            throw NothingSelected("--offsets " + scene.id + ": has solids of several shapes; choose a scene of one");
     }
     return scenes;
 }

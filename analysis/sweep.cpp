@@ -134,7 +134,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
-    if (std::ranges::any_of(request.rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) {
+    if (std::ranges::any_of(request.rows, [](const MapRow& row) { return !is_solid(row.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
@@ -218,10 +218,9 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
-        return [sphere = sweep.meets(Shape::sphere), box = sweep.meets(Shape::box),
-                sdf = sweep.meets(Shape::sdf)](Shape form) {
-            return form == Shape::sphere ? sphere : form == Shape::box ? box : sdf;
-        };
+        std::vector<Shape> met;
+        std::ranges::copy_if(all_shapes, std::back_inserter(met), [&](Shape form) { return sweep.meets(form); });
+        return [met](Shape form) { return std::ranges::find(met, form) != met.end(); };
     }
     const scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     measure::metric::MetricSet made;

@@ -42,7 +42,7 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 
 /// The forms of a shape, on the sets of rays that it has.
 TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow>& all) {
-    const Shape shape = shape_name == "box" ? Shape::box : Shape::sphere;
+    const Shape shape = *shape_named(shape_name);
     const auto rows = choice::fitting(all, [shape](Shape form) { return form == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(

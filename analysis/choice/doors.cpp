@@ -86,14 +86,7 @@ std::vector<std::string> names_added(bool harmful = false) {
     return names;
 }
 
-const char* solids_of(Shape shape) {
-    switch (shape) {
-        case Shape::sphere: return "spheres";
-        case Shape::box: return "boxes";
-        case Shape::sdf: return "fields of distances";
-    }
-    return "";
-}
+std::string_view solids_of(Shape shape) { return is_solid(shape) ? row_of(shape).plural : "fields of distances"; }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "analysis/choice/select.hpp"
+#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
@@ -23,8 +24,7 @@ namespace {
 Solid<double> solid_of(const std::string& text, Shape shape, const Format& format) {
     const std::string option = "--" + std::string(name_of(shape));
     const scene::dump::NumberWords words(format);
-    Solid<double> solid;
-    solid.shape = shape;
+    Solid<double> solid(shape);
     std::size_t count = 0;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
@@ -42,14 +42,10 @@ Solid<double> solid_of(const std::string& text, Shape shape, const Format& forma
         begin = end + 1;
     }
     if (count != solid.used().size())
-        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count,
-                                     shape == Shape::sphere ? "CX,CY,CZ,R" : "LOX,LOY,LOZ,HIX,HIY,HIZ"));
-    if (shape == Shape::sphere && !(solid.numbers[3] > 0))
-        throw InputError(fmt::format("{} {}: a radius is greater than 0", option, text));
-    for (std::size_t k = 0; shape == Shape::box && k < 3; ++k) {
-        if (solid.numbers[k] > solid.numbers[k + 3])
-            throw InputError(fmt::format("{} {}: a box has lo <= hi in each component", option, text));
-    }
+        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count, option_words(shape)));
+    if (const auto broken = broken_limit(solid))
+        throw InputError(
+            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
     return solid;
 }
 
@@ -76,8 +72,9 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
                 "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
     command.add(format_option, words.format, "Format the answers were computed in (default: the file's; of a CSV f64)");
-    command.add("--sphere", words.spheres, "The sphere of all rays: CX,CY,CZ,R");
-    command.add("--box", words.boxes, "The box of all rays: LOX,LOY,LOZ,HIX,HIY,HIZ");
+    for (const ShapeRow& row : shape_rows)
+        command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
+                    fmt::format("The {} of all rays: {}", row.name, option_words(row.shape)));
     command.add("--scene", words.scene, "The scene whose solids the rays are aimed at");
     command.add("--miss", words.miss,
                 "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
@@ -109,17 +106,20 @@ std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::fil
 }
 
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene) {
-    const int ways = (o.spheres.empty() ? 0 : 1) + (o.boxes.empty() ? 0 : 1) + (scene ? 1 : 0);
-    if (ways > 1) throw InputError("--sphere, --box and --scene each name the solids of all rays; write one of them");
+    const auto given = o.solids.shapes();
+    const std::size_t ways = given.size() + (scene ? 1 : 0);
+    if (ways > 1)
+        throw InputError(solid_options(false, ", ") +
+                         " and --scene each name the solids of all rays; write one of them");
     if (ways == 0) return {};
-    return scene ? scene->shapes().front() : o.boxes.empty() ? Shape::sphere : Shape::box;
+    return scene ? scene->shapes().front() : given.front();
 }
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format) {
     std::vector<Solid<double>> solids;
-    for (const std::string& text : o.spheres) solids.push_back(solid_of(text, Shape::sphere, format));
-    for (const std::string& text : o.boxes) solids.push_back(solid_of(text, Shape::box, format));
+    for (const Shape shape : o.solids.shapes())
+        for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_of(text, shape, format));
     if (!scene) return solids;
     // As a map of the scene has them.
     if (scene->inputs == scene::file::Inputs::shared) return scene::rays::shared_solids(*scene);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/ray_numbers.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
@@ -21,7 +22,7 @@ struct RayFileWords {
     std::string container = "auto", columns, format;
     std::string format_option = "--file-format";  ///< as it was offered
     std::uint64_t skip = 0;
-    std::vector<std::string> spheres, boxes;
+    SolidWords solids;
     std::string scene, miss;
     std::string direction = "any", touching = "hit", at_origin = "hit", inside = "usual";
     intersect::process::StopToken stop = {};

@@ -39,8 +39,8 @@ std::string place_of(const scene::sweep::SweepFile& sweep, const std::vector<dou
 }
 
 bool marches_in(const Format& format, const std::vector<MapRow>& rows) {
-    return std::ranges::any_of(
-        rows, [&](const MapRow& row) { return row.form->shape == Shape::sdf && row.format == format; });
+    return std::ranges::any_of(rows,
+                               [&](const MapRow& row) { return !is_solid(row.form->shape) && row.format == format; });
 }
 
 void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
@@ -102,7 +102,7 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Map
 }
 
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id, const std::vector<MapRow>& rows) {
-    if (std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; })) return;
+    if (std::ranges::any_of(rows, [](const MapRow& row) { return !is_solid(row.form->shape); })) return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,

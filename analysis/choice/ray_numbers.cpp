@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
@@ -33,6 +34,22 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
 }
 
 }  // namespace
+
+std::vector<Shape> SolidWords::shapes() const {
+    std::vector<Shape> given;
+    for (const ShapeRow& row : shape_rows)
+        if (!of(row.shape).empty()) given.push_back(row.shape);
+    return given;
+}
+
+std::string solid_options(bool numbers, const char* between) {
+    std::string options;
+    for (const ShapeRow& row : shape_rows) {
+        options += fmt::format("{}--{}", options.empty() ? "" : between, row.name);
+        if (numbers) options += ' ' + option_words(row.shape);
+    }
+    return options;
+}
 
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as) {
     const char* const option = wanted.option;

@@ -1,12 +1,14 @@
 // The numbers of a ray, of a solid and of a pixel as they stand on the command line.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "geometry/solid.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
 
@@ -18,6 +20,24 @@ struct WantedNumbers {
     std::size_t count;
     bool special = false;  ///< nan and inf are numbers too
 };
+
+/// What `--sphere`, `--box` and the options of other shapes were given, an option a shape.
+class SolidWords {
+public:
+    [[nodiscard]] std::vector<std::string>& of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
+    [[nodiscard]] const std::vector<std::string>& of(Shape shape) const {
+        return texts_[static_cast<std::size_t>(shape)];
+    }
+    /// The shapes that are given, in the order of the list.
+    [[nodiscard]] std::vector<Shape> shapes() const;
+    [[nodiscard]] bool empty() const { return shapes().empty(); }
+
+private:
+    std::array<std::vector<std::string>, shape_rows.size()> texts_;
+};
+
+/// `--sphere CX,CY,CZ,R or --box LOX,…` where `numbers`, and `--sphere or --box` without.
+std::string solid_options(bool numbers, const char* between = " or ");
 
 /// The numbers between the commas of a ray or a solid, exactly, or rounded to `as`. InputError, which names the option,
 /// for what is not a number or is out of the range of `as` (of binary64 without it), and for another count.

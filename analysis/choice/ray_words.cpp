@@ -9,6 +9,7 @@
 #include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/worst_ray.hpp"
+#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -57,9 +58,9 @@ template <class Meets>
 void require_solids(const MapRow& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
     if (meets(shape)) return;
-    const std::string lacks = shape == Shape::sdf   ? "no [march] table, which the forms of sdf.* need"
-                              : shape == Shape::box ? "no solids for it: it is a form for boxes"
-                                                    : "no solids for it: it is a form for spheres";
+    const std::string lacks = is_solid(shape)
+                                  ? fmt::format("no solids for it: it is a form for {}", row_of(shape).plural)
+                                  : "no [march] table, which the forms of sdf.* need";
     throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }
 
@@ -183,19 +184,15 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 }
 
 Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
-    const bool sphere = shape == Shape::sphere;
-    const WantedNumbers wanted =
-        sphere ? WantedNumbers{"--sphere",
-                               "a sphere; write its centre and radius, four numbers with commas between them", 4}
-               : WantedNumbers{"--box",
-                               "a box; write its lower and its upper corner, six numbers with commas between them", 6};
-    const auto x = numbers_of(text, wanted, format_of(as));
-    Solid<double> solid;
-    solid.shape = shape;
+    const std::string name(name_of(shape)), option = "--" + name;
+    Solid<double> solid(shape);
+    const std::string what = fmt::format("a {}; write its {}: {}, {} numbers with commas between them", name,
+                                         key_words(shape), option_words(shape), solid.used().size());
+    const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, format_of(as));
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
-    if (!measure::truth::is_proper(solid))
-        throw InputError(sphere ? "--sphere " + text + ": the radius must be greater than 0"
-                                : "--box " + text + ": the lower corner must not be above the upper one");
+    if (const auto broken = broken_limit(solid))
+        throw InputError(
+            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
     return solid;
 }
 
@@ -216,10 +213,10 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
 
 AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     std::vector<Solid<double>> solids;
-    for (const std::string& text : words.spheres) solids.push_back(solid_of(Shape::sphere, text, words.as));
-    for (const std::string& text : words.boxes) solids.push_back(solid_of(Shape::box, text, words.as));
+    for (const Shape shape : words.solids.shapes())
+        for (const std::string& text : words.solids.of(shape)) solids.push_back(solid_of(shape, text, words.as));
     require_solids(row, "the ray", [&](Shape shape) {
-        return shape == Shape::sdf || std::ranges::all_of(solids, [&](const auto& s) { return s.shape == shape; });
+        return !is_solid(shape) || std::ranges::all_of(solids, [&](const auto& s) { return s.shape == shape; });
     });
     if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = given_ray(words);
@@ -234,19 +231,18 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
 
 /// InputError for words that do not go together.
 void check(const RayWords& words) {
-    const bool own = !words.spheres.empty() || !words.boxes.empty();
+    const bool own = !words.solids.empty();
     const auto without = [](bool given, const char* option, bool there, const char* needs) {
         if (given && !there)
             throw InputError(fmt::format("{} needs {}; add it, or leave {} out", option, needs, option));
     };
     if (own && !words.subject.empty())
-        throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave --sphere and --box out");
+        throw InputError(words.subject + ": a scene has its own solids; leave it out, or leave " +
+                         solid_options(false, " and ") + " out");
     if (!own && words.subject.empty())
-        throw InputError(
-            "explain: name a scene, a file of cases with --case, or solids: --sphere CX,CY,CZ,R or --box "
-            "LX,LY,LZ,HX,HY,HZ");
+        throw InputError("explain: name a scene, a file of cases with --case, or solids: " + solid_options(true));
     without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
-    without(!words.tmax.empty(), "--tmax", !words.boxes.empty() && words.spheres.empty(),
+    without(!words.tmax.empty(), "--tmax", own && std::ranges::all_of(words.solids.shapes(), told_end),
             "--box: only boxes know the end of a ray");
     without(!words.size.empty(), "--size", words.ray.empty() || own, "--pixel: a ray of one's own is of no picture");
     without(words.worst, "--worst", words.named_case.empty() && !own, "a scene or a sweep, of all of whose rays it is");
@@ -256,7 +252,7 @@ void check(const RayWords& words) {
         without(!given->empty(), option, false, "a scene");
     without(!words.named_case.empty(), "--case", !own, "a file of cases");
     without(!words.ray.empty(), "--ray", own, "a scene or solids of its own: a case has its rays");
-    without(!words.set.empty(), "--set", own, "a scene, or a ray with --sphere or --box");
+    without(!words.set.empty(), "--set", own, "a scene, or a ray with solids of its own");
 }
 
 }  // namespace
@@ -264,7 +260,7 @@ void check(const RayWords& words) {
 AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
     check(words);
     for (const std::string& set : words.set) {
-        if (set.starts_with("march.") && row.form->shape != Shape::sdf)
+        if (set.starts_with("march.") && is_solid(row.form->shape))
             throw InputError(
                 fmt::format("--set {}: {} does not march, so nothing would change; leave it out, or name a "
                             "form of sdf.*",

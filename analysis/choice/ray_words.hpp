@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/ray_numbers.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/map/map.hpp"
@@ -19,7 +20,7 @@ struct RayWords {
     bool worst = false;                ///< of all pixels of a scene, or of all rays of a sweep
     std::string named_case;            ///< NAME or NAME:K, of a file of cases
     std::string ray, as;               ///< six numbers, and the format they are rounded to first
-    std::vector<std::string> spheres, boxes;
+    SolidWords solids;
     std::string tmax, convention;
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};

@@ -118,7 +118,7 @@ bool any_against(const std::vector<MapRow>& rows) {
 }
 
 bool any_marches(const std::vector<MapRow>& rows) {
-    return std::ranges::any_of(rows, [](const MapRow& row) { return row.form->shape == Shape::sdf; });
+    return std::ranges::any_of(rows, [](const MapRow& row) { return !is_solid(row.form->shape); });
 }
 
 }  // namespace
@@ -252,7 +252,7 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
 
 std::string globs_of(const std::function<bool(Shape)>& meets) {
     std::string globs;
-    for (const Shape shape : {Shape::sphere, Shape::box, Shape::sdf}) {
+    for (const Shape shape : all_shapes) {
         if (meets(shape)) globs += (globs.empty() ? "" : "' -i '") + std::string(name_of(shape)) + ".*";
     }
     return globs;

@@ -36,7 +36,7 @@ std::vector<measure::map::MapRow> timed_on(const std::string& id, const std::vec
                                            const std::function<bool(Shape)>& meets) {
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
-    const auto can = [&meets](Shape shape) { return shape != Shape::sdf && meets(shape); };
+    const auto can = [&meets](Shape shape) { return is_solid(shape) && meets(shape); };
     auto timed = fitting(rows, can);
     if (!timed.empty()) return timed;
     const std::string globs = globs_of(can);

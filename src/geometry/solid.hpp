@@ -1,58 +1,196 @@
 // Any shape as plain numbers: what the table's kernels, the files and the searches hand around without knowing which.
+// The closed list of shapes, and what each says of itself as a row of it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "geometry/shapes.hpp"
 
 namespace lostbits {
 
-/// `sdf` is not a solid: it stands for forms that meet all solids together, as one field of distances.
-enum class Shape : std::uint8_t { sphere, box, sdf };
+template <template <class> class First, template <class> class... Rest>
+struct ShapeList {
+    static constexpr std::size_t size = 1 + sizeof...(Rest);
 
-inline constexpr std::array<std::string_view, 3> shape_names{"sphere", "box", "sdf"};
-inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
-
-/// The names of a solid's numbers, in their order; a solid has as many.
-inline std::span<const std::string_view> number_names(Shape shape) {
-    static constexpr std::array<std::string_view, 4> sphere{"centre_x", "centre_y", "centre_z", "radius"};
-    static constexpr std::array<std::string_view, 6> box{"lo_x", "lo_y", "lo_z", "hi_x", "hi_y", "hi_z"};
-    if (shape == Shape::sphere) return sphere;
-    return box;
-}
-
-/// A shape and its numbers in storage type S; what lies beyond `number_names(shape)` is zero.
-template <class S>
-struct Solid {
-    Shape shape = Shape::sphere;
-    std::array<S, 6> numbers{S(0), S(0), S(0), S(0), S(0), S(0)};
-
-    Solid() = default;
-    Solid(const Sphere<S>& s)
-        : shape(Shape::sphere), numbers{s.centre.x, s.centre.y, s.centre.z, s.radius, S(0), S(0)} {}
-    Solid(const Box<S>& b) : shape(Shape::box), numbers{b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z} {}
-
-    [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(number_names(shape).size()); }
-    [[nodiscard]] std::span<S> used() { return std::span(numbers).first(number_names(shape).size()); }
-
-    /// The shape itself; call the one that `shape` names.
-    [[nodiscard]] Sphere<S> sphere() const { return {{numbers[0], numbers[1], numbers[2]}, numbers[3]}; }
-    [[nodiscard]] Box<S> box() const {
-        return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+    /// `act.template operator()<Sphere>()` for each shape in turn.
+    template <class Act>
+    static constexpr void each(const Act& act) {
+        act.template operator()<First>(), (act.template operator()<Rest>(), ...);
+    }
+    /// `act.template operator()<Sphere>()` of the shape alone.
+    template <Shape shape, class Act>
+    static constexpr decltype(auto) of_shape(const Act& act) {
+        if constexpr (First<float>::shape == shape) return act.template operator()<First>();
+        else return ShapeList<Rest...>::template of_shape<shape>(act);
+    }
+    template <class Solid, class Act>
+    static decltype(auto) visit(const Solid& solid, const Act& act) {
+        if constexpr (sizeof...(Rest) > 0)
+            if (!solid.template is<First>()) return ShapeList<Rest...>::visit(solid, act);
+        return act(solid.template as<First>());
     }
 };
+
+/// The closed list: one line a shape.
+using Solids = ShapeList<  //
+    Sphere,                //
+    Box>;
+
+/// A shape as data.
+struct ShapeRow {
+    Shape shape;
+    std::string_view name, plural;
+    std::span<const Key> keys;
+    std::size_t numbers = 0;
+    bool told_end = false;     ///< its forms are told where a ray ends
+    bool zero_inside = false;  ///< from inside the answer is 0, where nothing else is said, and not the exit
+};
+
+namespace detail {
+
+inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
+    std::array<ShapeRow, Solids::size> rows{};
+    std::size_t row = 0;
+    Solids::each([&]<template <class> class S>() {
+        ShapeRow& r = rows[row++];
+        r = {S<float>::shape, S<float>::name, S<float>::plural, S<float>::keys};
+        r.told_end = S<float>::told_end;
+        r.zero_inside = S<float>::zero_inside;
+        for (const Key& key : r.keys) r.numbers += key.count();
+    });
+    return rows;
+}();
+
+}  // namespace detail
+
+/// All shapes that a solid can have, in the order of the list.
+inline constexpr std::span<const ShapeRow> shape_rows = detail::shape_rows;
+
+/// Those, and what is not a solid.
+inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
+    std::array<Shape, shape_rows.size() + 1> all{};
+    std::ranges::transform(shape_rows, all.begin(), &ShapeRow::shape);
+    all.back() = Shape::sdf;
+    return all;
+}();
+
+inline constexpr bool is_solid(Shape shape) { return shape != Shape::sdf; }
+
+/// Of a shape that a solid can have.
+inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
+
+/// Whether the forms of a shape are told where a ray ends.
+inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(shape).told_end; }
+
+inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
+
+inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
+    std::array<std::string_view, shape_rows.size() + 1> names{};
+    for (const ShapeRow& row : shape_rows) names[static_cast<std::size_t>(row.shape)] = row.name;
+    names[static_cast<std::size_t>(Shape::sdf)] = "sdf";
+    return names;
+}();
+inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
+
+/// Nothing where no shape has that name.
+inline constexpr std::optional<Shape> shape_named(std::string_view name) {
+    for (const Shape shape : all_shapes)
+        if (name_of(shape) == name) return shape;
+    return std::nullopt;
+}
+
+inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
+
+/// A shape and its numbers in storage type S; what lies beyond those of the shape is zero.
+template <class S>
+struct Solid {
+    Shape shape = shape_rows.front().shape;
+    std::array<S, most_numbers> numbers = zeros();
+
+    Solid() = default;
+    explicit Solid(Shape of) : shape(of) {}
+    template <template <class> class Of>
+    requires requires { Of<S>::shape; }
+    Solid(const Of<S>& solid) : shape(Of<S>::shape) {
+        std::size_t k = 0;
+        solid.each([&](const S& x) { numbers[k++] = x; });
+    }
+
+    [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
+
+    template <template <class> class Of>
+    [[nodiscard]] bool is() const {
+        return shape == Of<S>::shape;
+    }
+    /// The shape itself; ask for the one that `shape` names.
+    template <template <class> class Of>
+    [[nodiscard]] Of<S> as() const {
+        return Of<S>::of([this](std::size_t k) { return numbers[k]; });
+    }
+    /// The point whose first coordinate is number `k`.
+    [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }
+    void set_point(std::size_t k, const Vec<S>& p) { numbers[k] = p.x, numbers[k + 1] = p.y, numbers[k + 2] = p.z; }
+    [[nodiscard]] Sphere<S> sphere() const { return as<Sphere>(); }
+    [[nodiscard]] Box<S> box() const { return as<Box>(); }
+
+private:
+    static std::array<S, most_numbers> zeros() {
+        return []<std::size_t... k>(std::index_sequence<k...>) {
+            return std::array<S, most_numbers>{(static_cast<void>(k), S(0))...};
+        }
+        (std::make_index_sequence<most_numbers>());
+    }
+};
+
+/// `act` on the shape itself: a template, or an overload for every shape.
+template <class S, class Act>
+decltype(auto) visit(const Solid<S>& solid, const Act& act) {
+    return Solids::visit(solid, act);
+}
 
 /// Each number through `lift`, in order.
 template <class S, class Lift>
 auto transformed(const Solid<S>& from, Lift lift) {
-    Solid<std::decay_t<std::invoke_result_t<Lift, const S&>>> to;
-    to.shape = from.shape;
+    Solid<std::decay_t<std::invoke_result_t<Lift, const S&>>> to(from.shape);
     for (std::size_t i = 0; i < from.used().size(); ++i) to.numbers[i] = lift(from.numbers[i]);
     return to;
+}
+
+/// A limit of a key that these numbers break, and the number that breaks it. NaN breaks every limit.
+struct BrokenLimit {
+    const Key* key;
+    std::size_t number;
+};
+template <class S>
+std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
+    std::size_t k = 0;
+    for (const Key& key : row_of(solid.shape).keys) {
+        for (const std::size_t end = k + key.count(); k < end; ++k) {
+            const S& x = solid.numbers[k];
+            if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
+                (key.limit == Key::Limit::at_least_before && !(solid.numbers[k - key.count()] <= x)))
+                return BrokenLimit{&key, k};
+        }
+    }
+    return std::nullopt;
+}
+
+/// `act(key, place of its first number)` for each key of the solid's shape.
+template <class Act>
+void for_each_key(Shape shape, const Act& act) {
+    std::size_t k = 0;
+    for (const Key& key : row_of(shape).keys) {
+        act(key, k);
+        k += key.count();
+    }
 }
 
 }  // namespace lostbits

@@ -8,16 +8,42 @@
 
 namespace lostbits::intersect {
 
+template <class Form, template <class> class S>
+inline constexpr bool meets = [] {
+    if constexpr (S<float>::told_end) return requires(const Ray<float>& ray, const S<float>& solid, float tmax) {
+            Form::intersect(ray, solid, tmax);
+        };
+    else return requires(const Ray<float>& ray, const S<float>& solid) {
+            Form::intersect(ray, solid);
+        };
+}();
+
 /// The shape that a form is of, by what its `intersect` takes: a sphere, a box and the ray's end, or any field.
 template <class Form>
 inline constexpr Shape shape_of = [] {
-    if constexpr (requires(const Ray<float>& ray, const Sphere<float>& sphere) { Form::intersect(ray, sphere); })
-        return Shape::sphere;
-    else if constexpr (requires(const Ray<float>& ray, const Box<float>& box, float tmax) {
-                           Form::intersect(ray, box, tmax);
-                       })
-        return Shape::box;
-    else return Shape::sdf;
+    Shape found = Shape::sdf;
+    Solids::each([&found]<template <class> class S>() {
+        if constexpr (meets<Form, S>) found = S<float>::shape;
+    });
+    return found;
 }();
+
+/// Whether the form marches a field of all solids together.
+template <class Form>
+inline constexpr bool marches = !is_solid(shape_of<Form>);
+
+/// `Form::intersect` on a solid; `tmax` reaches the forms that are told where a ray ends, `watch` those that take one.
+template <class Form, class T, template <class> class S, class... Watch>
+Hit<T> intersect_solid(const Ray<T>& ray, const S<T>& solid, const T& tmax, Watch&... watch) {
+    if constexpr (S<T>::told_end) return Form::intersect(ray, solid, tmax, watch...);
+    else return Form::intersect(ray, solid, watch...);
+}
+
+/// The same on the shape that `number(0)`, `number(1)`, … are the numbers of.
+template <class Form, class T, class Numbers>
+Hit<T> intersect_numbers(const Ray<T>& ray, const Numbers& number, const T& tmax) {
+    return Solids::of_shape<shape_of<Form>>(
+        [&]<template <class> class S>() { return intersect_solid<Form>(ray, S<T>::of(number), tmax); });
+}
 
 }  // namespace lostbits::intersect

@@ -9,6 +9,14 @@
 namespace lostbits::intersect::doors {
 namespace {
 
+/// "sphere., box. and sdf."
+std::string shipped_rooms() {
+    std::string words;
+    for (const std::string_view& name : shape_names)
+        words += (words.empty() ? "" : &name == &shape_names.back() ? " and " : ", ") + std::string(name) + '.';
+    return words;
+}
+
 /// One value of `lb_form`, which must be one of the first `count`.
 template <class Value>
 Value word(int number, int count, const char* field, const std::string& from) {
@@ -45,7 +53,7 @@ void require_roots(const Contract& c, const std::string& from) {
                          "taken");
     if ((c.flags & LB_CLIPPED) != 0 && !both)
         throw InputError(from + ": clipped is said of an interval; it needs both roots");
-    const bool exits = c.shape == Shape::sphere || c.inside == Inside::exit;
+    const bool exits = !zero_inside(c.shape) || c.inside == Inside::exit;
     if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
         throw InputError(from +
                          ": a near root that is clipped to 0 tells no surface at the origin from one behind it; say "
@@ -83,9 +91,8 @@ void require_sense(const Contract& c, const std::string& library) {
     const std::string from = library + ": form \"" + c.name + "\"";
     const std::size_t dot = c.name.find('.');
     if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
-        throw InputError(from +
-                         ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; sphere., box. and sdf. begin the "
-                         "names of the forms that ship with lostbits");
+        throw InputError(from + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; " + shipped_rooms() +
+                         " begin the names of the forms that ship with lostbits");
     require_line(c.title, "title", from);
     require_line(c.source, "source", from);
     if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
@@ -99,14 +106,14 @@ void require_sense(const Contract& c, const std::string& library) {
                          "lostbits_plugin.h");
     require_roots(c, from);
     const Inside inside = inside_of(c);
-    if (c.shape == Shape::box && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
-        throw InputError(from +
-                         ": from inside of a box the answer is 0, and so it is from its surface; at_origin is for "
-                         "spheres and for inside = exit or miss");
+    if (zero_inside(c.shape) && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
+        throw InputError(from + ": from inside of a " + std::string(name_of(c.shape)) +
+                         " the answer is 0, and so it is from its surface; at_origin is for spheres and for inside = "
+                         "exit or miss");
 }
 
 Inside inside_of(const Contract& c) {
-    const bool is_zero = c.shape == Shape::box;  // without a word
+    const bool is_zero = zero_inside(c.shape);  // without a word
     if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;
     return c.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : c.inside;
 }

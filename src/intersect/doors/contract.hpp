@@ -13,7 +13,7 @@ namespace lostbits::intersect::doors {
 /// The contract of a form in one format.
 struct Contract {
     std::string name, title, source;
-    Shape shape = Shape::sphere;
+    Shape shape{};
     int bits = 32;  ///< of the numbers that it takes: 32 or 64
     Direction direction = Direction::any;
     Roots roots = Roots::both;

@@ -68,7 +68,7 @@ Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S 
     const bool hit_at_0 = contract.at_origin == AtOrigin::hit, passes_0 = contract.at_origin == AtOrigin::miss;
     const bool ahead = std::isnan(near) || (hit_at_0 ? near >= 0 : near > 0);
     const Inside inside = inside_of(contract);
-    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && contract.shape == Shape::box);
+    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && zero_inside(contract.shape));
     const S t = ahead ? near : at_0 ? S(0) : far;
     bool hit = ahead || inside != Inside::miss;
     if (passes_0 && far <= 0) hit = false;

@@ -53,8 +53,8 @@ struct AnyField {
 };
 
 template <class Form>
-concept TakesASolid = shape_of<Form>
-!= Shape::sdf || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::Unwatched& w) {
+concept TakesASolid =
+    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::Unwatched& w) {
     Form::intersect(ray, AnyField(), c, w);
 };
 
@@ -70,12 +70,13 @@ inline bool contracts() {
 /// number without a value) has no place in a formula, and some of it would compile over all of them.
 template <class Form>
 void obey_the_rules(const Ray<Archetype>* ray, const Solid<Archetype>* solid, const MarchConstants<Archetype>* c) {
-    if constexpr (shape_of<Form> == Shape::sphere) static_cast<void>(Form::intersect(*ray, solid->sphere()));
-    else if constexpr (shape_of<Form> == Shape::box)
-        static_cast<void>(Form::intersect(*ray, solid->box(), ray->origin.x));
-    else {
+    if constexpr (marches<Form>) {
         sdf::Unwatched unwatched;
         static_cast<void>(Form::intersect(*ray, AnyField(), *c, unwatched));
+    } else {
+        Solids::of_shape<shape_of<Form>>([&]<template <class> class S>() {
+            static_cast<void>(intersect_solid<Form>(*ray, solid->as<S>(), ray->origin.x));
+        });
     }
 }
 
@@ -126,7 +127,7 @@ Formula formula_of() {
     row.record_all = Told<Form, table::record_all_of<Form>>::run;
     row.count = Told<Form, table::count_of<Form>>::run;
     row.bounded = Told<Form, table::bounded_of<Form>>::run;
-    if constexpr (shape_of<Form> == Shape::sdf) row.log = Told<Form, table::log_of<Form>>::run;
+    if constexpr (marches<Form>) row.log = Told<Form, table::log_of<Form>>::run;
     if constexpr (Form::info.formats == Formats::all) {
         row.native64 = Told<Form, table::native_batch<Form, double>>::run;
         row.rounded = Told<Form, table::rounded_batch<Form>>::run;
@@ -145,13 +146,9 @@ const char* answer_batch_of(const lb_batch* batch) {
         const S* const r = rays + 6 * i;
         const S* const n = static_cast<const S*>(batch->solids) + batch->solid_stride * i;
         const Ray<S> ray{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
-        const Hit<S> hit = [&] {
-            if constexpr (shape_of<Form> == Shape::sphere)
-                return Form::intersect(ray, Sphere<S>{{n[0], n[1], n[2]}, n[3]});
-            else
-                return Form::intersect(ray, Box<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}},
-                                       ends ? ends[i] : std::numeric_limits<S>::infinity());
-        }();
+        const S end = ends ? ends[i] : std::numeric_limits<S>::infinity();
+        const Hit<S> hit = intersect_numbers<Form>(
+            ray, [n](std::size_t k) { return n[k]; }, end);
         batch->hit[i] = hit.hit ? 1 : 0;
         near_far[2 * i] = Form::info.roots == Roots::both ? hit.near : hit.t;
         near_far[2 * i + 1] = hit.far;
@@ -170,8 +167,7 @@ constexpr lb_form plain_form() {
             .roots = static_cast<int>(Form::info.roots),
             .touching = static_cast<int>(Form::info.touching),
             .at_origin = static_cast<int>(Form::info.at_origin),
-            // A sphere's formula is not told where rays end.
-            .flags = shape_of<Form> == Shape::sphere && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
+            .flags = !told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
             .own = nullptr,
             .run = answer_batch_of<Form, S>};
 }
@@ -200,7 +196,7 @@ struct Formulas {
         static const std::vector<lb_form> all = [] {
             std::vector<lb_form> forms;
             const auto add = [&forms]<class F>() {
-                if constexpr (shape_of<F> != Shape::sdf) {
+                if constexpr (!marches<F>) {
                     forms.push_back(plain_form<F, float>());
                     if constexpr (F::info.formats == Formats::all) forms.push_back(plain_form<F, double>());
                 }

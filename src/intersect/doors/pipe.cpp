@@ -163,7 +163,7 @@ void ask_by_pipe(Child& child, const PipeRequest& request, const Contract& contr
     message.add(&request, sizeof request);
     message.add(batch.rays, 6 * n * width);
     if (batch.ends) message.add(batch.ends, n * width);
-    message.add(batch.solids, request.solids * number_names(contract.shape).size() * width);
+    message.add(batch.solids, request.solids * row_of(contract.shape).numbers * width);
 
     exchange_heads(child, message.all(), false);
     child.read({static_cast<std::byte*>(batch.near_far), 2 * n * width});
@@ -179,7 +179,7 @@ void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& 
     if (data == nullptr) throw std::bad_alloc();
     std::memcpy(data + at.rays, batch.rays, 6 * n * width);
     if (batch.ends) std::memcpy(data + at.ends, batch.ends, n * width);
-    std::memcpy(data + at.solids, batch.solids, request.solids * number_names(contract.shape).size() * width);
+    std::memcpy(data + at.solids, batch.solids, request.solids * row_of(contract.shape).numbers * width);
     if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
         note_change(who,
                     "changes in a call how the processor computes, which is undone after each; call fegetenv "
@@ -208,7 +208,7 @@ BatchPlaces places_of(const PipeRequest& request, const Contract& contract) {
     };
     at.rays = place(6 * n * width);
     at.ends = place(request.ends * width);
-    at.solids = place(request.solids * number_names(contract.shape).size() * width);
+    at.solids = place(request.solids * row_of(contract.shape).numbers * width);
     at.near_far = place(2 * n * width);
     at.hit = place(n);
     return at;

@@ -87,7 +87,7 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
                      .rays = columns.rays,
                      .ends = columns.ends,
                      .solids = columns.solids,
-                     .solid_stride = request.solids == 1 ? 0 : number_names(form.contract.shape).size(),
+                     .solid_stride = request.solids == 1 ? 0 : row_of(form.contract.shape).numbers,
                      .near_far = columns.near_far,
                      .hit = columns.hit,
                      .own = nullptr});
@@ -128,7 +128,7 @@ std::optional<Columns> take_batch(int input, const PipeRequest& request, const C
     }
     const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
     if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.ends, request.ends * width) ||
-        !read_column(input, room.solids, request.solids * number_names(contract.shape).size() * width))
+        !read_column(input, room.solids, request.solids * row_of(contract.shape).numbers * width))
         return std::nullopt;
     room.near_far.resize(2 * n * width);
     room.hit.resize(n);

@@ -49,7 +49,7 @@ private:
 
     template <class S>
     void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
-        const std::size_t numbers = number_names(shape_).size();
+        const std::size_t numbers = row_of(shape_).numbers;
         KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.solid_stride),
                          batch.ends != nullptr ? 1U : 0U, 0U};
         hits_.assign(n, not_written);

@@ -198,25 +198,23 @@ std::string opening_of_hlsl() {
 
 std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
-    const std::string count = s.shape == Shape::sphere ? "4u" : "6u";
+    const std::string count = std::to_string(row_of(s.shape).numbers);
     std::string words = hlsl ? opening_of_hlsl() : opening(real);
-    const auto vec = [&](const char* name, const char* from, int first) {
+    const auto vec = [&](const std::string& name, const char* from, std::size_t first) {
         words += "    " + v + "3 " + name + " = " + v + "3(";
-        for (int k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3; ++k)
             words += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
         words += ");\n";
     };
     words += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
-    words += "    " + real + " lb_ray[6], lb_solid[6];\n";
+    words += "    " + real + " lb_ray[6], lb_solid[" + count + "];\n";
     words += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
-    words += "    for (uint k = 0u; k < " + count + "; ++k) lb_solid[k] = lb_solids[lb_stride * lb_i + k];\n";
+    words += "    for (uint k = 0u; k < " + count + "u; ++k) lb_solid[k] = lb_solids[lb_stride * lb_i + k];\n";
     vec("lb_origin", "lb_ray", 0);
     vec("lb_direction", "lb_ray", 3);
-    if (s.shape == Shape::sphere) vec("lb_centre", "lb_solid", 0);
-    else {
-        vec("lb_lo", "lb_solid", 0);
-        vec("lb_hi", "lb_solid", 3);
-    }
+    for_each_key(s.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point) vec("lb_" + std::string(key.name), "lb_solid", k);
+    });
     // Infinity by its bits: a division by zero is the driver's business.
     words +=
         "    " + real + " lb_end = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";

@@ -21,7 +21,7 @@ struct Signature {
 
     Function function;
     Kind kind = Kind::intersector;
-    Shape shape = Shape::sphere;
+    Shape shape{};
     Answers answers = Answers::t;
     bool doubles = false;                ///< written in dvec3 and double
     bool knows_end = false;              ///< is told where the ray ends

@@ -170,7 +170,7 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
         c.direction = Direction::unit;
         c.roots = two ? Roots::both : Roots::near_only;
     }
-    const bool ends_at_once = signature.kind != Signature::Kind::intersector || signature.shape == Shape::box;
+    const bool ends_at_once = signature.kind != Signature::Kind::intersector || zero_inside(signature.shape);
     if (c.roots == Roots::near_only && ends_at_once) c.inside = Inside::zero;  // a march ends where it begins
     c.flags = LB_ONE_THREAD;
     return c;
@@ -260,8 +260,8 @@ ShaderSource read_shader(const std::string& named) {
     if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
-    const bool box = shader.contract.shape == Shape::box && shader.contract.roots != Roots::none;
-    if (box && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
+    const bool ends = told_end(shader.contract.shape) && shader.contract.roots != Roots::none;
+    if (ends && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
     doors::require_sense(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)

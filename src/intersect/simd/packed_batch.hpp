@@ -16,25 +16,17 @@
 
 namespace lostbits::intersect::simd {
 
-template <class P, class F>
-Sphere<P> sphere_at(const RawTarget<F>& target, std::size_t k) {
-    const F* const n = target.numbers + 6 * k;
-    return {{P(n[0]), P(n[1]), P(n[2])}, P(n[3])};
-}
-
-template <class P, class F>
-Box<P> box_at(const RawTarget<F>& target, std::size_t k) {
-    const F* const n = target.numbers + 6 * k;
-    return {{P(n[0]), P(n[1]), P(n[2])}, {P(n[3]), P(n[4]), P(n[5])}};
-}
-
 /// The least distance over the solids, as `sdf::Union` takes it.
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     const auto distance = [&target](std::size_t k, const Vec<P>& p) {
-        if (target.shapes[k] == static_cast<std::uint8_t>(Shape::sphere))
-            return sdf::distance(sphere_at<P>(target, k), p);
-        return sdf::distance(box_at<P>(target, k), p);
+        const F* const n = target.numbers + most_numbers * k;
+        P found(0);
+        Solids::each([&]<template <class> class S>() {
+            if (target.shapes[k] == static_cast<std::uint8_t>(S<P>::shape))
+                found = sdf::distance(S<P>::of([n](int i) { return P(n[i]); }), p);
+        });
+        return found;
     };
     const auto field = [&](const Vec<P>& p) {
         P least = distance(0, p);
@@ -57,19 +49,20 @@ template <class Form, class F, class Width>
     std::uint8_t* const decisions = batch.hit;
     const std::size_t size = batch.size;
     const RawTarget<F> target = *batch.target;
-    const auto number = [s = target.numbers](int k) { return P(s[k]); };
-    const P n0 = number(0), n1 = number(1), n2 = number(2), n3 = number(3);  // the centre and radius, or lo and hi
+    P numbers[most_numbers];
+    for (std::size_t k = 0; k < most_numbers; ++k) numbers[k] = P(target.numbers[k]);
     F nowhere[P::lanes];
     P(std::numeric_limits<F>::infinity()).store(nowhere);
     for (std::size_t i = 0; i < size; i += P::lanes) {
         const auto at = [i](const F* column) { return P::load(column + i); };
         const Ray<P> ray{{at(ox), at(oy), at(oz)}, {at(dx), at(dy), at(dz)}};
         const Hit<P> hit = [&] {
-            if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, Sphere<P>{{n0, n1, n2}, n3});
-            else if constexpr (shape_of<Form> == Shape::box)
-                return Form::intersect(ray, Box<P>{{n0, n1, n2}, {n3, number(4), number(5)}},
-                                       P::load(tmax ? tmax + i : nowhere));
-            else return march_pack<Form>(ray, target);
+            if constexpr (marches<Form>) return march_pack<Form>(ray, target);
+            else {
+                const P end = P::load(tmax ? tmax + i : nowhere);
+                return intersect_numbers<Form>(
+                    ray, [&numbers](std::size_t k) { return numbers[k]; }, end);
+            }
         }();
         hit.t.store(t + i);
         hit.near.store(near + i);

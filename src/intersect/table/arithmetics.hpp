@@ -142,12 +142,19 @@ std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>&
 
 /// Whether a form takes a watch that hears of wider arithmetic.
 template <class Form>
-inline constexpr bool filters = requires(const Ray<float>& ray, const Sphere<float>& sphere, const Box<float>& box,
-                                         float tmax, WayWatch& watch) {
-    requires requires { Form::intersect(ray, sphere, watch); } || requires {
-        Form::intersect(ray, box, tmax, watch);
-    };
-};
+inline constexpr bool filters = [] {
+    if constexpr (marches<Form>) return false;
+    else
+        return Solids::of_shape<shape_of<Form>>([]<template <class> class S>() {
+            if constexpr (S<float>::told_end)
+                return requires(const Ray<float>& ray, const S<float>& solid, float tmax, WayWatch& watch) {
+                    Form::intersect(ray, solid, tmax, watch);
+                };
+            else return requires(const Ray<float>& ray, const S<float>& solid, WayWatch& watch) {
+                    Form::intersect(ray, solid, watch);
+                };
+        });
+}();
 
 template <class Form>
 Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
@@ -155,9 +162,9 @@ Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& t
         const LiftedInputs<T> in(ray, target, tmax);
         const Solid<T>& solid = in.target.get().solids.front();
         WayWatch watch;
-        if constexpr (shape_of<Form> == Shape::sphere)
-            static_cast<void>(Form::intersect(in.ray, solid.sphere(), watch));
-        else static_cast<void>(Form::intersect(in.ray, solid.box(), in.tmax, watch));
+        Solids::of_shape<shape_of<Form>>([&]<template <class> class S>() {
+            static_cast<void>(intersect_solid<Form>(in.ray, solid.template as<S>(), in.tmax, watch));
+        });
         return watch.widest;
     });
 }

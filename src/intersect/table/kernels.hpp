@@ -16,9 +16,10 @@ namespace lostbits::intersect::table {
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
                         std::size_t which = 0) {
-    if constexpr (shape_of<Form> == Shape::sphere) return Form::intersect(ray, target.solids[which].sphere());
-    else if constexpr (shape_of<Form> == Shape::box) return Form::intersect(ray, target.solids[which].box(), tmax);
-    else return Form::intersect(ray, Union<T>(target.solids), *target.march, watch);
+    if constexpr (marches<Form>) return Form::intersect(ray, Union<T>(target.solids), *target.march, watch);
+    else
+        return intersect_numbers<Form>(
+            ray, [&solid = target.solids[which]](std::size_t k) -> const T& { return solid.numbers[k]; }, tmax);
 }
 
 /// `lift(S) -> T` brings a stored number into the arithmetic, `drop(T) -> S` takes the answer back, both exactly or
@@ -38,7 +39,7 @@ void intersect_batch(const RayBatch<S>& rays, const Target<S>& target, const Hit
         hits.t[i] = drop(hit.t);
         hits.near[i] = drop(hit.near);
         hits.far[i] = drop(hit.far);
-        if constexpr (shape_of<Form> == Shape::sdf) {
+        if constexpr (marches<Form>) {
             if (!hits.march.empty()) hits.march[i] = tally.record(hit, *aim.march, drop);
         }
     }

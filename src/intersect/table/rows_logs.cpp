@@ -6,7 +6,7 @@ namespace lostbits::intersect::table {
 void fill_logs(std::span<Intersector> rows) {
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        if constexpr (shape_of<Form> == Shape::sdf) rows[i].log = log_of<Form>;
+        if constexpr (marches<Form>) rows[i].log = log_of<Form>;
         ++i;
     });
 }

@@ -1,3 +1,4 @@
+#include "geometry/number_names.hpp"
 #include "intersect/table/arithmetics.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/rows.hpp"
@@ -25,7 +26,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
             names.back().append(name);
         }
     }
-    if (form.shape == Shape::sdf) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
+    if (!is_solid(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
     names.emplace_back("limit");
     return names;
 }

@@ -10,7 +10,7 @@ namespace lostbits::intersect::table {
 
 template <Number T>
 T distance(const Solid<T>& solid, const Vec<T>& p) {
-    return solid.shape == Shape::sphere ? sdf::distance(solid.sphere(), p) : sdf::distance(solid.box(), p);
+    return visit(solid, [&p](const auto& shape) { return sdf::distance(shape, p); });
 }
 
 /// The union of solids: the least of their distances, taken in their order.

@@ -236,14 +236,14 @@ void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, co
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
-    const bool marches = form.shape == Shape::sdf;
+    const bool marches = !is_solid(form.shape);
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
                                                   ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
                                                   : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
-    if (inputs.index && form.shape == Shape::sphere) {
+    if (inputs.index && form.shape == scene::file::Sphereflake::shape) {
         meet_many(form, rays, inputs, answers);
         return answers;
     }

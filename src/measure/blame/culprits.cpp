@@ -48,7 +48,7 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
 
 std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
     if (!form.is_template()) return std::nullopt;
-    if (form.shape == Shape::sdf)
+    if (!is_solid(form.shape))
         return setting.march ? std::optional(Target<double>(setting.solids, *setting.march)) : std::nullopt;
     const auto fits = std::ranges::find(setting.solids, form.shape, &Solid<double>::shape);
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));

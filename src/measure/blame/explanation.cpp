@@ -151,8 +151,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
     }
     const int met = answers.object[in.index];
-    const bool elsewhere =
-        form.shape != Shape::sdf && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
+    const bool elsewhere = is_solid(form.shape) && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
     if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, truth.object);
     if (elsewhere) {  // between two solids there is a distance, and no error
         x.standing.outcome = answer::Outcome::wrong_object;

@@ -135,8 +135,10 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
     for (auto* column : {&to.rays.dx, &to.rays.dy, &to.rays.dz})
         for (Real& x : *column) through(Input::direction, x);
     for (Solid<Real>& solid : to.solids) {
-        for (std::size_t n = 0; n < solid.used().size(); ++n)
-            through(solid.shape == Shape::sphere && n == 3 ? Input::radius : Input::place, solid.numbers[n]);
+        for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+            const Input input = key.kind == Key::Kind::length ? Input::radius : Input::place;
+            for (const std::size_t end = k + key.count(); k < end; ++k) through(input, solid.numbers[k]);
+        });
     }
     return to;
 }

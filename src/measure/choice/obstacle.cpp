@@ -55,7 +55,9 @@ double inherent_kept(const Band& band, const MapRow& row, const FloatFormat& for
 
 /// The inputs that a solid has: a box has no radius.
 unsigned inputs_of(const IdealRays& ideal) {
-    const bool round = std::ranges::any_of(ideal.solids, [](const auto& s) { return s.shape == Shape::sphere; });
+    const auto is_length = [](const Key& key) { return key.kind == Key::Kind::length; };
+    const bool round = std::ranges::any_of(
+        ideal.solids, [&](const auto& s) { return std::ranges::any_of(row_of(s.shape).keys, is_length); });
     return round ? 15U : 7U;
 }
 

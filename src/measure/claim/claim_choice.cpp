@@ -17,7 +17,7 @@ namespace {
 /// The row of a form and format that can be timed on the scene.
 MapRow timed_row(const Claim& claim, const Scene& scene) {
     const MapRow row = row_for(claim, scene);
-    if (row.form->shape == Shape::sdf)
+    if (!is_solid(row.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
                                            "form of spheres or boxes");

@@ -39,8 +39,8 @@ double trace_value(const Claim& claim, const scene::file::Scene& scene, truth::T
 }
 
 /// What a picture can be made by.
-struct SpheresAlone {
-    [[nodiscard]] static bool meets(Shape shape) { return shape == Shape::sphere; }
+struct Rendered {
+    [[nodiscard]] static bool meets(Shape shape) { return shape == scene::file::rendered_shape; }
 };
 
 }  // namespace
@@ -82,7 +82,7 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
                     std::vector<ClaimResult>& results) {
     const Claim& first = claims[places.front()];
     const scene::file::Scene scene = one_scene(first, first.render, run);
-    if (!scene.meets(Shape::sphere))
+    if (!scene.meets(scene::file::rendered_shape))
         scene::toml::fail(first.where, "scene \"" + first.render + "\" has no spheres to render");
     const scene::file::Appearance& look = scene.appearance;
     picture::RenderRequest request{.scene = &scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
@@ -93,7 +93,7 @@ void measure_render(const std::vector<Claim>& claims, const Places& places, cons
             scene::toml::fail(claims[i].where,
                               "scene \"" + first.render + "\" has no stage " + std::string(name_of(stage)));
         stages.insert(stage);
-        request.rows.push_back(row_for(claims[i], SpheresAlone{}));
+        request.rows.push_back(row_for(claims[i], Rendered{}));
     }
     request.stages.assign(stages.begin(), stages.end());
     const auto summaries = picture::run_render(request);

@@ -76,7 +76,7 @@ map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
     const map::MapRow row = claim_row(claim);
     if (subject.meets(row.form->shape)) return row;
     scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
-                                       (row.form->shape == Shape::sdf ? "no [march] table" : "other solids") +
+                                       (!is_solid(row.form->shape) ? "no [march] table" : "other solids") +
                                        "; name another form, or another scene or sweep");
 }
 

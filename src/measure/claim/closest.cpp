@@ -30,7 +30,7 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 }  // namespace
 
 double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed, truth::TruthLimit limit) {
-    if (row.form->shape != Shape::box)
+    if (!told_end(row.form->shape))
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::rays::BoxFamily family;
     family.adjoining = true;

@@ -157,8 +157,8 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const Solid<double> first = points.solids[0];
     const Shape shape = first.shape;
     const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape; };
-    const bool same =
-        std::ranges::all_of(points.solids.listed(), same_shape) && (!points.solids.flake() || shape == Shape::sphere);
+    const bool same = std::ranges::all_of(points.solids.listed(), same_shape) &&
+                      (!points.solids.flake() || shape == scene::file::Sphereflake::shape);
     if (!run || points.engine == Format::Engine::rounded || !same) {
         leave_all(answers, {out}, left);
         return;

@@ -80,7 +80,7 @@ bool tells_t(const intersect::Info& info) { return info.roots != intersect::Root
 std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBlock& rays,
                                            std::span<const Solid<double>> solids) {
     std::vector<std::uint8_t> meets(rays.size());
-    const bool told = asked.form.shape == Shape::box;
+    const bool told = told_end(asked.form.shape);
     const bool both = asked.form.info->roots == intersect::Roots::both;
     for (const Solid<double>& solid : solids) {
         const AllAnswers a = ask(asked, rays, std::span(&solid, 1));

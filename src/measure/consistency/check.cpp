@@ -17,7 +17,7 @@ RowOnBand::RowOnBand(const Scene& of, const map::MapRow& asked, const truth::Ban
 
 scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    if (row.form->shape == Shape::box) group.rays.tmax = {tmax};
+    if (told_end(row.form->shape)) group.rays.tmax = {tmax};
     if (solids.size() <= truth::Band::most_given) group.solids = solids;
     return group;
 }

@@ -43,7 +43,7 @@ template <class E>
 std::optional<ExactChord<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
     const Ray<E> exact = truth::lift_ray<E>(ray);
     const Solid<E> lifted = truth::lift_solid<E>(solid);
-    return solid.shape == Shape::sphere ? chord_of<E>(exact, lifted.sphere()) : chord_of<E>(exact, lifted.box());
+    return visit(lifted, [&exact](const auto& shape) { return chord_of<E>(exact, shape); });
 }
 
 /// A number as a double that is off by no more than `error`.

@@ -51,7 +51,7 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
     return among;
 }
 
-bool can_be_compared(const intersect::table::Intersector& form) { return form.shape != Shape::sdf; }
+bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
 
 std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {
     const scene::file::Scene& scene = *request.scene;

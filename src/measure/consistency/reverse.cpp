@@ -21,11 +21,7 @@ struct Around {
     double aside;         ///< how far the line passes from the centre, in radii, squared
 
     Around(const Ray<double>& ray, const Solid<double>& solid) {
-        const bool is_sphere = solid.shape == Shape::sphere;
-        const Vec<double> centre =
-            is_sphere ? solid.sphere().centre : Vec<double>(0.5 * solid.box().lo + 0.5 * solid.box().hi);
-        const double radius =
-            is_sphere ? solid.sphere().radius : 0.5 * length(Vec<double>(solid.box().hi - solid.box().lo));
+        const auto [centre, radius] = visit(solid, [](const auto& shape) { return shape.ball_around(); });
         const Vec<double> f = centre - ray.origin;
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;

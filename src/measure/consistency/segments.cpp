@@ -28,8 +28,7 @@ Vec<double> as_doubles(const Vec<T>& v) {
 /// The sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
 std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
     return truth::by_rising_precision([&]<class E>() {
-        return truth::side_of<E>(truth::lift_ray<E>(ray), truth::lift_solid<E>(sphere).sphere(), E(m),
-                                 truth::Length::parameter);
+        return truth::side_of<E>(truth::lift_ray<E>(ray), truth::lift_solid<E>(sphere), E(m), truth::Length::parameter);
     });
 }
 
@@ -37,10 +36,10 @@ std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphe
 
 Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
                                    intersect::Touching touching) {
-    const bool boxes = !solids.empty() && solids.front().shape == Shape::box;
-    const intersect::Convention convention(touching, boxes ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
-    const Truth first = truth::find_truth(ray, solids, {}, convention, boxes ? end : HUGE_VAL);
-    if (boxes || !first.is_hit()) return first.decision;
+    const bool ends = !solids.empty() && told_end(solids.front().shape);
+    const intersect::Convention convention(touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
+    const Truth first = truth::find_truth(ray, solids, {}, convention, ends ? end : HUGE_VAL);
+    if (ends || !first.is_hit()) return first.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
     std::optional<int> side = truth::compare(first.t, truth::exactly(end));

@@ -29,7 +29,7 @@ struct Reply {
 template <class S>
 std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
                           bool one_solid) {
-    const std::size_t n = questions.size(), numbers = number_names(form.contract.shape).size();
+    const std::size_t n = questions.size(), numbers = row_of(form.contract.shape).numbers;
     std::vector<S> rays, ends, solids, near_far(2 * n);
     std::vector<std::uint8_t> hit(n);
     for (const Question& q : questions) {

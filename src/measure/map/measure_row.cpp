@@ -292,7 +292,7 @@ private:
             w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
         // The nearest of all solids is the nearer of these two; a field of distances is of all of them.
         std::set<int> deciding;
-        if (row_.form->shape != Shape::sdf) {
+        if (is_solid(row_.form->shape)) {
             if (hit) deciding.insert(object);
             if (truth.is_hit()) deciding.insert(truth.object);
         }

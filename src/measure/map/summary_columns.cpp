@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 
+#include "geometry/number_names.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -197,7 +198,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     for (int k = 0; k < 3; ++k)
         add_hex(std::string("direction_") + axes[k], of_worst([k](const W& w) { return w.ray.direction[k]; }));
     for (const Shape shape : shapes) {
-        for (std::size_t i = 0; i < number_names(shape).size(); ++i) {
+        for (std::size_t i = 0; i < row_of(shape).numbers; ++i) {
             add_hex(std::string(number_names(shape)[i]),
                     of_worst([shape, i](const W& w) { return w.solid.shape == shape ? w.solid.numbers[i] : missing; }));
         }

@@ -64,7 +64,7 @@ double residual_of(const Vec<double>& p, const Solid& solid) {
 double residual(const Sample& s) {
     const Vec<double> p = hit_point(s);
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    return s.solid->shape == Shape::sphere ? residual_of(p, s.solid->sphere()) : residual_of(p, s.solid->box());
+    return visit(*s.solid, [&p](const auto& shape) { return residual_of(p, shape); });
 }
 
 }  // namespace lostbits::measure::metric

@@ -108,7 +108,7 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
     Ray<E> from = truth::lift_ray<E>(line.ray);
     if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
     const Solid<E> exact = truth::lift_solid<E>(solid);
-    return solid.shape == Shape::sphere ? enclosed<E>(from, exact.sphere()) : enclosed<E>(from, exact.box());
+    return visit(exact, [&from](const auto& shape) { return enclosed<E>(from, shape); });
 }
 
 /// What `find` finds: every sign is told by some precision.
@@ -152,7 +152,7 @@ Meeting find_meeting_by_enclosure(const HalfLine& line, const Solid<double>& sol
 }
 
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
-    const auto quick = solid.shape == Shape::sphere ? filtered(line, solid.sphere()) : filtered(line, solid.box());
+    const auto quick = visit(solid, [&line](const auto& shape) { return filtered(line, shape); });
     return quick ? *quick : find_meeting_by_enclosure(line, solid);
 }
 
@@ -161,7 +161,7 @@ bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<doub
     return escalate([&]<class E>() {
         const Vec<E> from = truth::lift_vec<E>(a), to = truth::lift_vec<E>(b);
         const Solid<E> exact = truth::lift_solid<E>(solid);
-        return solid.shape == Shape::sphere ? passes<E>(from, to, exact.sphere()) : passes<E>(from, to, exact.box());
+        return visit(exact, [&](const auto& shape) { return passes<E>(from, to, shape); });
     });
 }
 

@@ -76,28 +76,43 @@ Face face_of(const Ray<T>& ray, const Box<T>& box) {
     return latest > T(0) ? entry : exit;
 }
 
-/// (p − G)/|p − G|, or the axis of the face.
 template <Number T>
-Vec<T> outward_normal(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    if (solid.shape == Shape::sphere) return normalised<T>(p - solid.sphere().centre);
-    const Face face = face_of<T>(ray, solid.box());
+Vec<T> outward_normal(const Ray<T>&, const Sphere<T>& sphere, const Vec<T>& p) {
+    return normalised<T>(p - sphere.centre);
+}
+
+template <Number T>
+Vec<T> outward_normal(const Ray<T>& ray, const Box<T>& box, const Vec<T>&) {
+    const Face face = face_of<T>(ray, box);
     Vec<T> n(T(0), T(0), T(0));
     n[face.axis] = face.high ? T(1) : T(-1);
     return n;
 }
 
+/// (p − G)/|p − G|, or the axis of the face.
+template <Number T>
+Vec<T> outward_normal(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
+    return visit(solid, [&](const auto& shape) { return outward_normal<T>(ray, shape, p); });
+}
+
+template <Number T>
+Vec<T> projected(const Ray<T>&, const Sphere<T>& sphere, const Vec<T>& p) {
+    const Vec<T> f = p - sphere.centre;
+    return moved<T>(sphere.centre, sphere.radius / length(f), f);
+}
+
+template <Number T>
+Vec<T> projected(const Ray<T>& ray, const Box<T>& box, const Vec<T>& p) {
+    const Face face = face_of<T>(ray, box);
+    Vec<T> on = p;
+    on[face.axis] = face.high ? box.hi[face.axis] : box.lo[face.axis];
+    return on;
+}
+
 /// G + f·(r/|f|) with f = p − G, or the coordinate of the face in place of the computed one.
 template <Number T>
 Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    if (solid.shape == Shape::sphere) {
-        const Sphere<T> sphere = solid.sphere();
-        const Vec<T> f = p - sphere.centre;
-        return moved<T>(sphere.centre, sphere.radius / length(f), f);
-    }
-    const Face face = face_of<T>(ray, solid.box());
-    Vec<T> on = p;
-    on[face.axis] = face.high ? solid.box().hi[face.axis] : solid.box().lo[face.axis];
-    return on;
+    return visit(solid, [&](const auto& shape) { return projected<T>(ray, shape, p); });
 }
 
 /// The number n ≥ 0 places above zero in a format: the inverse of `truth::ordinal`.

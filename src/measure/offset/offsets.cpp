@@ -164,7 +164,7 @@ void require_few_solids(const Scene& scene) {
 }
 
 bool can_be_asked(const intersect::table::Intersector& form) {
-    return form.shape != Shape::sdf && form.info->roots != intersect::Roots::none;
+    return is_solid(form.shape) && form.info->roots != intersect::Roots::none;
 }
 
 std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink* sink) {

@@ -189,8 +189,7 @@ BoundedPoint<T> bounded_point(const Leaving<T>& l, const Box<T>&) {
 struct Bound {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        const BoundedPoint<T> b =
-            l.solid.shape == Shape::sphere ? bounded_point<T>(l, l.solid.sphere()) : bounded_point<T>(l, l.solid.box());
+        const BoundedPoint<T> b = visit(l.solid, [&l](const auto& shape) { return bounded_point<T>(l, shape); });
         const Vec<T> n = facing<T>(l);
         const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
         Vec<T> o = moved<T>(b.p, d, n);

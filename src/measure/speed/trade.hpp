@@ -43,7 +43,7 @@ std::vector<TradeLoad> scene_load();
 std::size_t standing_load(const std::vector<TradeLoad>& loads);
 
 struct TradeRequest {
-    Shape shape = Shape::sphere;
+    Shape shape{};
     /// Instead of the sets of the shape: its pixels are what is judged, its rays what is timed, on `scene_load`.
     const scene::file::Scene* scene = nullptr;
     std::vector<TradeKernel> kernels;

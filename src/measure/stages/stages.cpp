@@ -38,6 +38,6 @@ const OfShapes& stages_at(Isa isa) {
 
 }  // namespace
 
-const Stages& stages_of(Shape shape, Isa isa) { return stages_at(isa)[shape == Shape::box ? 1 : 0]; }
+const Stages& stages_of(Shape shape, Isa isa) { return stages_at(isa)[static_cast<std::size_t>(shape)]; }
 
 }  // namespace lostbits::measure::stages

@@ -51,7 +51,7 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
     }
-    if (row.form->shape != Shape::sdf || stop == metrics.size()) return events;
+    if (is_solid(row.form->shape) || stop == metrics.size()) return events;
     for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(why);
         events.push_back({std::string(intersect::stop_names[c]), "count", 1,

@@ -197,13 +197,11 @@ private:
     /// Turns the direction to a point of the solid, its largest component kept: by chance few rays meet a far one.
     void aim(Place& p) {
         const Solid<double> solid = p.solid(file_.shape);
+        const double x = random_.unit(), y = random_.unit(), z = random_.unit();
+        const Vec<double> point = visit(solid, [&](const auto& shape) { return shape.point_at({x, y, z}); });
         double to[3], largest = 0, size = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            const double u = random_.unit();
-            const double point = solid.shape == Shape::sphere
-                                     ? solid.numbers[i] + (2 * u - 1) * solid.numbers[3]
-                                     : solid.numbers[i] + u * (solid.numbers[3 + i] - solid.numbers[i]);
-            to[i] = point - p.x[i];
+            to[i] = point[static_cast<int>(i)] - p.x[i];
             largest = std::max(largest, std::fabs(to[i]));
             size = std::max(size, std::fabs(p.x[3 + i]));
         }
@@ -271,7 +269,7 @@ private:
                  .solid = place.solid(file_.shape),
                  .t = judge.t,
                  .truth = judge.truth,
-                 .distance = file_.shape == Shape::sphere
+                 .distance = file_.is_round()
                                  ? scene::sweep::distance_in_radii(place.ray(), place.solid(file_.shape).sphere())
                                  : truth::missing};
     }

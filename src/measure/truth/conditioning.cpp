@@ -87,8 +87,9 @@ double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention conve
 
 template <class S>
 double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
-    return solid.shape == Shape::sphere ? find_condition<10>(ray, solid, convention)
-                                        : find_condition<12>(ray, solid, convention);
+    return visit(solid, [&](const auto& shape) {
+        return find_condition<6 + row_of(std::decay_t<decltype(shape)>::shape).numbers>(ray, solid, convention);
+    });
 }
 
 double as_double(double x) { return x; }

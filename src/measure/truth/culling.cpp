@@ -221,15 +221,21 @@ void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>&
     }
 }
 
-bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
-    const Vec<double>& o = ray.origin;
-    if (solid.shape == Shape::box) {
-        const Box<double> b = solid.box();
-        return !(o.x < b.lo.x || o.x > b.hi.x || o.y < b.lo.y || o.y > b.hi.y || o.z < b.lo.z || o.z > b.hi.z);
-    }
-    const Sphere<double> s = solid.sphere();
-    const double f2 = square(o - s.centre), r2 = s.radius * s.radius;
+namespace {
+
+bool may_hold(const Sphere<double>& sphere, const Vec<double>& p) {
+    const double f2 = square(p - sphere.centre), r2 = sphere.radius * sphere.radius;
     return !(f2 > r2 * (1 + 0x1p-40) && f2 > 0x1p-900);
+}
+
+bool may_hold(const Box<double>& b, const Vec<double>& p) {
+    return !(p.x < b.lo.x || p.x > b.hi.x || p.y < b.lo.y || p.y > b.hi.y || p.z < b.lo.z || p.z > b.hi.z);
+}
+
+}  // namespace
+
+bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
+    return visit(solid, [&ray](const auto& shape) { return may_hold(shape, ray.origin); });
 }
 
 }  // namespace lostbits::measure::truth

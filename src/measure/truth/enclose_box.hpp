@@ -181,9 +181,13 @@ Enclosed<E> enclose(const Ray<E>& ray, const Box<E>& box, const E* tmax, interse
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr,
                     intersect::Convention convention = {}) {
-    if (solid.shape == Shape::sphere) return enclose(ray, solid.sphere(), convention);
-    convention.touching = intersect::Touching::hit;
-    return enclose(ray, solid.box(), tmax, convention);
+    return visit(solid, [&]<template <class> class S>(const S<E>& shape) {
+        if constexpr (!S<E>::told_end) return enclose(ray, shape, convention);
+        else {
+            convention.touching = intersect::Touching::hit;
+            return enclose(ray, shape, tmax, convention);
+        }
+    });
 }
 
 }  // namespace lostbits::measure::truth

@@ -52,7 +52,7 @@ struct FormatInputs {
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
     [[nodiscard]] AimedAt target_for(const intersect::table::Intersector& form, std::size_t solid) const {
-        return form.shape == Shape::sdf ? AimedAt(solids.listed(), march.value()) : AimedAt(solids[solid]);
+        return !is_solid(form.shape) ? AimedAt(solids.listed(), march.value()) : AimedAt(solids[solid]);
     }
 };
 

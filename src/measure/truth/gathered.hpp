@@ -52,11 +52,11 @@ struct Gathered {
     FoundTogether found;
     std::size_t size = 0;  ///< of the problems that were added one by one
 
-    /// The one of this thread and of this use: some ask for one ray at a time, a thousand times.
-    enum class Use { columns, spheres, boxes };
-    static Gathered& of_thread(Use use) {
-        thread_local std::array<std::unique_ptr<Gathered>, 3> all;
-        auto& wanted = all[static_cast<std::size_t>(use)];
+    /// The one of this thread for a shape, or for columns of whichever: some ask for one ray at a time, a thousand
+    /// times.
+    static Gathered& of_thread(std::optional<Shape> shape = {}) {
+        thread_local std::array<std::unique_ptr<Gathered>, shape_rows.size() + 1> all;
+        auto& wanted = all[shape ? static_cast<std::size_t>(*shape) : shape_rows.size()];
         if (!wanted) wanted = std::make_unique<Gathered>();
         return *wanted;
     }
@@ -119,7 +119,7 @@ public:
         if (left == 0) return;
         std::array<std::size_t, most_lanes> last;
         std::iota(last.begin(), last.end(), begin + whole);
-        auto& rest = Gathered<S>::of_thread(Gathered<S>::Use::columns);
+        auto& rest = Gathered<S>::of_thread();
         stage(rest.gather(problems_, std::span(last).first(left), lanes));
         const auto keep = [&](const auto* from, auto* to) {
             if (to) std::copy_n(from, left, to + whole);

@@ -121,7 +121,7 @@ private:
     void meet_own() {
         limit_.stop.check();
         const Shape shape = problems_.solids[begin_].shape;
-        const std::size_t numbers = number_names(shape).size();
+        const std::size_t numbers = row_of(shape).numbers;
         std::array<std::vector<double>, 12> room;
         for (auto& column : room) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
@@ -160,7 +160,7 @@ private:
             for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
             return;
         }
-        FoundTogether& found = Gathered<double>::of_thread(Gathered<double>::Use::spheres).found;
+        FoundTogether& found = Gathered<double>::of_thread(shape_rows.front().shape).found;
         ask(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
             if (found.hit[i] != 0) keep_nearest(found, i, place(i));
@@ -192,7 +192,7 @@ private:
     /// The rays of which `wanted(i)`, each with every solid that it can meet, joined ray by ray.
     template <class Wanted>
     void find_pairs(const Wanted& wanted) {
-        for (const Shape shape : {Shape::sphere, Shape::box}) gathered(shape).size = 0;
+        for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
         for (std::size_t i = 0; i < count_; ++i) {
             if (!wanted(i)) continue;
             limit_.stop.check();
@@ -235,11 +235,8 @@ private:
         if (to.size == settled_together) settle(solid.shape);
     }
 
-    static Gathered<double>& gathered(Shape shape) {
-        using enum Gathered<double>::Use;
-        return Gathered<double>::of_thread(shape == Shape::box ? boxes : spheres);
-    }
-    std::array<std::size_t, settled_together>& places(Shape shape) { return places_[shape == Shape::box ? 1 : 0]; }
+    static Gathered<double>& gathered(Shape shape) { return Gathered<double>::of_thread(shape); }
+    std::array<std::size_t, settled_together>& places(Shape shape) { return places_[static_cast<std::size_t>(shape)]; }
 
     void settle(Shape shape) {
         Gathered<double>& together = gathered(shape);
@@ -267,8 +264,7 @@ private:
     }
 
     void join_pairs() {
-        settle(Shape::sphere);
-        settle(Shape::box);
+        for (const ShapeRow& row : shape_rows) settle(row.shape);
         auto pair = pairs_.cbegin();
         for (const std::size_t i : asked_) {
             Truth best;
@@ -290,7 +286,8 @@ private:
     std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndSolid> pairs_;
-    std::array<std::array<std::size_t, settled_together>, 2> places_;  ///< among `pairs_`, of those of each shape
+    std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
+        places_;  ///< among `pairs_`, of those of each shape
     std::vector<std::uint32_t> candidates_;
 };
 

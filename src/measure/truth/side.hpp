@@ -45,7 +45,7 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
 /// where P(m) > 0 and a m + h < 0, the far root (from inside) where P(m) < 0. Of a distance m the same with m/√a for m:
 /// P = (m² + c) + 2 h m/√a and, over √a, m + h/√a.
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& m, Length length) {
+std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& m, Length length, intersect::Inside) {
     const Vec<E> f = ray.origin - sphere.centre;
     const E a = square(ray.direction);
     const E h = dot(f, ray.direction);
@@ -79,8 +79,7 @@ std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Len
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
                            intersect::Inside inside = intersect::Inside::usual) {
-    return solid.shape == Shape::sphere ? side_of(ray, solid.sphere(), m, length)
-                                        : side_of(ray, solid.box(), m, length, inside);
+    return visit(solid, [&](const auto& shape) { return side_of(ray, shape, m, length, inside); });
 }
 
 }  // namespace lostbits::measure::truth

@@ -84,11 +84,8 @@ bool is_ray(const Ray<S>& r) {
 }
 
 template <class S>
-bool is_solid(const Solid<S>& s) {
-    if (!std::ranges::all_of(s.used(), is_finite<S>)) return false;
-    if (s.shape == Shape::sphere) return s.sphere().radius > 0;
-    const Box<S> box = s.box();
-    return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z;
+bool is_proper_solid(const Solid<S>& solid) {
+    return std::ranges::all_of(solid.used(), is_finite<S>) && !broken_limit(solid);
 }
 
 /// How the truth is asked for, whichever the solids.
@@ -134,7 +131,7 @@ Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms&
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t at = 0; at < solids.size(); ++at) {
         const Solid<S>& solid = solids[at];
-        if (!is_solid(solid)) continue;
+        if (!is_proper_solid(solid)) continue;
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
@@ -194,8 +191,8 @@ Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, Trut
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }
 bool is_proper(const Ray<Real>& ray) { return is_ray(ray); }
-bool is_proper(const Solid<double>& solid) { return is_solid(solid); }
-bool is_proper(const Solid<Real>& solid) { return is_solid(solid); }
+bool is_proper(const Solid<double>& solid) { return is_proper_solid(solid); }
+bool is_proper(const Solid<Real>& solid) { return is_proper_solid(solid); }
 
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
                    Length length, Inside inside) {

@@ -87,7 +87,7 @@ private:
     }
     /// Those in `open_`, which keeps what stays open.
     void settle_gathered(void (*stage)(const RawProblems<double>&)) {
-        auto& gathered = Gathered<double>::of_thread(Gathered<double>::Use::columns);
+        auto& gathered = Gathered<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
         stage(gathered.gather(problems_, which, stages_.lanes));
         scatter(gathered.found, which);

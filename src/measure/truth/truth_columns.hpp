@@ -20,7 +20,7 @@ template <class S>
 struct ProblemColumns {
     std::size_t size = 0;
     std::array<std::span<const S>, 6> ray;    ///< o.x o.y o.z d.x d.y d.z
-    Shape shape = Shape::sphere;              ///< a sphere or a box
+    Shape shape{};                            ///< a sphere or a box
     std::array<std::span<const S>, 6> solid;  ///< as in `Solid::numbers`; a sphere leaves the last two empty
     std::span<const S> tmax = {};             ///< where the rays end (boxes only); empty: nowhere
     /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.

@@ -210,7 +210,7 @@ std::string verdict(const Explanation& x) {
 std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_text(x, march) + "\n";
-    if (x.solids > 1 && x.form->shape != Shape::sdf)
+    if (x.solids > 1 && is_solid(x.form->shape))
         text += fmt::format("Of the solids 0 to {}, this is solid {}.\n", x.solids - 1, x.solid);
     if (x.judged)
         text +=

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "geometry/number_names.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"

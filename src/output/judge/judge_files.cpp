@@ -31,13 +31,8 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
     scene.title = options.title;
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
-    std::vector<Shape> shapes;
-    if (dump.layout().solid()) shapes.push_back(*dump.layout().solid());
-    for (const Solid<double>& solid : request.solids) shapes.push_back(solid.shape);
-    for (const Shape shape : shapes) {
-        if (shape == Shape::box) scene.boxes.resize(1);
-        else scene.spheres.resize(1);
-    }
+    if (dump.layout().solid()) scene.listed.emplace_back(*dump.layout().solid());
+    for (const Solid<double>& solid : request.solids) scene.listed.emplace_back(solid.shape);
     return scene;
 }
 

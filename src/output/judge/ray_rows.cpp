@@ -25,8 +25,7 @@ std::vector<Column> given_columns(const Layout& layout) {
     std::vector<Column> columns{{"ray", "integer", "", "place of the ray in the file, from 0"}};
     const auto add = [&](std::size_t s, const char* type, const char* meaning) {
         if (layout.has(s))
-            columns.push_back(
-                {std::string(scene::dump::name_of_slot(s, layout.solid().value_or(Shape::sphere))), type, "", meaning});
+            columns.push_back({std::string(scene::dump::name_of_slot(s, layout.solid())), type, "", meaning});
     };
     for (std::size_t s = slot::origin; s < slot::tmax; ++s) add(s, "number", "of the ray, as it was judged");
     add(slot::tmax, "number", "where the ray ends");

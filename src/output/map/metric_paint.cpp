@@ -82,7 +82,7 @@ bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
     const bool machine = row.format.engine != Format::Engine::rounded;
     if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
     if ((metric_->needs & measure::metric::needs_way) && row.form->way == nullptr) return false;
-    return metric_->over != Over::marches || row.form->shape == Shape::sdf;
+    return metric_->over != Over::marches || !is_solid(row.form->shape);
 }
 
 bool MetricPaint::shares_with(const Metric& other) const {

@@ -30,10 +30,13 @@ std::string quoted(const std::string& text) {
 }
 
 std::string solid_text(const Solid<double>& solid) {
-    const auto x = solid.used();
-    if (solid.shape == Shape::sphere)
-        return fmt::format("{{ centre = {}, radius = \"{}\" }}", hex_list(x.first(3)), file::hex(x[3]));
-    return fmt::format("{{ lo = {}, hi = {} }}", hex_list(x.first(3)), hex_list(x.last(3)));
+    std::string keys;
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
+        keys += key.kind == Key::Kind::point ? hex_list(solid.used().subspan(k, 3))
+                                             : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
+    });
+    return fmt::format("{{{} }}", keys);
 }
 
 }  // namespace
@@ -50,8 +53,8 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& one)
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
     const bool ends = !one.rays.tmax.empty() && !std::isinf(one.rays.tmax[0]);
     return fmt::format("\n[[case]]\nname = {}\n{} = [{}]\nrays = [{{ origin = {}, direction = {}{} }}]\n", quoted(name),
-                       one.solids.front().shape == Shape::sphere ? "spheres" : "boxes", solids, hex_list(origin),
-                       hex_list(direction), ends ? fmt::format(", tmax = \"{}\"", file::hex(one.rays.tmax[0])) : "");
+                       row_of(one.solids.front().shape).plural, solids, hex_list(origin), hex_list(direction),
+                       ends ? fmt::format(", tmax = \"{}\"", file::hex(one.rays.tmax[0])) : "");
 }
 
 }  // namespace lostbits::output::sweep

@@ -65,7 +65,7 @@ struct Quantity {
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
 };
 
-bool marches(const MapRow& row) { return row.form->shape == Shape::sdf; }
+bool marches(const MapRow& row) { return !is_solid(row.form->shape); }
 
 /// How many rays a step has, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {

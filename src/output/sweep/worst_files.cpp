@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "geometry/number_names.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/datapackage.hpp"

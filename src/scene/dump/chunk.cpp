@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::scene::dump {
@@ -19,8 +20,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size
 }
 
 std::string ChunkWriter::called(std::size_t slot) const {
-    return layout_.has(slot) ? layout_.columns()[layout_.place_of(slot)].name
-                             : std::string(name_of_slot(slot, shape_.value_or(Shape::sphere)));
+    return layout_.has(slot) ? layout_.columns()[layout_.place_of(slot)].name : std::string(name_of_slot(slot, shape_));
 }
 
 void ChunkWriter::fail(const std::string& place, const std::string& why) { throw InputError(place + ": " + why); }
@@ -42,22 +42,26 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
     const std::optional<Shape> shape = shape_ ? shape_ : terms_.solid;
-    if (is_there(slot::tmax) && shape == Shape::sphere && !(x[slot::tmax] == HUGE_VAL))
+    if (is_there(slot::tmax) && shape && !told_end(*shape) && !(x[slot::tmax] == HUGE_VAL))
         return bad(slot::tmax,
-                   "the truth of spheres knows no end of a ray, and would find hits beyond it; leave the "
-                   "column out or rename it, and judge answers that were found without an end");
+                   fmt::format("the truth of {} knows no end of a ray, and would find hits beyond it; leave the "
+                               "column out or rename it, and judge answers that were found without an end",
+                               row_of(*shape).plural));
     if (shape_) {
-        const std::size_t count = number_names(*shape_).size();
+        const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
             if (!is_there(s) || !std::isfinite(x[s]))
                 return bad(s, fmt::format("a {} has {} finite numbers; leave this ray out", name_of(*shape_), count));
         }
-        if (*shape_ == Shape::sphere && !(x[slot::solid + 3] > 0))
-            return bad(slot::solid + 3, "a radius is greater than 0; leave this ray out");
-        for (std::size_t s = slot::solid; *shape_ == Shape::box && s < slot::solid + 3; ++s) {
-            if (x[s] > x[s + 3])
-                return bad(s, fmt::format("it is above {}, which is {}; a box has lo <= hi in each component",
-                                          called(s + 3), x[s + 3]));
+        if (const auto broken = broken_limit(solid())) {
+            const std::size_t s = slot::solid + broken->number;
+            const std::string name(name_of(*shape_));
+            if (broken->key->limit == Key::Limit::positive)
+                return bad(
+                    s, fmt::format("the {} of a {} is greater than 0; leave this ray out", broken->key->name, name));
+            const std::size_t before = s - broken->key->count();
+            return bad(before, fmt::format("it is above {}, which is {}; a {} has {} in each component", called(s),
+                                           x[s], name, order_words(*broken->key)));
         }
     }
     const double object = x[slot::object];
@@ -96,14 +100,18 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
                                       called(slot::t), t, t)};
 }
 
+Solid<double> ChunkWriter::solid() const {
+    Solid<double> solid(*shape_);
+    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
+    return solid;
+}
+
 void ChunkWriter::keep() {
     const auto& x = numbers_;
     chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
     if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(is_there(slot::tmax) ? x[slot::tmax] : HUGE_VAL);
     if (shape_) {
-        Solid<double>& solid = chunk_.solids.emplace_back();
-        solid.shape = *shape_;
-        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = x[slot::solid + k];
+        chunk_.solids.push_back(solid());
     }
     if (decides_) {
         chunk_.hit.push_back(hits_ ? 1 : 0);

@@ -1,10 +1,12 @@
 #include "scene/dump/layout.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "geometry/number_names.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::scene::dump {
@@ -13,54 +15,36 @@ namespace {
 
 /// A name by which files know a number. The first of a slot is how messages call it.
 struct KnownName {
-    std::string_view name;
+    std::string name;
     std::size_t slot;
     std::optional<Shape> shape = {};
 };
 
-constexpr KnownName known_names[] = {
-    {"ox", 0},
-    {"oy", 1},
-    {"oz", 2},
-    {"dx", 3},
-    {"dy", 4},
-    {"dz", 5},
-    {"tmax", slot::tmax},
-    {"cx", 7, Shape::sphere},
-    {"cy", 8, Shape::sphere},
-    {"cz", 9, Shape::sphere},
-    {"radius", 10, Shape::sphere},
-    {"lox", 7, Shape::box},
-    {"loy", 8, Shape::box},
-    {"loz", 9, Shape::box},
-    {"hix", 10, Shape::box},
-    {"hiy", 11, Shape::box},
-    {"hiz", 12, Shape::box},
-    {"t", slot::t},
-    {"hit", slot::hit},
-    {"object", slot::object},
+std::vector<KnownName> make_known_names() {
+    std::vector<KnownName> all;
+    const auto add = [&all](std::size_t slot, std::initializer_list<const char*> names) {
+        for (const char* const name : names) all.push_back({name, slot++});
+    };
+    add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax"});
+    for (const ShapeRow& row : shape_rows)
+        for (std::size_t k = 0; k < row.numbers; ++k)
+            all.push_back({column_names(row.shape)[k], slot::solid + k, row.shape});
+    add(slot::t, {"t"});
+    add(slot::hit, {"hit"});
+    add(slot::object, {"object"});
     // As the project's own tables and other people have it.
-    {"origin_x", 0},
-    {"origin_y", 1},
-    {"origin_z", 2},
-    {"direction_x", 3},
-    {"direction_y", 4},
-    {"direction_z", 5},
-    {"t_max", slot::tmax},
-    {"centre_x", 7, Shape::sphere},
-    {"centre_y", 8, Shape::sphere},
-    {"centre_z", 9, Shape::sphere},
-    {"center_x", 7, Shape::sphere},
-    {"center_y", 8, Shape::sphere},
-    {"center_z", 9, Shape::sphere},
-    {"r", 10, Shape::sphere},
-    {"lo_x", 7, Shape::box},
-    {"lo_y", 8, Shape::box},
-    {"lo_z", 9, Shape::box},
-    {"hi_x", 10, Shape::box},
-    {"hi_y", 11, Shape::box},
-    {"hi_z", 12, Shape::box},
-};
+    add(slot::origin, {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max"});
+    for (const ShapeRow& row : shape_rows)
+        for (std::size_t k = 0; k < row.numbers; ++k)
+            for (std::string& name : other_column_names(row.shape, k))
+                all.push_back({std::move(name), slot::solid + k, row.shape});
+    return all;
+}
+
+const std::vector<KnownName>& known_names() {
+    static const std::vector<KnownName> all = make_known_names();
+    return all;
+}
 
 std::string folded(std::string_view name) {
     std::string lower;
@@ -69,21 +53,24 @@ std::string folded(std::string_view name) {
 }
 
 const KnownName* find_known(std::string_view name) {
-    const auto found = std::ranges::find(known_names, name, &KnownName::name);
-    return found == std::end(known_names) ? nullptr : found;
+    const auto found = std::ranges::find(known_names(), name, &KnownName::name);
+    return found == known_names().end() ? nullptr : &*found;
 }
 
 constexpr std::string_view hex_tail = "_hex";
 
-constexpr const char* what_to_write =
-    "name the columns ox,oy,oz,dx,dy,dz, perhaps tmax, the solid's cx,cy,cz,radius or lox,loy,loz,hix,hiy,hiz, and the "
-    "answer's hit and t";
+std::string what_to_write() {
+    std::string solids;
+    for (const ShapeRow& row : shape_rows)
+        solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
+    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmax, the solid's " + solids + ", and the answer's hit and t";
+}
 
 }  // namespace
 
-std::string_view name_of_slot(std::size_t slot, Shape shape) {
-    const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || *k.shape == shape); };
-    return std::ranges::find_if(known_names, is_it)->name;
+std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
+    const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || !shape || *k.shape == *shape); };
+    return std::ranges::find_if(known_names(), is_it)->name;
 }
 
 Layout::Layout(std::vector<std::string> names, const Complain& complain) {
@@ -125,8 +112,8 @@ void Layout::find_slots(const Complain& complain) {
     }
     // A slip of the fingers: only words of three letters and more, and only for what is missing.
     std::vector<std::string> missing;
-    for (const KnownName& known : known_names) {
-        if (known.name.size() >= 3 && !places_[known.slot]) missing.emplace_back(known.name);
+    for (const KnownName& known : known_names()) {
+        if (known.name.size() >= 3 && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
@@ -138,29 +125,29 @@ void Layout::find_slots(const Complain& complain) {
 }
 
 void Layout::require_whole(const Complain& complain) const {
-    const auto lacks = [&](std::size_t begin, std::size_t end, Shape shape) {
+    const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
         for (std::size_t s = begin; s < end; ++s) {
             if (!has(s)) names += (names.empty() ? "" : ", ") + std::string(name_of_slot(s, shape));
         }
         return names;
     };
-    if (const auto names = lacks(0, slot::tmax, Shape::sphere); !names.empty()) {
+    if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
         // Of a word of two letters every other is one slip away, so the question waits until it is known to be missing.
         for (const LayoutColumn& column : columns_) {
             for (std::size_t s = 0; s < slot::tmax; ++s) {
-                const std::string_view name = name_of_slot(s, Shape::sphere);
+                const std::string_view name = name_of_slot(s, {});
                 if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
                     complain(static_cast<std::size_t>(&column - columns_.data()),
                              fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, name));
             }
         }
-        complain(0, fmt::format("a ray has no {}; {}", names, what_to_write));
+        complain(0, fmt::format("a ray has no {}; {}", names, what_to_write()));
     }
     if (!solid_) return;
-    const std::size_t end = slot::solid + number_names(*solid_).size();
+    const std::size_t end = slot::solid + row_of(*solid_).numbers;
     if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
-        complain(0, fmt::format("a {} has no {}; {}", name_of(*solid_), names, what_to_write));
+        complain(0, fmt::format("a {} has no {}; {}", name_of(*solid_), names, what_to_write()));
 }
 
 std::vector<std::string> Layout::kept() const {
@@ -173,24 +160,27 @@ std::vector<std::string> Layout::kept() const {
 
 std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
     struct Group {
-        std::string_view name;
+        std::string name;
         std::vector<std::string> parts;
     };
-    static const std::vector<Group> groups{
-        {"origin", {"ox", "oy", "oz"}},
-        {"o", {"ox", "oy", "oz"}},
-        {"direction", {"dx", "dy", "dz"}},
-        {"dir", {"dx", "dy", "dz"}},
-        {"d", {"dx", "dy", "dz"}},
-        {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
-        {"centre", {"cx", "cy", "cz"}},
-        {"center", {"cx", "cy", "cz"}},
-        {"c", {"cx", "cy", "cz"}},
-        {"lo", {"lox", "loy", "loz"}},
-        {"hi", {"hix", "hiy", "hiz"}},
-        {"sphere", {"cx", "cy", "cz", "radius"}},
-        {"box", {"lox", "loy", "loz", "hix", "hiy", "hiz"}},
-    };
+    static const std::vector<Group> groups = [] {
+        std::vector<Group> all{
+            {"origin", {"ox", "oy", "oz"}}, {"o", {"ox", "oy", "oz"}}, {"direction", {"dx", "dy", "dz"}},
+            {"dir", {"dx", "dy", "dz"}},    {"d", {"dx", "dy", "dz"}}, {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
+        };
+        for (const ShapeRow& row : shape_rows) {
+            const auto names = column_names(row.shape);
+            all.push_back({std::string(row.name), {names.begin(), names.end()}});
+            std::size_t at = 0;
+            for (const Key& key : row.keys) {
+                const auto part = names.subspan(at, key.count());
+                for (const std::string_view name : {key.name, key.letter, key.aliases[0], key.aliases[1]})
+                    all.push_back({std::string(name), {part.begin(), part.end()}});
+                at += key.count();
+            }
+        }
+        return all;
+    }();
     const std::string word = folded(name);
     for (const Group& group : groups) {
         if (group.name == word && group.parts.size() == count) return group.parts;

@@ -15,8 +15,9 @@ namespace lostbits::scene::dump {
 
 /// The numbers of a record that mean something to us, in one row: the ray, its end, its solid, its answer.
 namespace slot {
-inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, solid = 7, t = 13, hit = 14, object = 15, count = 16;
-}
+inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, solid = 7;
+inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t + 2, count = t + 3;
+}  // namespace slot
 
 /// One column of a file.
 struct LayoutColumn {
@@ -56,8 +57,9 @@ private:
     std::optional<Shape> solid_;
 };
 
-/// `ox`, `cx`, `lox`: how messages and files call a number of a record; `shape` tells what the solid is.
-std::string_view name_of_slot(std::size_t slot, Shape shape);
+/// `ox`, `cx`, `lox`: how messages and files call a number of a record; `shape` tells what the solid is,
+/// where the number is one of it.
+std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);
 
 /// The names that stand for several numbers in a row: `origin` or `o` (3), `direction` or `d` (3), `centre` (3),
 /// `lo` (3), `hi` (3), `sphere` (4), `box` (6), `ray` (6). Empty for other names and other counts.

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/vec.hpp"
+#include "geometry/solid.hpp"
 #include "number/real.hpp"
 #include "scene/toml/toml_reader.hpp"
 
@@ -43,12 +43,15 @@ struct ShadowRule {
     int ulps = 0;
 };
 
+/// What pictures are made of.
+inline constexpr Shape rendered_shape = Shape::sphere;
+
 struct Appearance {
     Vec<Real> background{Real(0), Real(0), Real(0)};
     std::optional<Vec<Real>> light;     ///< one point light
     std::optional<ShadowRule> shadows;  ///< absent: nothing casts any
     Material base;                      ///< what a sphere is that says nothing else
-    std::vector<Material> materials;    ///< one per sphere, in the order of the spheres
+    std::vector<Material> materials;    ///< one per solid of the rendered shape, in their order
 
     /// Whether the scene asks for what this stage adds: a light for `diffuse`, `[shadows]`, a ks above 0 for `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "geometry/number_names.hpp"
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/nearby_file.hpp"
@@ -21,19 +22,25 @@ constexpr long long most_pixels_a_side = 65536;
 constexpr long long most_pixels = 1LL << 30;
 
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
-SphereSpec read_sphere(TableReader& table, const StoredNumbers& numbers) {
-    SphereSpec sphere{numbers.finite(table, "centre", table.vec3("centre")),
-                      numbers.positive(table, "radius", table.number("radius"))};
+Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
+    Solid<Real> solid(shape);
+    for_each_key(shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point) solid.set_point(k, numbers.finite(table, key.name, table.vec3(key.name)));
+        else if (key.limit == Key::Limit::positive)
+            solid.numbers[k] = numbers.positive(table, key.name, table.number(key.name));
+        else solid.numbers[k] = numbers.finite(table, key.name, table.number(key.name));
+    });
+    if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
     table.reject_unknown_keys();
-    return sphere;
+    return solid;
 }
 
-BoxSpec read_box(TableReader& table, const StoredNumbers& numbers) {
-    BoxSpec box{numbers.finite(table, "lo", table.vec3("lo")), numbers.finite(table, "hi", table.vec3("hi"))};
-    for (int i = 0; i < 3; ++i)
-        if (box.lo[i] > box.hi[i]) table.fail_at("hi", "is below lo in a component; a box needs lo <= hi in each");
-    table.reject_unknown_keys();
-    return box;
+/// "[[sphere]] with centre and radius, or [[box]] with lo and hi"
+std::string tables_of_solids() {
+    std::string words;
+    for (const ShapeRow& row : shape_rows)
+        words += (words.empty() ? "[[" : ", or [[") + std::string(row.name) + "]] with " + key_words(row.shape);
+    return words;
 }
 
 bool is_plain_name(std::string_view name) {
@@ -120,28 +127,28 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
         return numbers.finite(table, key, x);
     };
     scene.appearance = read_appearance(file, check);
-    for (TableReader& table : file.tables("sphere")) {
-        scene.appearance.materials.push_back(read_material(table, scene.appearance, check));
-        scene.spheres.push_back(read_sphere(table, numbers));
+    for (const ShapeRow& row : shape_rows) {
+        for (TableReader& table : file.tables(row.name)) {
+            if (row.shape == rendered_shape)
+                scene.appearance.materials.push_back(read_material(table, scene.appearance, check));
+            scene.listed.push_back(read_solid(row.shape, table, numbers));
+        }
     }
-    for (TableReader& table : file.tables("box")) scene.boxes.push_back(read_box(table, numbers));
     if (auto flake = file.optional_table("sphereflake")) scene.flake = read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        file.fail_at(
-            "sphere",
-            "is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] with lo and hi");
+        file.fail_at(shape_rows.front().name, "is missing; a scene has at least one " + tables_of_solids());
     if (scene.shapes().size() > 1 && !scene.march)
-        file.fail_at("box",
-                     "and [[sphere]] in one scene need a form that marches; write two scenes, or add a [march] table");
+        file.fail_at(name_of(scene.shapes()[1]), "and [[" + std::string(name_of(scene.shapes()[0])) +
+                                                     "]] in one scene need a form that marches; write two scenes, or "
+                                                     "add a [march] table");
     return scene;
 }
 
 std::vector<Solid<Real>> Scene::solids() const {
-    std::vector<Solid<Real>> all(spheres.begin(), spheres.end());
-    all.insert(all.end(), boxes.begin(), boxes.end());
+    std::vector<Solid<Real>> all = listed;
     if (flake) {
         require_room_for(*flake);
         for_each_sphere(*flake, [&all](const Sphere<double>& s) {
@@ -153,14 +160,14 @@ std::vector<Solid<Real>> Scene::solids() const {
 
 std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
-    if (!spheres.empty() || flake) found.push_back(Shape::sphere);
-    if (!boxes.empty()) found.push_back(Shape::box);
+    for (const ShapeRow& row : shape_rows) {
+        const bool is_listed = std::ranges::find(listed, row.shape, &Solid<Real>::shape) != listed.end();
+        if (is_listed || (flake && row.shape == Sphereflake::shape)) found.push_back(row.shape);
+    }
     return found;
 }
 
-bool Scene::meets(Shape shape) const {
-    return shape == Shape::sdf ? march.has_value() : shapes() == std::vector{shape};
-}
+bool Scene::meets(Shape shape) const { return !is_solid(shape) ? march.has_value() : shapes() == std::vector{shape}; }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
     return SceneFile(path).load(options);

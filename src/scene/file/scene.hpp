@@ -21,10 +21,6 @@ namespace lostbits::scene::file {
 /// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
 enum class Inputs { shared, own };
 
-/// Solids as written, in world units.
-using SphereSpec = Sphere<Real>;
-using BoxSpec = Box<Real>;
-
 struct Camera {
     enum class Kind { orthographic, pinhole, pixel_plane };
     Kind kind = Kind::pinhole;
@@ -51,9 +47,8 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<SphereSpec> spheres;  ///< a scene has spheres or boxes; both only with `march`
-    std::vector<BoxSpec> boxes;
-    std::optional<Sphereflake> flake;                      ///< its spheres come after the others
+    std::vector<Solid<Real>> listed;   ///< as written, in world units, shape by shape; of several only with `march`
+    std::optional<Sphereflake> flake;  ///< its spheres come after the others
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
@@ -66,11 +61,9 @@ struct Scene {
     [[nodiscard]] bool meets(Shape shape) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    /// All of them, in the file's order: spheres, boxes, the flake. Some 300 bytes each: many are a `rays::SolidList`.
+    /// All of them: the listed, the flake. Some 300 bytes each: many are a `rays::SolidList`.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
-    [[nodiscard]] std::size_t solid_count() const {
-        return spheres.size() + boxes.size() + (flake ? flake->size() : 0);
-    }
+    [[nodiscard]] std::size_t solid_count() const { return listed.size() + (flake ? flake->size() : 0); }
 };
 
 struct LoadOptions {

@@ -14,6 +14,7 @@ namespace lostbits::scene::file {
 /// the height √(2/3) above it, at 120°. The axis of a child points away from its parent; u = e × w/|e × w| is where
 /// angles start, with e the x axis, or the y axis where |w.x| > 0.8; v = w × u.
 struct Sphereflake {
+    static constexpr Shape shape = Shape::sphere;
     int levels = 0;
     Vec<double> centre{0, 0, 0};
     double radius = 1;

@@ -17,15 +17,10 @@ Real pi() {
 /// Every solid through `change`, which may find that there is none.
 template <class Change>
 bool change_solids(Scene& scene, const Change& change) {
-    for (SphereSpec& sphere : scene.spheres) {
-        const std::optional<Solid<Real>> to = change(Solid<Real>(sphere));
+    for (Solid<Real>& solid : scene.listed) {
+        std::optional<Solid<Real>> to = change(solid);
         if (!to) return false;
-        sphere = to->sphere();
-    }
-    for (BoxSpec& box : scene.boxes) {
-        const std::optional<Solid<Real>> to = change(Solid<Real>(box));
-        if (!to) return false;
-        box = to->box();
+        solid = *std::move(to);
     }
     return true;
 }
@@ -36,17 +31,11 @@ Real half_tangent(const Real& degrees) { return tan(degrees * pi() / 360); }
 Real degrees_of(const Real& half_tangent) { return atan(half_tangent) * 360 / pi(); }
 
 Vec<Real> middle_of(const Solid<Real>& solid) {
-    if (solid.shape == Shape::sphere) return solid.sphere().centre;
-    const Box<Real> box = solid.box();
-    return Real(0.5) * (box.lo + box.hi);
+    return visit(solid, [](const auto& shape) { return shape.middle(); });
 }
 
 Real size_of(const Solid<Real>& solid) {
-    if (solid.shape == Shape::sphere) return solid.numbers[3];
-    const Box<Real> box = solid.box();
-    Real longest(0);
-    for (int i = 0; i < 3; ++i) longest = std::max(longest, Real(box.hi[i] - box.lo[i]));
-    return longest / 2;
+    return visit(solid, [](const auto& shape) { return shape.half_extent(); });
 }
 
 Vec<Real> middle_of(const Scene& scene) {
@@ -56,8 +45,7 @@ Vec<Real> middle_of(const Scene& scene) {
         sum = sum + v;
         ++count;
     };
-    for (const SphereSpec& sphere : scene.spheres) take(sphere.centre);
-    for (const BoxSpec& box : scene.boxes) take(middle_of(Solid<Real>(box)));
+    for (const Solid<Real>& solid : scene.listed) take(middle_of(solid));
     if (scene.flake) {
         const Vec<double>& c = scene.flake->centre;
         take({Real(c.x), Real(c.y), Real(c.z)});
@@ -69,28 +57,14 @@ Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
 Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by) {
     Solid<Real> to = solid;
-    const std::size_t places = solid.shape == Shape::sphere ? 3 : 6;
-    for (std::size_t k = 0; k < places; ++k) to.numbers[k] += by[static_cast<int>(k % 3)];
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point) to.set_point(k, to.point(k) + by);
+    });
     return to;
 }
 
 std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& still, const Real& k) {
-    if (solid.shape == Shape::sphere) {
-        Sphere<Real> sphere = solid.sphere();
-        const Vec<Real> towards = still - sphere.centre;
-        const Real distance = length(towards);
-        if (distance == 0) return std::nullopt;
-        sphere.centre = sphere.centre - ((k - 1) * sphere.radius / distance) * towards;
-        sphere.radius = k * sphere.radius;
-        return sphere;
-    }
-    Box<Real> box = solid.box();
-    for (int i = 0; i < 3; ++i) {
-        const Real there = std::clamp(still[i], box.lo[i], box.hi[i]);
-        box.lo[i] = there + k * (box.lo[i] - there);
-        box.hi[i] = there + k * (box.hi[i] - there);
-    }
-    return box;
+    return visit(solid, [&](const auto& shape) -> std::optional<Solid<Real>> { return shape.grown(still, k); });
 }
 
 Real view_share(const Scene& scene) {

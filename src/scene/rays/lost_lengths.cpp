@@ -1,5 +1,7 @@
 #include "scene/rays/lost_lengths.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -31,7 +33,7 @@ void LostLengths::lose(const std::string& what, double value, const char* become
     }
 }
 
-void LostLengths::check_point(const double* before, const double* after, const char* what, const Where& where) {
+void LostLengths::check_point(const double* before, const double* after, const std::string& what, const Where& where) {
     for (int k = 0; k < 3; ++k) {
         if (!std::isinf(after[k])) continue;
         lose(what, before[k], "rounds to infinity", where);
@@ -57,21 +59,27 @@ void LostLengths::add(const Solid<double>& before, const Where& where) {
 }
 
 void LostLengths::add(const Solid<double>& before, const Solid<double>& after, const Where& where) {
-    if (before.shape == Shape::sphere) {
-        const double radius = after.numbers[3];
-        if (radius == 0) lose("radius", before.numbers[3], "rounds to 0", where);
-        if (std::isinf(radius)) lose("radius", before.numbers[3], "rounds to infinity", where);
-        check_point(before.numbers.data(), after.numbers.data(), "a coordinate of the centre", where);
-        return;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double thickness = before.numbers[k + 3] - before.numbers[k];
-        if (!(thickness > 0) || after.numbers[k] != after.numbers[k + 3] || std::isinf(after.numbers[k])) continue;
-        lose("thickness", thickness, "rounds to 0", where);
-        break;
-    }
-    check_point(before.numbers.data(), after.numbers.data(), "a coordinate of a corner", where);
-    check_point(before.numbers.data() + 3, after.numbers.data() + 3, "a coordinate of a corner", where);
+    const auto of = [](const Solid<double>& solid) { return solid.numbers.data(); };
+    for_each_key(before.shape, [&](const Key& key, std::size_t k) {
+        const double *const from = of(before) + k, *const to = of(after) + k;
+        if (key.kind == Key::Kind::length) {
+            // An ideal length that is positive may be 0 in binary64 already.
+            if (*to == 0 && (*from != 0 || key.limit == Key::Limit::positive))
+                lose(std::string(key.name), *from, "rounds to 0", where);
+            if (std::isinf(*to)) lose(std::string(key.name), *from, "rounds to infinity", where);
+        }
+        for (std::size_t i = 0; key.limit == Key::Limit::at_least_before && i < key.count(); ++i) {
+            const std::size_t count = key.count();
+            const double thickness = from[i] - (from - count)[i];
+            if (!(thickness > 0) || to[i] != (to - count)[i] || std::isinf(to[i])) continue;
+            lose("thickness", thickness, "rounds to 0", where);
+            break;
+        }
+    });
+    for_each_key(before.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point)
+            check_point(of(before) + k, of(after) + k, fmt::format("a coordinate of {}", key.name), where);
+    });
 }
 
 std::vector<std::string> LostLengths::lines() const {
@@ -91,13 +99,12 @@ std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatForma
     const auto store = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
     lost.add_point({store(eye.x), store(eye.y), store(eye.z)}, "a coordinate of the eye", [] { return "camera"; });
-    const auto add = [&](const Solid<double>& solid, const char* what, std::size_t i) {
+    const auto add = [&](const Solid<double>& solid, std::string_view what, std::size_t i) {
         lost.add(solid, [&] { return std::string(what) + "[" + std::to_string(i) + "]"; });
     };
-    for (std::size_t i = 0; i < scene.spheres.size(); ++i)
-        add(round_solid(Solid<Real>(scene.spheres[i]), stored), "sphere", i);
-    for (std::size_t i = 0; i < scene.boxes.size(); ++i)
-        add(round_solid(Solid<Real>(scene.boxes[i]), stored), "box", i);
+    std::array<std::size_t, shape_rows.size()> of_shape{};
+    for (const Solid<Real>& solid : scene.listed)
+        add(round_solid(solid, stored), name_of(solid.shape), of_shape[static_cast<std::size_t>(solid.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
         file::for_each_sphere(*scene.flake, [&](const Sphere<double>& s) {

@@ -41,7 +41,7 @@ private:
         int count;
     };
     void lose(const std::string& what, double value, const char* becomes, const Where& where);
-    void check_point(const double* before, const double* after, const char* what, const Where& where);
+    void check_point(const double* before, const double* after, const std::string& what, const Where& where);
 
     FloatFormat format_;
     std::vector<Loss> losses_;

@@ -83,8 +83,7 @@ std::vector<Solid<double>> shared_solids(const Scene& scene) {
     if (scene.flake) file::require_room_for(*scene.flake);
     std::vector<Solid<double>> all;
     all.reserve(scene.solid_count());
-    for (const file::SphereSpec& s : scene.spheres) all.push_back(round_solid(Solid<Real>(s), binary32));
-    for (const file::BoxSpec& b : scene.boxes) all.push_back(round_solid(Solid<Real>(b), binary32));
+    for (const Solid<Real>& solid : scene.listed) all.push_back(round_solid(solid, binary32));
     if (scene.flake)
         file::for_each_sphere(
             *scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });

@@ -40,16 +40,11 @@ SphereColumns::SphereColumns(const file::Sphereflake& flake, file::Inputs inputs
 
 SolidList<double> shared_solid_list(const file::Scene& scene) {
     std::vector<Solid<double>> listed;
-    for (const file::SphereSpec& s : scene.spheres) listed.push_back(round_solid(Solid<Real>(s), binary32));
-    for (const file::BoxSpec& b : scene.boxes) listed.push_back(round_solid(Solid<Real>(b), binary32));
+    for (const Solid<Real>& solid : scene.listed) listed.push_back(round_solid(solid, binary32));
     return {std::move(listed), flake_of(scene)};
 }
 
-SolidList<Real> ideal_solid_list(const file::Scene& scene) {
-    std::vector<Solid<Real>> listed(scene.spheres.begin(), scene.spheres.end());
-    listed.insert(listed.end(), scene.boxes.begin(), scene.boxes.end());
-    return {std::move(listed), flake_of(scene)};
-}
+SolidList<Real> ideal_solid_list(const file::Scene& scene) { return {scene.listed, flake_of(scene)}; }
 
 SolidList<double> round_solids(const SolidList<double>& solids, const FloatFormat& f) {
     return rounded_list(solids, f);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/number_names.hpp"
 #include "scene/sweep/convention.hpp"
 
 namespace lostbits::scene::sweep {
@@ -36,14 +37,21 @@ struct Symmetry {
         return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]};
     }
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
-        if (s.shape == Shape::sphere) return Sphere<double>{of(s.sphere().centre), s.sphere().radius};
-        // A mirror changes the corners' places. They are not sorted: −0 and +0 are equal, and each stays where the file
-        // has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) do change places.
-        Box<double> box{of(s.box().lo), of(s.box().hi)};
-        for (int i = 0; i < 3; ++i) {
-            if (box.lo[i] > box.hi[i] || (box.lo[i] == box.hi[i] && sign[i] < 0)) std::swap(box.lo[i], box.hi[i]);
-        }
-        return box;
+        Solid<double> to = s;
+        for_each_key(s.shape, [&](const Key& key, std::size_t k) {
+            if (key.kind != Key::Kind::point) return;
+            const Vec<double> point = of(s.point(k));
+            for (int i = 0; i < 3; ++i) {
+                double& x = to.numbers[k + static_cast<std::size_t>(i)] = point[i];
+                if (key.limit != Key::Limit::at_least_before) continue;
+                // A mirror changes the corners' places. They are not sorted: −0 and +0 are equal, and each stays where
+                // the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) do
+                // change places.
+                double& before = to.numbers[k + static_cast<std::size_t>(i) - 3];
+                if (before > x || (before == x && sign[i] < 0)) std::swap(before, x);
+            }
+        });
+        return to;
     }
 };
 
@@ -66,6 +74,14 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
 
 }  // namespace
 
+/// spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]
+std::string solids_of_a_case() {
+    std::string words;
+    for (const ShapeRow& row : shape_rows)
+        words += (words.empty() ? "" : " or ") + std::string(row.plural) + " = [{ " + key_list(row.shape) + " }, …]";
+    return words;
+}
+
 CaseFile::Case CaseFile::read_case(TableReader& table) {
     Case c;
     c.name = table.string("name");
@@ -78,27 +94,24 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
     c.symmetric = table.optional_boolean("symmetric").value_or(false);
-    for (TableReader& sphere : table.tables("spheres")) {
-        SolidSpec spec{Shape::sphere, quantities(sphere, "centre", 3, false)};
-        spec.numbers.emplace_back(sphere.node("radius"), false);
-        sphere.reject_unknown_keys();
-        c.solids.push_back(std::move(spec));
+    for (const ShapeRow& row : shape_rows) {
+        for (TableReader& solid : table.tables(row.plural)) {
+            SolidSpec spec{row.shape, {}};
+            for (const Key& key : row.keys) {
+                if (key.count() == 1) spec.numbers.emplace_back(solid.node(key.name), false);
+                else
+                    std::ranges::move(quantities(solid, key.name, key.count(), false),
+                                      std::back_inserter(spec.numbers));
+            }
+            solid.reject_unknown_keys();
+            c.solids.push_back(std::move(spec));
+        }
     }
-    for (TableReader& box : table.tables("boxes")) {
-        SolidSpec spec{Shape::box, quantities(box, "lo", 3, false)};
-        std::ranges::move(quantities(box, "hi", 3, false), std::back_inserter(spec.numbers));
-        box.reject_unknown_keys();
-        c.solids.push_back(std::move(spec));
-    }
-    if (c.solids.empty())
-        toml::fail(table.where(),
-                   "a case has spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]; write one of them");
+    if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
-        if (ray.has("tmax") && c.solids.front().shape == Shape::sphere)
-            ray.fail_at("tmax",
-                        "ends a ray for the forms of boxes; those of spheres take no end and would ignore it; leave it "
-                        "out, or ask about boxes = [{ lo, hi }, …]");
+        if (ray.has("tmax") && !told_end(c.solids.front().shape))
+            ray.fail_at("tmax", no_end_words(c.solids.front().shape));
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
@@ -133,15 +146,13 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
             toml::fail(table.where(),
                        "has a different shape from the cases before it; all cases of a file have one shape");
         for (const SolidSpec& spec : c.solids) {
-            std::vector<double> x;
-            for (const Quantity& q : spec.numbers) x.push_back(q.in(binary64, 0));
-            if (spec.shape == Shape::sphere && !(x[3] > 0))
-                toml::fail(table.where(), "has a sphere whose radius is not greater than 0; write a positive number");
-            for (std::size_t k = 0; spec.shape == Shape::box && k < 3; ++k) {
-                if (x[k] > x[k + 3])
-                    toml::fail(table.where(),
-                               "has a box whose hi is below its lo in a component; a box needs lo <= hi in each");
-            }
+            Solid<double> solid(spec.shape);
+            std::ranges::transform(spec.numbers, solid.numbers.begin(),
+                                   [](const Quantity& q) { return q.in(binary64, 0); });
+            if (const auto broken = broken_limit(solid))
+                toml::fail(table.where(), "has a " + std::string(name_of(spec.shape)) + " whose " +
+                                              std::string(broken->key->name) + " " +
+                                              limit_words(spec.shape, *broken->key));
         }
         cases_.push_back(std::move(c));
     }
@@ -174,8 +185,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
     for (const Symmetry& symmetry : symmetries(c.symmetric)) {
         RayGroup group;
         for (const SolidSpec& spec : c.solids) {
-            Solid<double> solid;
-            solid.shape = spec.shape;
+            Solid<double> solid(spec.shape);
             for (std::size_t k = 0; k < spec.numbers.size(); ++k)
                 solid.numbers[k] = spec.numbers[k].in(format, lengths);
             group.solids.push_back(symmetry.of(solid));

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "geometry/number_names.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
@@ -18,11 +19,6 @@ namespace {
 
 constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
-
-std::vector<std::string> solid_paths(Shape shape) {
-    if (shape == Shape::sphere) return {"sphere.centre.x", "sphere.centre.y", "sphere.centre.z", "sphere.radius"};
-    return {"box.lo.x", "box.lo.y", "box.lo.z", "box.hi.x", "box.hi.y", "box.hi.z"};
-}
 
 /// FNV-1a of the bytes of a file.
 std::uint64_t hash_of(const std::filesystem::path& path) {
@@ -72,11 +68,6 @@ Vec<float> vec_in(TableReader& table, std::string_view key) {
     return {v[0], v[1], v[2]};
 }
 
-bool is_proper(const Solid<float>& s) {
-    if (s.shape == Shape::sphere) return s.numbers[3] > 0;
-    return s.numbers[0] <= s.numbers[3] && s.numbers[1] <= s.numbers[4] && s.numbers[2] <= s.numbers[5];
-}
-
 }  // namespace
 
 std::optional<float> exact_float(const Real& x) {
@@ -86,7 +77,7 @@ std::optional<float> exact_float(const Real& x) {
 }
 
 void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
-    const auto of_solid = solid_paths(solid.shape);
+    const auto of_solid = number_paths(solid.shape);
     std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
     all.insert(all.end(), of_solid.begin(), of_solid.end());
     const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
@@ -136,31 +127,39 @@ void ExhaustiveFile::read_axis(TableReader table) {
 }
 
 void ExhaustiveFile::check_solids(TableReader& file) const {
-    const bool sphere = solid.shape == Shape::sphere;
+    const std::string name(name_of(solid.shape));
     if (solid_places.empty()) {
-        if (is_proper(solid)) return;
-        if (sphere) file.table("sphere").fail_at("radius", "is not greater than 0; write a positive number");
-        file.table("box").fail_at("hi", "is below lo in a component; a box needs lo <= hi in each");
+        if (const auto broken = broken_limit(solid))
+            file.table(name).fail_at(broken->key->name, limit_words(solid.shape, *broken->key));
+        return;
     }
-    // A sphere has a radius above 0, a box lo ≤ hi: where both ends of a range are solids, all between them are.
+    // Every limit holds between two numbers for which it holds: where both ends of a range are solids, all between are.
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
-            if (!is_proper(solid_at(float_at(end))))
-                file.table("axis").fail_at(
-                    end == range.first ? "from" : "to",
-                    sphere ? "leaves a sphere whose radius is not greater than 0; write a positive number"
-                           : "leaves a box whose hi is below its lo; a box needs lo <= hi in each component");
+            if (const auto broken = broken_limit(solid_at(float_at(end))))
+                file.table("axis").fail_at(end == range.first ? "from" : "to",
+                                           "leaves a " + name + " whose " + std::string(broken->key->name) + " " +
+                                               limit_words(solid.shape, *broken->key));
         }
     }
 }
 
 void ExhaustiveFile::read_solid(TableReader& file) {
-    auto sphere = file.optional_table("sphere"), box = file.optional_table("box");
-    if (sphere.has_value() == box.has_value())
-        toml::fail(file.where(), "a sweep over every float has one solid: a [sphere] or a [box] table; write one");
-    if (sphere) solid = Sphere<float>{vec_in(*sphere, "centre"), float_in(*sphere, "radius")};
-    else solid = Box<float>{vec_in(*box, "lo"), vec_in(*box, "hi")};
-    (sphere ? *sphere : *box).reject_unknown_keys();
+    std::string tables;
+    std::vector<Shape> found;
+    for (const ShapeRow& row : shape_rows) {
+        tables += (tables.empty() ? "a [" : " or a [") + std::string(row.name) + "]";
+        if (file.has(row.name)) found.push_back(row.shape);
+    }
+    if (found.size() != 1)
+        toml::fail(file.where(), "a sweep over every float has one solid: " + tables + " table; write one");
+    solid = Solid<float>(found.front());
+    TableReader table = file.table(name_of(solid.shape));
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::length) solid.numbers[k] = float_in(table, key.name);
+        else solid.set_point(k, vec_in(table, key.name));
+    });
+    table.reject_unknown_keys();
 }
 
 ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) {
@@ -174,8 +173,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
             table.fail_at("name", "is \"" + ray.name + "\", the name of another ray too; give each its own");
-        if (solid.shape == Shape::sphere)
-            table.reject("tmax", "ends a ray for the forms of boxes; those of spheres take no end and would ignore it");
+        if (!told_end(solid.shape)) table.reject("tmax", no_end_words(solid.shape));
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
         table.reject_unknown_keys();
         rays.push_back(std::move(ray));
@@ -227,7 +225,7 @@ rays::RayGroup ExhaustiveFile::group_at(std::size_t ray, float value) const {
     const Ray<float> r = ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     rays::RayGroup group = rays::group_of({wide(r.origin), wide(r.direction)});
-    if (solid.shape == Shape::box) group.rays.tmax = {static_cast<double>(rays[ray].tmax)};
+    if (told_end(solid.shape)) group.rays.tmax = {static_cast<double>(rays[ray].tmax)};
     group.solids = {transformed(solid_at(value), [](float x) { return static_cast<double>(x); })};
     return group;
 }

@@ -33,13 +33,13 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
     thrice("origin");
     thrice("direction");
-    if (table.has("lo")) {
-        shape = Shape::box;
-        thrice("lo");
-        thrice("hi");
-    } else {
-        thrice("centre");
-        ranges.push_back(read_range(table, "radius"));
+    for (const ShapeRow& row : shape_rows)
+        if (table.has(row.keys.front().name)) shape = row.shape;
+    for (const Key& key : row_of(shape).keys) {
+        if (key.kind == Key::Kind::point) thrice(key.name);
+        else ranges.push_back(read_range(table, key.name));
+    }
+    if (is_round()) {
         if (table.has("distance_radii")) distance_radii = read_range(table, "distance_radii");
         if (table.has("impact_radii")) impact_radii = read_range(table, "impact_radii");
     }
@@ -57,7 +57,7 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
     generations = static_cast<int>(table.optional_integer("generations", 1, 65536).value_or(generations));
     nearest = table.optional_boolean("nearest").value_or(false);
-    if (nearest && shape != Shape::sphere)
+    if (nearest && !is_round())
         table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
     smallest = table.optional_boolean("smallest").value_or(false);
     if (smallest && nearest)
@@ -76,11 +76,7 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     for (const double x : solid.used()) {
         if (!ranges[i++].holds(x)) return false;
     }
-    if (shape == Shape::box) {
-        const Box<double> box = solid.box();
-        return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z &&
-               ray.direction != Vec<double>(0, 0, 0);
-    }
+    if (!is_round()) return !broken_limit(solid) && ray.direction != Vec<double>(0, 0, 0);
     const Sphere<double> sphere = solid.sphere();
     const Vec<double> f = ray.origin - sphere.centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);

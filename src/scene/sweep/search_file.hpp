@@ -29,7 +29,9 @@ public:
     /// `set` changes keys of the table first: `starts`, `radius`.
     explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set = {});
 
-    Shape shape = Shape::sphere;
+    Shape shape{};
+    /// Whether it is about spheres, which have a distance and an impact in radii.
+    [[nodiscard]] bool is_round() const { return shape == Shape::sphere; }
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
     std::vector<Range> ranges;
     /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is

@@ -60,9 +60,7 @@ public:
     std::vector<Mark> marks;
 
     /// Whether the forms of a shape can handle the sweep.
-    [[nodiscard]] bool meets(Shape shape) const {
-        return shape == Shape::sdf ? marches_ : shapes_ == std::vector{shape};
-    }
+    [[nodiscard]] bool meets(Shape shape) const { return !is_solid(shape) ? marches_ : shapes_ == std::vector{shape}; }
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 

@@ -127,14 +127,16 @@ TEST_CASE("a stretched scene is the scene at factor 1, and shows the same pictur
         REQUIRE(same);
         CHECK(abs(same->scene.camera.eye.x - scene.camera.eye.x) < 1e-50);
         CHECK(abs(same->scene.camera.fov_deg - scene.camera.fov_deg) < 1e-50);
-        CHECK(abs(same->scene.spheres[0].radius - scene.spheres[0].radius) < 1e-50);
+        CHECK(abs(same->scene.listed[0].sphere().radius - scene.listed[0].sphere().radius) < 1e-50);
     }
     const auto far = stretched(scene, Growth::distance, 8), near = stretched(scene, Growth::distance, 1);
     CHECK(far->value == Approx(8 * near->value).epsilon(1e-14));
     const auto large = stretched(scene, Growth::radius, 1000);
     CHECK(large->value == Approx(1200).epsilon(1e-14));  // the largest of the scene has radius 1.2
     // The point nearest to the eye stays: distance to the centre less radius.
-    const auto gap = [&](const Scene& s) { return length(s.spheres[2].centre - s.camera.eye) - s.spheres[2].radius; };
+    const auto gap = [&](const Scene& s) {
+        return length(s.listed[2].sphere().centre - s.camera.eye) - s.listed[2].sphere().radius;
+    };
     CHECK(abs(gap(large->scene) - gap(scene)) < 1e-40);
     CHECK_FALSE(stretched(scene, Growth::view, 1e6));
     CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays

@@ -76,7 +76,7 @@ Scene one_ray(const char* z, const char* c, const char* r) {
     scene.camera.up = {Real(0), Real(1), Real(0)};
     scene.camera.fov_deg = Real(40);
     scene.camera.shift_right = scene.camera.shift_up = Real(0);
-    scene.spheres.push_back({{Real(0), Real(0), Real(c)}, Real(r)});
+    scene.listed.emplace_back(Sphere<Real>{{Real(0), Real(0), Real(c)}, Real(r)});
     return scene;
 }
 

@@ -208,9 +208,9 @@ TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", 
     // Along the view (-0.3, -0.9, -5.1) the mean of the centres, (-0.575, 0, -4.225), lies 28.2/26.91 views away.
     CHECK(far.oz[0] - 1.1 == Approx(1023 * 28.2 / 26.91 * 5.1).epsilon(1e-6));
     const auto moved = moved_along(scene, Along::world, 16);
-    CHECK(moved.spheres[1].centre.y == scene.spheres[1].centre.y + 11);
-    CHECK(moved.spheres[1].radius == scene.spheres[1].radius);
-    CHECK(moved_along(scene, Along::radius, 8).spheres[1].radius == 8 * scene.spheres[1].radius);
+    CHECK(moved.listed[1].sphere().centre.y == scene.listed[1].sphere().centre.y + 11);
+    CHECK(moved.listed[1].sphere().radius == scene.listed[1].sphere().radius);
+    CHECK(moved_along(scene, Along::radius, 8).listed[1].sphere().radius == 8 * scene.listed[1].sphere().radius);
     CHECK(moved_along(load("near-benign", 480, 360), Along::world, 1).width == 48);
     CHECK_THROWS(moved_along(load("sphereflake-near"), Along::world, 1));
     CHECK_THROWS(moved_along(load("raycast-course.pixels"), Along::distance, 1));

@@ -94,9 +94,9 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
     std::optional<Real> best;
     std::size_t seen = 0;
     const auto meets = [&](const Vec<Real>& from, const Vec<Real>& way, std::size_t k) {
-        return first(from, way, rounded(s.spheres[k].centre), rounded(s.spheres[k].radius));
+        return first(from, way, rounded(s.listed[k].sphere().centre), rounded(s.listed[k].sphere().radius));
     };
-    for (std::size_t k = 0; k < s.spheres.size(); ++k) {
+    for (std::size_t k = 0; k < s.listed.size(); ++k) {
         const auto t = meets(o, d, k);
         if (t && (!best || *t < *best)) {
             best = t;
@@ -105,7 +105,7 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
     }
     Plain plain;
     const auto shadowed = [&](const Vec<Real>& p, std::size_t own) {
-        for (std::size_t k = 0; k < s.spheres.size(); ++k) {
+        for (std::size_t k = 0; k < s.listed.size(); ++k) {
             const auto t = meets(p, light - p, k);
             if (k != own && t && *t < 1) return true;
             plain.beyond |= k != own && t;
@@ -116,7 +116,7 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
         const int width = s.width;
         const auto p = scene::rays::pixel_point(scene::rays::make_frame<Real>(s), static_cast<int>(i) % width,
                                                 static_cast<int>(i) / width);
-        plain.shadowed = shadowed(rounded(p), s.spheres.size());
+        plain.shadowed = shadowed(rounded(p), s.listed.size());
         plain.colour.fill(rounded(look.background));
         if (plain.shadowed) plain.colour[2] = plain.colour[3] = plain.colour[0] * rounded(look.shadows->background);
         return plain;
@@ -124,7 +124,8 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
     const scene::file::Material& m = look.materials[seen];
     const Vec<Real> p = o + d * *best, c = rounded(m.colour);
     const auto unit = [](const Vec<Real>& v) { return v * (1 / length(v)); };
-    const Vec<Real> n = unit(p - rounded(s.spheres[seen].centre)), l = unit(light - p), h = unit(l + unit(o - p));
+    const Vec<Real> n = unit(p - rounded(s.listed[seen].sphere().centre)), l = unit(light - p),
+                    h = unit(l + unit(o - p));
     plain.shadowed = shadowed(p, seen);
     const Real facing = dot(n, l) > 0 ? dot(n, l) : Real(0);
     const Real ka = rounded(m.ambient), kd = rounded(m.diffuse), ks = rounded(m.specular);
@@ -198,10 +199,10 @@ TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form
     for (auto& m : s.appearance.materials) m.specular = 0;
     compare(s, 2, 3);
     scene::file::Scene alone = s;  // nothing to cast a shadow on a sphere, and no plane behind it
-    alone.spheres.resize(1);
+    alone.listed.erase(alone.listed.begin() + 1, alone.listed.end());
     alone.appearance.materials.resize(1);
     alone.camera.kind = scene::file::Camera::Kind::pinhole;
-    alone.camera.look_at = alone.spheres[0].centre;
+    alone.camera.look_at = alone.listed[0].sphere().centre;
     alone.camera.up = Vec<Real>(Real(0), Real(1), Real(0));
     alone.camera.fov_deg = 12;
     alone.camera.shift_right = alone.camera.shift_up = 0;

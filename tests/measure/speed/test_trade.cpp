@@ -155,8 +155,9 @@ TEST_CASE("rays of a scene are taken evenly over it, and held against the solids
         pass.pass();
     }
     scene::file::Scene away = scene;
-    away.spheres.erase(away.spheres.begin() + 1, away.spheres.end());
-    away.spheres.front().centre.z = 50;  // behind the eye
+    away.listed.erase(away.listed.begin() + 1, away.listed.end());
+    away.listed.front().set_point(
+        0, {away.listed.front().numbers[0], away.listed.front().numbers[1], Real(50)});  // behind the eye
     measure::speed::SceneWork missing(away);
     CHECK(missing.hit_rate() == 0);
     CHECK(missing.solids() == 1);

@@ -33,7 +33,7 @@ scene::file::Scene find(const std::string& id) {
 }
 
 /// Is there a t ≥ 0 with |o + t d − c| = r? By the perpendicular from the centre; plain, but in Real.
-bool hits(const Ray<Real>& ray, const scene::file::SphereSpec& sphere) {
+bool hits(const Ray<Real>& ray, const Sphere<Real>& sphere) {
     const Vec<Real> to_centre = sphere.centre - ray.origin;
     const Real r2 = sphere.radius * sphere.radius;
     if (dot(to_centre, to_centre) <= r2) return true;
@@ -43,7 +43,7 @@ bool hits(const Ray<Real>& ray, const scene::file::SphereSpec& sphere) {
 }
 
 /// By clipping the ray with each slab in turn.
-bool hits(const Ray<Real>& ray, const scene::file::BoxSpec& box) {
+bool hits(const Ray<Real>& ray, const Box<Real>& box) {
     Real from(0), to = ldexp(Real(1), 1000);
     for (int i = 0; i < 3; ++i) {
         const Real &o = ray.origin[i], &d = ray.direction[i];
@@ -66,15 +66,16 @@ double hit_fraction(const scene::file::Scene& scene) {
         for (int x = 1; x < scene.width; x += 4) {
             const Ray<Real> r = scene::rays::ray(frame, x, y);
             ++seen;
-            const auto is_hit = [&](const auto& solid) { return hits(r, solid); };
-            hit += std::ranges::any_of(scene.spheres, is_hit) || std::ranges::any_of(scene.boxes, is_hit);
+            hit += std::ranges::any_of(scene.listed, [&](const Solid<Real>& solid) {
+                return visit(solid, [&](const auto& shape) { return hits(r, shape); });
+            });
         }
     }
     return static_cast<double>(hit) / seen;
 }
 
 Real distance(const scene::file::Scene& scene) {
-    const Vec<Real> to = scene.spheres.at(0).centre - scene.camera.eye;
+    const Vec<Real> to = scene.listed.at(0).sphere().centre - scene.camera.eye;
     return length(to);
 }
 
@@ -121,7 +122,7 @@ TEST_CASE("the spheres of figure 7-3 stand where they should, straight and obliq
         CAPTURE(d);
         CHECK(distance(straight) == d);
         CHECK(abs(distance(oblique) - d) < 1e-14);
-        CHECK(straight.spheres[0].radius == 1);
+        CHECK(straight.listed[0].sphere().radius == 1);
         CHECK(hit_fraction(straight) == Approx(3.14159265 / 6.25).margin(0.01));
         CHECK(hit_fraction(oblique) == Approx(3.14159265 / 6.25).margin(0.01));
         const scene::rays::RayBlock straight_rays = make_shared_rays(straight, 100, 101);
@@ -136,8 +137,8 @@ TEST_CASE("figure 7-4 stands on ever larger spheres, with no zero components") {
              {"r1e3", 1000}, {"r1e4", 10000}, {"r1e5", 100000}, {"r1e6", 1000000}, {"r6371000", 6371000}}) {
         const scene::file::Scene s = find("rtg-fig-7-4." + name);
         CAPTURE(name);
-        CHECK(s.spheres[0].radius == radius);
-        CHECK(s.spheres[0].centre.y == -radius);  // the ground's top is at y = 0
+        CHECK(s.listed[0].sphere().radius == radius);
+        CHECK(s.listed[0].sphere().centre.y == -radius);  // the ground's top is at y = 0
         CHECK(s.width == 320);
         CHECK(s.height == 240);
         const scene::rays::RayBlock rays = make_shared_rays(s, 0, s.height);
@@ -149,7 +150,7 @@ TEST_CASE("figure 7-4 stands on ever larger spheres, with no zero components") {
 
 TEST_CASE("the camera of camera-inside is inside, off centre") {
     const scene::file::Scene s = find("camera-inside");
-    CHECK(distance(s) < s.spheres[0].radius);
+    CHECK(distance(s) < s.listed[0].sphere().radius);
     CHECK(distance(s) > 0.1);
 }
 
@@ -157,7 +158,7 @@ TEST_CASE("grazing rays pass within a thousandth of the limb, half of them hitti
     const scene::file::Scene s = find("grazing");
     CHECK(hit_fraction(s) == Approx(0.5).margin(0.02));
     const scene::rays::RayBlock rays = make_shared_rays(s, 0, s.height);
-    const scene::file::SphereSpec& sphere = s.spheres[0];
+    const Sphere<Real> sphere = s.listed[0].sphere();
     for (std::size_t i = 0; i < rays.size(); i += 97) {
         const Vec<Real> o(Real(rays.ox[i]), Real(rays.oy[i]), Real(rays.oz[i])),
             d(Real(rays.dx[i]), Real(rays.dy[i]), Real(rays.dz[i]));
@@ -180,10 +181,10 @@ TEST_CASE("the offset worlds are near-benign, moved exactly") {
         };
         CHECK(is_moved(near.camera.eye, moved.camera.eye));
         CHECK(is_moved(near.camera.look_at, moved.camera.look_at));
-        REQUIRE(moved.spheres.size() == near.spheres.size());
-        for (std::size_t i = 0; i < near.spheres.size(); ++i) {
-            CHECK(is_moved(near.spheres[i].centre, moved.spheres[i].centre));
-            CHECK(moved.spheres[i].radius == near.spheres[i].radius);
+        REQUIRE(moved.listed.size() == near.listed.size());
+        for (std::size_t i = 0; i < near.listed.size(); ++i) {
+            CHECK(is_moved(near.listed[i].sphere().centre, moved.listed[i].sphere().centre));
+            CHECK(moved.listed[i].sphere().radius == near.listed[i].sphere().radius);
         }
     }
 }

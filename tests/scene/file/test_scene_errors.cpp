@@ -36,8 +36,8 @@ TEST_CASE("a radius is a positive number, also in binary32 when inputs are share
           "scene.toml:15:10: sphere[0].radius overflows binary32, to which inputs = \"shared\" rounds; write at most "
           "3.4e38, or inputs = \"own\"");
     const std::string own = replaced(good_scene, "\"shared\"", "\"own\"");
-    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e-46")).spheres[0].radius > 0);
-    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).spheres[0].radius > 0);
+    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e-46")).listed[0].sphere().radius > 0);
+    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).listed[0].sphere().radius > 0);
     CHECK(broken("radius = 1", "radius = inf")
               .starts_with("scene.toml:15:10: sphere[0].radius = inf is not finite; write"));
     CHECK(broken("radius = 1", "") ==

@@ -40,9 +40,9 @@ TEST_CASE("a scene holds what its file says") {
     CHECK(s.camera.look_at.z == -1);
     CHECK(s.camera.up.y == 1);
     CHECK(s.camera.width == Real(2.5));
-    REQUIRE(s.spheres.size() == 1);
-    CHECK(s.spheres[0].centre.z == -10);
-    CHECK(s.spheres[0].radius == 1);
+    REQUIRE(s.listed.size() == 1);
+    CHECK(s.listed[0].sphere().centre.z == -10);
+    CHECK(s.listed[0].sphere().radius == 1);
 }
 
 TEST_CASE("what a scene leaves out has its default") {
@@ -64,9 +64,9 @@ TEST_CASE("what a scene leaves out has its default") {
 TEST_CASE("numbers are ideal: decimals as written, in every notation") {
     const scene::file::Scene s =
         loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
-    CHECK(s.spheres[0].centre.x == real("0.1"));
-    CHECK(s.spheres[0].centre.x == s.spheres[0].centre.y);
-    CHECK(s.spheres[0].centre.z == 12);
+    CHECK(s.listed[0].sphere().centre.x == real("0.1"));
+    CHECK(s.listed[0].sphere().centre.x == s.listed[0].sphere().centre.y);
+    CHECK(s.listed[0].sphere().centre.z == 12);
 }
 
 TEST_CASE("a file with variants gives a scene for each, in order, and none without") {
@@ -74,9 +74,9 @@ TEST_CASE("a file with variants gives a scene for each, in order, and none witho
     REQUIRE(all.size() == 2);
     CHECK(all[0].id == "scene.small");
     CHECK(all[1].id == "scene.big");
-    CHECK(all[0].spheres[0].radius == Real(0.5));
+    CHECK(all[0].listed[0].sphere().radius == Real(0.5));
     CHECK(all[0].camera.eye.x == 0);  // one variant leaves the next alone
-    CHECK(all[1].spheres[0].radius == 2);
+    CHECK(all[1].listed[0].sphere().radius == 2);
     CHECK(all[1].camera.eye.z == 3);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("a size override changes the size alone") {
     const scene::file::Scene s = loaded(good_scene, options);
     CHECK(s.width == 320);
     CHECK(s.height == 240);
-    CHECK(s.spheres[0].radius == 1);
+    CHECK(s.listed[0].sphere().radius == 1);
     const std::string without = replaced(good_scene, "size = [8, 4]\n", "");
     CHECK(loaded(without, options).width == 320);
 }

@@ -52,11 +52,11 @@ TEST_CASE("children touch their parent, six about its equator and three above it
 TEST_CASE("the flake of two levels is the one that the scene of ninety-one spheres writes out") {
     const scene::file::Scene written = load_scene(fs::path(LOSTBITS_DATA_DIR) / "scenes/rtg-fig-7-6-near.toml").front();
     const auto all = spheres_of({.levels = 2, .axis = {0.2, 0.9, 0.4}});
-    REQUIRE(written.spheres.size() == all.size());
+    REQUIRE(written.listed.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-        CHECK(std::fabs(static_cast<double>(written.spheres[i].radius) - all[i].radius) < 1e-9);
+        CHECK(std::fabs(static_cast<double>(written.listed[i].sphere().radius) - all[i].radius) < 1e-9);
         for (int k = 0; k < 3; ++k)
-            CHECK(std::fabs(static_cast<double>(written.spheres[i].centre[k]) - all[i].centre[k]) < 2e-9);
+            CHECK(std::fabs(static_cast<double>(written.listed[i].sphere().centre[k]) - all[i].centre[k]) < 2e-9);
     }
 }
 

@@ -124,7 +124,7 @@ TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and o
 }
 
 TEST_CASE("spheres are rounded once, and a radius may vanish in a narrow format") {
-    const Solid<Real> spec = scene::file::SphereSpec{{real("0.1"), real("-100000.3"), real("1e-50")}, real("1e-8")};
+    const Solid<Real> spec = Sphere<Real>{{real("0.1"), real("-100000.3"), real("1e-50")}, real("1e-8")};
     const Sphere<double> single = scene::rays::round_solid(spec, binary32).sphere();
     CHECK(single.centre.x == static_cast<double>(0.1f));
     CHECK(single.centre.y == static_cast<double>(-100000.3f));

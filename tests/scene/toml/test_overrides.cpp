@@ -25,14 +25,14 @@ std::string set_error(const std::string& assignment) {
 }  // namespace
 
 TEST_CASE("an override changes one number, vector, element or name") {
-    CHECK(loaded(good_scene, set("sphere[0].radius=1e3")).spheres[0].radius == 1000);
-    CHECK(loaded(good_scene, set(" sphere[0].radius = 0x1.8p+1 ")).spheres[0].radius == 3);
-    CHECK(loaded(good_scene, set("sphere[0].radius=\"0.1\"")).spheres[0].radius == real("0.1"));
-    CHECK(loaded(good_scene, set("sphere[0].radius=0.1")).spheres[0].radius == real("0.1"));
-    CHECK(loaded(good_scene, set("sphere[0].centre=[1, 2, -30]")).spheres[0].centre.z == -30);
+    CHECK(loaded(good_scene, set("sphere[0].radius=1e3")).listed[0].sphere().radius == 1000);
+    CHECK(loaded(good_scene, set(" sphere[0].radius = 0x1.8p+1 ")).listed[0].sphere().radius == 3);
+    CHECK(loaded(good_scene, set("sphere[0].radius=\"0.1\"")).listed[0].sphere().radius == real("0.1"));
+    CHECK(loaded(good_scene, set("sphere[0].radius=0.1")).listed[0].sphere().radius == real("0.1"));
+    CHECK(loaded(good_scene, set("sphere[0].centre=[1, 2, -30]")).listed[0].sphere().centre.z == -30);
     const scene::file::Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
-    CHECK(moved.spheres[0].centre.z == -30);
-    CHECK(moved.spheres[0].centre.x == 0);
+    CHECK(moved.listed[0].sphere().centre.z == -30);
+    CHECK(moved.listed[0].sphere().centre.x == 0);
     CHECK(loaded(good_scene, set("inputs=own")).inputs == scene::file::Inputs::own);
     CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
 }
@@ -51,7 +51,7 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { \"sphere[0].radius\" = 7, \"camera.width\" = 5 }\n";
     const scene::file::Scene result = loaded(text, options);
-    CHECK(result.spheres[0].radius == 3);
+    CHECK(result.listed[0].sphere().radius == 3);
     CHECK(result.camera.width == 5);
     CHECK(result.width == 64);
     CHECK(result.height == 32);
@@ -62,14 +62,14 @@ TEST_CASE("an exact number makes an override, for the axes of sweeps") {
     scene::file::LoadOptions options;
     options.overrides.push_back(
         {"sphere[0].radius", scene::toml::Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
-    CHECK(loaded(good_scene, options).spheres[0].radius == x);
+    CHECK(loaded(good_scene, options).listed[0].sphere().radius == x);
 }
 
 TEST_CASE("a file is parsed once and interpreted under many overrides") {
     const Scratch folder;
     const scene::file::SceneFile file(folder.write("scene.toml", good_scene));
-    CHECK(file.load(set("sphere[0].radius=2")).at(0).spheres[0].radius == 2);
-    CHECK(file.load(set("camera.width=3")).at(0).spheres[0].radius == 1);
+    CHECK(file.load(set("sphere[0].radius=2")).at(0).listed[0].sphere().radius == 2);
+    CHECK(file.load(set("camera.width=3")).at(0).listed[0].sphere().radius == 1);
 }
 
 TEST_CASE("an override of an unknown path says what is there") {
@@ -133,18 +133,18 @@ TEST_CASE("plain tables in a variant's set extend the path") {
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { camera.width = 7, \"sphere[0]\".radius = 2 }\n";
     CHECK(loaded(text).camera.width == 7);
-    CHECK(loaded(text).spheres[0].radius == 2);
+    CHECK(loaded(text).listed[0].sphere().radius == 2);
 }
 
 TEST_CASE("a variant's overrides apply in the order of writing") {
     const std::string wide_last =
         good_scene +
         "[[variant]]\nname = \"v\"\nset = { \"sphere[0].centre[0]\" = 9, \"sphere[0].centre\" = [1, 1, 1] }\n";
-    CHECK(loaded(wide_last).spheres[0].centre.x == 1);
+    CHECK(loaded(wide_last).listed[0].sphere().centre.x == 1);
     const std::string narrow_last =
         good_scene +
         "[[variant]]\nname = \"v\"\nset = { \"sphere[0].centre\" = [1, 1, 1], \"sphere[0].centre[0]\" = 9 }\n";
-    CHECK(loaded(narrow_last).spheres[0].centre.x == 9);
+    CHECK(loaded(narrow_last).listed[0].sphere().centre.x == 9);
 }
 
 }  // namespace test_overrides

@@ -1,0 +1,29 @@
+// What a shape says of its numbers, from which every file, option and table that names them follows.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace lostbits {
+
+/// One key of a solid, as a scene's file has it: a point of three coordinates or one length, in world units.
+struct Key {
+    enum class Kind { point, length };
+    /// What its numbers must be, beside finite.
+    enum class Limit {
+        none,
+        positive,         ///< greater than 0
+        at_least_before,  ///< in each component at least the key before it
+    };
+
+    std::string_view name;    ///< `centre`: of TOML tables, paths and shaders
+    std::string_view letter;  ///< `c`: files of rays have cx, cy, cz, options CX,CY,CZ
+    Kind kind = Kind::point;
+    Limit limit = Limit::none;
+    std::array<std::string_view, 2> aliases = {};  ///< as other people write the name
+
+    [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::point ? 3 : 1; }
+};
+
+}  // namespace lostbits

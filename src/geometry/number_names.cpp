@@ -1,0 +1,111 @@
+#include "geometry/number_names.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace lostbits {
+
+namespace {
+
+using Strings = std::vector<std::string>;
+
+/// `each(key, component)` of every number, the component empty of a key of one number.
+template <class Each>
+Strings named(Shape shape, const Each& each) {
+    Strings names;
+    for (const Key& key : row_of(shape).keys) {
+        if (key.count() == 1) names.push_back(each(key, std::string()));
+        else
+            for (const char* const component : {"x", "y", "z"}) names.push_back(each(key, std::string(component)));
+    }
+    return names;
+}
+
+/// One list for each shape.
+template <class Each>
+std::array<Strings, shape_rows.size()> of_all(const Each& each) {
+    std::array<Strings, shape_rows.size()> lists;
+    for (const ShapeRow& row : shape_rows) lists[static_cast<std::size_t>(row.shape)] = named(row.shape, each);
+    return lists;
+}
+
+std::string joined(std::string_view name, std::string_view between, const std::string& component) {
+    return std::string(name) + (component.empty() ? "" : std::string(between) + component);
+}
+
+}  // namespace
+
+std::span<const std::string> number_names(Shape shape) {
+    static const auto lists = of_all([](const Key& key, const auto& part) { return joined(key.name, "_", part); });
+    return lists[static_cast<std::size_t>(shape)];
+}
+
+std::span<const std::string> column_names(Shape shape) {
+    static const auto lists = of_all([](const Key& key, const auto& part) {
+        return part.empty() ? std::string(key.name) : joined(key.letter, "", part);
+    });
+    return lists[static_cast<std::size_t>(shape)];
+}
+
+std::vector<std::string> other_column_names(Shape shape, std::size_t k) {
+    Strings others;
+    const auto add = [&](const auto& each) {
+        const std::string name = named(shape, each)[k];
+        if (!name.empty() && name != column_names(shape)[k]) others.push_back(name);
+    };
+    add([](const Key& key, const auto& part) { return joined(key.name, "_", part); });
+    for (std::size_t alias = 0; alias < Key().aliases.size(); ++alias)
+        add([alias](const Key& key, const auto& part) {
+            return key.aliases[alias].empty() ? std::string() : joined(key.aliases[alias], "_", part);
+        });
+    add([](const Key& key, const auto& part) { return joined(key.letter, "", part); });
+    return others;
+}
+
+std::vector<std::string> number_paths(Shape shape) {
+    const std::string front = std::string(name_of(shape)) + '.';
+    return named(shape, [&](const Key& key, const auto& part) { return front + joined(key.name, ".", part); });
+}
+
+std::string option_words(Shape shape) {
+    std::string words;
+    for (const std::string& name :
+         named(shape, [](const Key&key, const auto&part) { return joined(key.letter, "", part); }))
+        words += (words.empty() ? "" : ",") + name;
+    std::ranges::transform(words, words.begin(), [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
+    return words;
+}
+
+std::string key_words(Shape shape) {
+    const auto keys = row_of(shape).keys;
+    std::string words(keys.front().name);
+    for (const Key& key : keys.subspan(1)) words += (&key == &keys.back() ? " and " : ", ") + std::string(key.name);
+    return words;
+}
+
+std::string key_list(Shape shape) {
+    std::string words;
+    for (const Key& key : row_of(shape).keys) words += (words.empty() ? "" : ", ") + std::string(key.name);
+    return words;
+}
+
+std::string order_words(const Key& key) {
+    const Key& before = *(&key - 1);
+    return std::string(before.name) + " <= " + std::string(key.name);
+}
+
+std::string no_end_words(Shape shape) {
+    std::string told;
+    for (const ShapeRow& row : shape_rows)
+        if (row.told_end) told += (told.empty() ? "" : ", ") + std::string(row.plural);
+    return "ends a ray for the forms of " + told + "; those of " + std::string(row_of(shape).plural) +
+           " take no end and would ignore it; leave it out, or ask about " + told;
+}
+
+std::string limit_words(Shape shape, const Key& key) {
+    if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
+    return "is below " + std::string((&key - 1)->name) + " in a component; a " + std::string(name_of(shape)) +
+           " needs " + order_words(key) + " in each";
+}
+
+}  // namespace lostbits
