@@ -4,27 +4,11 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_builds {
 
 using namespace lostbits::test;
-
-namespace {
-
-std::string library(const std::string& name) { return std::string(LOSTBITS_LIBRARIES) + "/" + name + ".so"; }
-std::string plugin(const std::string& name) { return " --plugin " + library(name); }
-
-/// The line of a form in a summary, without its name.
-std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form,
-                                          const std::string& format) {
-    for (auto& row : read_csv(summary)) {
-        if (row["form"] == form && row["format"] == format) return row;
-    }
-    FAIL("no row " << form << " " << format);
-    return {};
-}
-
-}  // namespace
 
 TEST_CASE("plugin: explain says what an answer is worth, and no more of a form that is compiled elsewhere", "[doors]") {
     const Scratch folder;

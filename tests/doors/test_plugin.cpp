@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "doors/libraries.hpp"
 
 namespace test_plugin {
 
@@ -13,23 +14,10 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string library(const std::string& name) { return std::string(LOSTBITS_LIBRARIES) + "/" + name + ".so"; }
-std::string plugin(const std::string& name) { return " --plugin " + library(name); }
-
 /// A small map by one form of the library of odd ones.
 Outcome map_by(const std::string& form, const Scratch& folder, const std::string& more = "") {
     return run("map near-benign --size 32x24 -i " + form + " -f f32 -o out" + plugin("odd_plugin") + more,
                folder.path());
-}
-
-/// The line of a form in a summary, without its name.
-std::map<std::string, std::string> row_of(const std::filesystem::path& summary, const std::string& form,
-                                          const std::string& format) {
-    for (auto& row : read_csv(summary)) {
-        if (row["form"] == form && row["format"] == format) return row;
-    }
-    FAIL("no row " << form << " " << format);
-    return {};
 }
 
 }  // namespace
