@@ -52,8 +52,13 @@ Columns outcome_columns() {
         {"wrong_object", Kind::count, "", "wrong solids: form and truth hit, but the form found another solid first",
          outcome<Outcome::wrong_object>},
         {"wrong_object_fraction", Kind::number, "1", "wrong_object among the rays that truly hit",
-         [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }}};
-    for (SummaryColumn& c : columns) c.tabled = c.name != "not_a_number_fraction" && c.name != "wrong_object_fraction";
+         [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }},
+        {"wrong_fraction", Kind::number, "1",
+         "not_a_number, false_hit, false_miss and wrong_object among all rays whose truth is known",
+         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }}};
+    constexpr std::array of_claims_alone{"not_a_number_fraction", "wrong_object_fraction", "wrong_fraction"};
+    for (SummaryColumn& c : columns)
+        c.tabled = std::find(of_claims_alone.begin(), of_claims_alone.end(), c.name) == of_claims_alone.end();
     return columns;
 }
 

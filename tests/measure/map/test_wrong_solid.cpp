@@ -65,6 +65,10 @@ TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured t
     CHECK(measure::map::find_column(columns, "wrong_object")->value(s) == static_cast<double>(single.wrong));
     CHECK(measure::map::find_column(columns, "wrong_object_fraction")->value(s) ==
           static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
+    REQUIRE(s.count(Outcome::unresolved) == 0);
+    CHECK(measure::map::find_column(columns, "wrong_fraction")->value(s) ==
+          static_cast<double>(s.rays - s.count(Outcome::agree_hit) - s.count(Outcome::agree_miss)) /
+              static_cast<double>(s.rays));
 }
 
 }  // namespace lostbits::test::test_wrong_solid
