@@ -8,10 +8,10 @@
 #include "analysis/choice/ray_words.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "geometry/number_names.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/escape.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis {
 

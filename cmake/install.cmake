@@ -9,7 +9,7 @@ install(FILES plugins/lostbits_plugin.h plugins/lostbits_plugin.hpp plugins/lost
     ${PROJECT_BINARY_DIR}/include/lostbits_build.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lostbits/data FILES_MATCHING PATTERN "*.toml" PATTERN "dumps/*")
 
-set(layers number geometry intersect scene measure)
+set(layers number geometry shapes intersect scene measure)
 foreach(room IN LISTS layers)
     install(DIRECTORY src/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lostbits FILES_MATCHING PATTERN "*.hpp")
 endforeach()

@@ -25,8 +25,9 @@
 // const intersect::MarchConstants<T>&, Watch& watch)`. docs/your-own-form.md leads from a function with `if` to here.
 #pragma once
 
-#include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 #if defined(LOSTBITS_ISA)  // one object for each width of registers, which sees what packs need and nothing else
 

@@ -7,10 +7,10 @@
 #include <map>
 
 #include "analysis/choice/select.hpp"
-#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::choice {
 

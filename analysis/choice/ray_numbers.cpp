@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::choice {
 

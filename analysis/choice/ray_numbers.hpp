@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::analysis::choice {
 

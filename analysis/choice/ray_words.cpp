@@ -9,7 +9,6 @@
 #include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/worst_ray.hpp"
-#include "geometry/number_names.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -17,6 +16,7 @@
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::choice {
 

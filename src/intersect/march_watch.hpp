@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "geometry/shapes.hpp"
+#include "geometry/ray.hpp"
 #include "intersect/march.hpp"
 #include "number/with_number.hpp"
 

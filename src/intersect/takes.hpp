@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "geometry/solid.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/march.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect {
 

@@ -6,9 +6,10 @@
 
 #include <boost/multiprecision/gmp.hpp>
 
-#include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
 #include "number/real.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::test {
 

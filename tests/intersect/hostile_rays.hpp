@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "geometry/solid.hpp"
 #include "number/random.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::test {
 

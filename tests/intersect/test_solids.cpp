@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "geometry/number_names.hpp"
+#include "shapes/number_names.hpp"
 
 using namespace lostbits;
 

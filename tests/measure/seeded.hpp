@@ -8,8 +8,9 @@
 #include <cstdint>
 #include <random>
 
-#include "geometry/shapes.hpp"
 #include "number/format.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::testing {
 

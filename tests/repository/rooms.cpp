@@ -19,7 +19,7 @@ std::string room_of(const std::string& path) {
 
 /// The namespace of a room: that of its path. Operations of numbers must be found where a formula over float looks.
 std::string namespace_of(const std::string& room) {
-    if (room == "number" || room == "geometry") return "lostbits";
+    if (room == "number" || room == "geometry" || room.starts_with("shapes")) return "lostbits";
     return "lostbits::" + std::regex_replace(room, std::regex("/"), "::");
 }
 

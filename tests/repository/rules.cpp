@@ -85,7 +85,7 @@ Offences form_includes(const SourceFile& file) {
     Offences offences;
     if (!in_shape_folder(file)) return offences;
     for (const Include& include : includes_of(file.text)) {
-        static const std::set<std::string> allowed{"number", "geometry", "intersect"};
+        static const std::set<std::string> allowed{"number", "geometry", "shapes", "intersect"};
         if (!allowed.contains(include.name.substr(0, include.name.find('/'))))
             offences.push_back(at(file, include.line, "a form includes " + include.name));
     }

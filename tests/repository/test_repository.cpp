@@ -154,7 +154,7 @@ TEST_CASE("two definitions of one name are caught", "[repository]") {
     CHECK(judge(room + type + "}\n", room + "/* struct Standing {} */ void f() { struct Standing {}; }\n}\n") == 0);
 }
 
-TEST_CASE("forms stand on number, geometry and intersect, and obey the rules of a formula", "[repository]") {
+TEST_CASE("forms stand on number, geometry, shapes and intersect, and obey the rules of a formula", "[repository]") {
     const auto files = read_tree({"src/intersect"});
     const auto forms = std::count_if(files.begin(), files.end(), is_form);
     CHECK(forms >= 21);

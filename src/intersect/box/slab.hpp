@@ -2,8 +2,8 @@
 // slab from the t of one plane to the t of the other. What several box forms share.
 #pragma once
 
-#include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
+#include "shapes/box/box.hpp"
 
 namespace lostbits::intersect::box {
 

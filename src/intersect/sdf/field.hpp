@@ -2,7 +2,8 @@
 // P0-C1); J. C. Hart, "Sphere tracing", The Visual Computer 12 (1996).
 #pragma once
 
-#include "geometry/shapes.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::intersect::sdf {
 

@@ -1,7 +1,7 @@
 // The loop that the sdf forms share.
 #pragma once
 
-#include "geometry/shapes.hpp"
+#include "geometry/ray.hpp"
 #include "intersect/info.hpp"
 #include "intersect/march.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/shader/functions.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect::shader {
 

@@ -1,8 +1,8 @@
 // From discriminant to answer: the last steps that several sphere forms share.
 #pragma once
 
-#include "geometry/shapes.hpp"
 #include "intersect/info.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::intersect::sphere {
 

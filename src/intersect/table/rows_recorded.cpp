@@ -1,7 +1,7 @@
-#include "geometry/number_names.hpp"
 #include "intersect/table/arithmetics.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/rows.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::table {
 

@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/info.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
@@ -18,6 +17,7 @@
 #include "number/format.hpp"
 #include "number/interval.hpp"
 #include "number/tape.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect::table {
 

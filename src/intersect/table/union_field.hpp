@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "geometry/solid.hpp"
 #include "intersect/sdf/field.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect::table {
 

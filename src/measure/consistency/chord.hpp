@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "geometry/solid.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::consistency {
 

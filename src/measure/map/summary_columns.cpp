@@ -4,9 +4,9 @@
 #include <array>
 #include <numeric>
 
-#include "geometry/number_names.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/missing.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::measure::map {
 

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/march.hpp"
 #include "intersect/way.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::metric {
 

@@ -1,7 +1,7 @@
 // What an exact half-line does with one solid: signs of dyadic polynomials in stored numbers, each of them proved.
 #pragma once
 
-#include "geometry/solid.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {
 

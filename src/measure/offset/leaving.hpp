@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/solid.hpp"
 #include "number/rounded.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "measure/offset/strategies.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {
 

@@ -2,8 +2,8 @@
 // is certainly right.
 #pragma once
 
-#include "geometry/shapes.hpp"
 #include "scene/file/appearance.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::measure::picture {
 

@@ -1,9 +1,9 @@
 // The stages that prove the answers of many rays at once, at the width of the machine's registers.
 #pragma once
 
-#include "geometry/solid.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/stages/raw_stages.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::stages {
 

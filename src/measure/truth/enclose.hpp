@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "geometry/solid.hpp"
 #include "intersect/info.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <string_view>
 
-#include "geometry/solid.hpp"
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/truth/certified.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -8,13 +8,13 @@
 #include <cmath>
 #include <sstream>
 
-#include "geometry/number_names.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/parse_number.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::output::claim {
 

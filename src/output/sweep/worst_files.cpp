@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "geometry/number_names.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 #include "output/sweep/case_text.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::output::sweep {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "geometry/number_names.hpp"
 #include "number/error.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::dump {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "geometry/number_names.hpp"
 #include "scene/toml/did_you_mean.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::dump {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/solid.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::dump {
 

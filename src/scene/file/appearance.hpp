@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "number/real.hpp"
 #include "scene/toml/toml_reader.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::file {
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "geometry/number_names.hpp"
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/result_name.hpp"
 #include "scene/toml/toml_reader.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::file {
 

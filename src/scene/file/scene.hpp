@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/march.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
 #include "scene/file/appearance.hpp"
 #include "scene/file/sphereflake.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::file {
 

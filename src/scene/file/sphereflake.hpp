@@ -3,9 +3,9 @@
 
 #include <functional>
 
-#include "geometry/solid.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "scene/toml/toml_reader.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::file {
 

@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include "geometry/shapes.hpp"
+#include "geometry/ray.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/file/stretch.hpp"
 #include "scene/toml/round.hpp"

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "intersect/march.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::rays {
 

@@ -10,11 +10,11 @@
 #include <variant>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/file/scene.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::rays {
 

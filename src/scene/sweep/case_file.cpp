@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "geometry/number_names.hpp"
 #include "scene/sweep/convention.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::sweep {
 

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "geometry/number_names.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::sweep {
 

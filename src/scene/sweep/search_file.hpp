@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "geometry/solid.hpp"
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::scene::sweep {
 

@@ -8,7 +8,8 @@
 #include <arb.h>
 #endif
 
-#include "geometry/shapes.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::testing {
 

@@ -6,9 +6,10 @@
 
 #include <boost/multiprecision/gmp.hpp>
 
-#include "geometry/shapes.hpp"
 #include "measure/truth/certified.hpp"
 #include "number/real.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits::testing {
 

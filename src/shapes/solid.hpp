@@ -11,7 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "geometry/shapes.hpp"
+#include "shapes/box/box.hpp"
+#include "shapes/sphere/sphere.hpp"
 
 namespace lostbits {
 

@@ -1,4 +1,4 @@
-#include "geometry/number_names.hpp"
+#include "shapes/number_names.hpp"
 
 #include <algorithm>
 #include <array>
