@@ -5,7 +5,7 @@
 #include <random>
 
 #include "intersect/simd/packed.hpp"
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/real.hpp"
 #include "ratios.hpp"

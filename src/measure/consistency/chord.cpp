@@ -10,40 +10,12 @@ namespace lostbits::measure::consistency {
 namespace {
 
 template <class E>
-struct ExactChord {
-    E near, far;
-};
-
-/// (−h ∓ √(a r² − |f × d|²))/a with f = o − G, h = f·d, a = d·d.
-template <class E>
-std::optional<ExactChord<E>> chord_of(const Ray<E>& ray, const Sphere<E>& sphere) {
-    const Vec<E> f = ray.origin - sphere.centre;
-    const E a = square(ray.direction), h = dot(f, ray.direction);
-    const E root = sqrt(a * square(sphere.radius) - square(cross<E>(f, ray.direction)));
-    return ExactChord<E>{(-h - root) / a, (root - h) / a};
-}
-
-/// The largest entry and the smallest exit; of two that cannot be told apart, both.
-template <class E>
-std::optional<ExactChord<E>> chord_of(const Ray<E>& ray, const Box<E>& box) {
-    const auto slabs = truth::slabs_of(ray, box);
-    if (!slabs) return std::nullopt;
-    std::optional<E> near, far;
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (!slabs->entry[i]) continue;
-        const E in = slabs->entry[i]->n / slabs->entry[i]->m, out = slabs->exit[i]->n / slabs->exit[i]->m;
-        near = near ? max(*near, in) : in;
-        far = far ? min(*far, out) : out;
-    }
-    if (!near) return std::nullopt;
-    return ExactChord<E>{*near, *far};
-}
-
-template <class E>
-std::optional<ExactChord<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
+std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
     const Ray<E> exact = truth::lift_ray<E>(ray);
-    const Solid<E> lifted = truth::lift_solid<E>(solid);
-    return visit(lifted, [&exact](const auto& shape) { return chord_of<E>(exact, shape); });
+    return visit(truth::lift_solid<E>(solid), [&exact](const auto& shape) -> std::optional<Ends<E>> {
+        const auto span = shape.span(exact);
+        return span ? ends_of(*span) : std::nullopt;
+    });
 }
 
 /// A number as a double that is off by no more than `error`.

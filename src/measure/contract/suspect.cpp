@@ -15,28 +15,12 @@ namespace {
 
 constexpr std::size_t most_rays = 4096;
 
-/// Where the line enters and leaves a solid, in double: good to many more bits than are asked about.
-struct Line {
-    double near, far;
-};
+using Line = Ends<double>;
 
+/// In double: good to many more bits than are asked about.
 std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
-    if (solid.shape == Shape::box) {
-        Line line{-HUGE_VAL, HUGE_VAL};
-        for (int k = 0; k < 3; ++k) {
-            const double a = (solid.box().lo[k] - ray.origin[k]) / ray.direction[k];
-            const double b = (solid.box().hi[k] - ray.origin[k]) / ray.direction[k];
-            line = {std::fmax(line.near, std::fmin(a, b)), std::fmin(line.far, std::fmax(a, b))};
-        }
-        return line.near <= line.far ? std::optional(line) : std::nullopt;
-    }
-    const Sphere<double> sphere = solid.sphere();
-    const Vec<double> f = ray.origin - sphere.centre, d = ray.direction;
-    const double a = dot(d, d), middle = -dot(f, d) / a;
-    const Vec<double> beside = f + middle * d;
-    const double left = sphere.radius * sphere.radius - dot(beside, beside);
-    if (!(left >= 0)) return std::nullopt;
-    return Line{middle - std::sqrt(left / a), middle + std::sqrt(left / a)};
+    const auto line = visit(solid, [&ray](const auto& shape) { return ends_of(*shape.span(ray)); });
+    return line && line->near <= line->far ? line : std::nullopt;
 }
 
 bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }

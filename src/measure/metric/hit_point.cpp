@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "number/ball.hpp"
-#include "number/interval.hpp"
+#include "measure/truth/enclose.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
@@ -30,27 +29,13 @@ Vec<double> hit_point(const Sample& s) {
 
 namespace {
 
-/// (|v| − r)/r without cancellation: (v·v − r²)/(r(|v| + r)), v = P − G.
 template <class E>
-E off_surface(const Vec<double>& p, const Sphere<double>& sphere) {
-    const Vec<E> v(E(p.x) - E(sphere.centre.x), E(p.y) - E(sphere.centre.y), E(p.z) - E(sphere.centre.z));
-    const E r(sphere.radius);
-    const E v2 = square(v);
-    return (v2 - square(r)) / (r * (sqrt(v2) + r));
+E off_surface(const Vec<double>& p, const Solid<double>& solid) {
+    const Vec<E> point = truth::lift_vec<E>(p);
+    return visit(truth::lift_solid<E>(solid), [&point](const auto& shape) { return shape.off_surface(point); });
 }
 
-/// The largest of lo − p and p − hi over the axes, in longest sides: how far p lies outside the box by its worst
-/// component (beside an edge or a corner that is less than the distance), or, negative, how deep inside by the nearest
-/// face.
-template <class E>
-E off_surface(const Vec<double>& p, const Box<double>& box) {
-    const auto beyond = [&](int i) { return max(E(box.lo[i]) - E(p[i]), E(p[i]) - E(box.hi[i])); };
-    const auto side = [&](int i) { return E(box.hi[i]) - E(box.lo[i]); };
-    return max(max(beyond(0), beyond(1)), beyond(2)) / max(max(side(0), side(1)), side(2));
-}
-
-template <class Solid>
-double residual_of(const Vec<double>& p, const Solid& solid) {
+double residual_of(const Vec<double>& p, const Solid<double>& solid) {
     const Ball quick = off_surface<Ball>(p, solid);
     // Good to 2^-40 of itself, or so small that a double's rounding noise hides it.
     if (quick.is_bounded() && quick.radius() <= std::max(std::fabs(quick.hi()) * 0x1p-40, 0x1p-90)) return quick.hi();
@@ -64,7 +49,7 @@ double residual_of(const Vec<double>& p, const Solid& solid) {
 double residual(const Sample& s) {
     const Vec<double> p = hit_point(s);
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    return visit(*s.solid, [&p](const auto& shape) { return residual_of(p, shape); });
+    return residual_of(p, *s.solid);
 }
 
 }  // namespace lostbits::measure::metric

@@ -31,43 +31,17 @@ Vec<double> dropped(const Vec<T>& v) {
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
-double exit_of(const Ray<double>& ray, const Sphere<double>& sphere) {
-    const Vec<double>& w = ray.direction;
-    const Vec<double> f = ray.origin - sphere.centre;
-    const double a = square(w), h = dot(f, w);
-    const double discriminant = a * (sphere.radius * sphere.radius) - square(cross(f, w));
-    return discriminant > 0 ? (std::sqrt(discriminant) - h) / a : 0;
-}
-
-double exit_of(const Ray<double>& ray, const Box<double>& box) {
-    const Vec<double>&o = ray.origin, &w = ray.direction;
-    double exit = HUGE_VAL;
-    for (int i = 0; i < 3; ++i) {
-        if (w[i] != 0) exit = std::min(exit, ((w[i] > 0 ? box.hi[i] : box.lo[i]) - o[i]) / w[i]);
-    }
-    return exit;
-}
-
 /// Half of the way to the far side, in doubles: what tells a root at the start from the one at the end.
 double half_exit(const Ray<double>& ray, const Solid<double>& solid) {
-    return visit(solid, [&ray](const auto& shape) { return exit_of(ray, shape) / 2; });
-}
-
-double distance_to(const Sphere<double>& sphere, const Vec<double>& p) {
-    return std::fabs(length(Vec<double>(p - sphere.centre)) - sphere.radius);
-}
-
-double distance_to(const Box<double>& box, const Vec<double>& p) {
-    double beyond = -HUGE_VAL;
-    for (int i = 0; i < 3; ++i) beyond = std::max({beyond, box.lo[i] - p[i], p[i] - box.hi[i]});
-    return std::fabs(beyond);
+    const auto ends = visit(solid, [&ray](const auto& shape) { return ends_of(*shape.span(ray)); });
+    return ends && ends->far > 0 ? ends->far / 2 : 0;
 }
 
 /// How far a point is from the surface of a solid at least: in doubles, less a margin for their rounding.
 double least_distance(const Vec<double>& p, const Solid<double>& solid) {
     double size = largest_of(p);
     for (const double x : solid.used()) size = std::max(size, std::fabs(x));
-    return visit(solid, [&p](const auto& shape) { return distance_to(shape, p); }) - 0x1p-40 * size;
+    return visit(solid, [&p](const auto& s) { return std::fabs(s.off_surface(p)) * s.unit(); }) - 0x1p-40 * size;
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
 
@@ -72,35 +72,31 @@ std::optional<Meeting> filtered(const HalfLine& line, const Box<double>& box) {
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const Ray<E>& from, const Sphere<E>& sphere) {
-    const Vec<E> f = from.origin - sphere.centre;
-    const auto c = sign<E>(square(f) - square(sphere.radius));
+std::optional<Meeting> enclosed(const QuadraticSpan<E>& s) {
+    const auto c = sign(s.c);
     if (!c) return std::nullopt;
     if (*c < 0) return Meeting{.inside = true, .outside = false, .meets = true};
     Meeting met{.inside = false, .outside = *c > 0, .meets = false};
-    const auto h = sign<E>(dot(f, from.direction));
+    const auto h = sign(s.h);
     if (!h) return std::nullopt;
     if (*h >= 0) return met;
-    const auto through = sign<E>(square(from.direction) * square(sphere.radius) - square(cross<E>(f, from.direction)));
+    const auto through = sign(s.q);
     if (!through) return std::nullopt;
     met.meets = *through > 0;
     return met;
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const Ray<E>& from, const Box<E>& box) {
-    Meeting met{.inside = true, .outside = false, .meets = false};
-    for (int i = 0; i < 3; ++i) {
-        for (const auto& inward : {sign<E>(from.origin[i] - box.lo[i]), sign<E>(box.hi[i] - from.origin[i])}) {
-            if (!inward) return std::nullopt;
-            met.inside = met.inside && *inward > 0;
-            met.outside = met.outside || *inward < 0;
-        }
+std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
+    Tri inside = s.open, outside = !s.closed;
+    for (std::size_t i = 0; i < s.entry.size(); ++i) {
+        if (!s.entry[i]) continue;
+        inside = inside && s.entry[i]->n < E(0) && s.exit[i]->n > E(0);
+        outside = outside || s.entry[i]->n > E(0) || s.exit[i]->n < E(0);
     }
-    const auto hit = truth::enclose<E>(from, box, nullptr, intersect::Touching::miss).hit;
-    if (hit.is_unknown()) return std::nullopt;
-    met.meets = hit.is_yes();
-    return met;
+    const Tri meets = truth::enclose<E>(s, nullptr, intersect::Touching::miss).hit;
+    if (inside.is_unknown() || outside.is_unknown() || meets.is_unknown()) return std::nullopt;
+    return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
 template <class E>
@@ -108,7 +104,10 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
     Ray<E> from = truth::lift_ray<E>(line.ray);
     if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
     const Solid<E> exact = truth::lift_solid<E>(solid);
-    return visit(exact, [&from](const auto& shape) { return enclosed<E>(from, shape); });
+    return visit(exact, [&from](const auto& shape) -> std::optional<Meeting> {
+        const auto span = shape.span(from);
+        return span ? enclosed<E>(*span) : std::nullopt;
+    });
 }
 
 /// What `find` finds: every sign is told by some precision.
@@ -119,28 +118,23 @@ auto escalate(const Find& find) {
 }
 
 /// The way a + s(b − a), 0 ≤ s ≤ 1, against the open solid: both ends of it, or the place in between that is nearest to
-/// the middle of a sphere; of a box its slabs, with s ≤ 1 as the end of the ray.
+/// the middle of a quadratic; of slabs with s ≤ 1 as the end of the ray.
 template <class E>
-std::optional<bool> passes(const Vec<E>& a, const Vec<E>& b, const Sphere<E>& sphere) {
-    const Vec<E> f = a - sphere.centre, g = b - sphere.centre, w = b - a;
-    const E r2 = square(sphere.radius);
-    for (const auto& c : {sign<E>(square(f) - r2), sign<E>(square(g) - r2)}) {
+std::optional<bool> passes(const QuadraticSpan<E>& s) {
+    for (const auto& c : {sign(s.c), sign<E>(s.a + s.h + s.h + s.c)}) {
         if (!c) return std::nullopt;
         if (*c < 0) return true;
     }
-    const auto from = sign<E>(dot(f, w)), to = sign<E>(dot(g, w)),
-               through = sign<E>(square(w) * r2 - square(cross<E>(f, w)));
+    const auto from = sign(s.h), to = sign<E>(s.a + s.h), through = sign(s.q);
     if (!from || !to || !through) return std::nullopt;
     return *from < 0 && *to > 0 && *through > 0;
 }
 
 template <class E>
-std::optional<bool> passes(const Vec<E>& a, const Vec<E>& b, const Box<E>& box) {
+std::optional<bool> passes(const SlabSpan<E>& s) {
     const E end(1);
-    const Ray<E> way{a, b - a};
-    const auto hit = truth::enclose<E>(way, box, &end, intersect::Touching::miss).hit;
-    if (hit.is_unknown()) return std::nullopt;
-    return hit.is_yes();
+    const Tri hit = truth::enclose<E>(s, &end, intersect::Touching::miss).hit;
+    return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
 }  // namespace
@@ -161,7 +155,10 @@ bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<doub
     return escalate([&]<class E>() {
         const Vec<E> from = truth::lift_vec<E>(a), to = truth::lift_vec<E>(b);
         const Solid<E> exact = truth::lift_solid<E>(solid);
-        return visit(exact, [&](const auto& shape) { return passes<E>(from, to, shape); });
+        return visit(exact, [&](const auto& shape) -> std::optional<bool> {
+            const auto span = shape.span({from, to - from});
+            return span ? passes<E>(*span) : std::nullopt;
+        });
     });
 }
 

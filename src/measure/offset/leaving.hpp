@@ -53,66 +53,14 @@ T largest_of(const Vec<T>& p) {
     return max(max(abs(p.x), abs(p.y)), abs(p.z));
 }
 
-/// Which plane of a box a ray met: that of the latest of its entries or, from inside, of the earliest of its exits.
-struct Face {
-    int axis = 0;
-    bool high = false;
-};
-
-template <Number T>
-Face face_of(const Ray<T>& ray, const Box<T>& box) {
-    Face entry, exit;
-    bool any = false;
-    T latest(0), earliest(0);
-    for (int i = 0; i < 3; ++i) {
-        const bool ahead = ray.direction[i] > T(0);
-        if (!ahead && !(ray.direction[i] < T(0))) continue;
-        const T in = ((ahead ? box.lo[i] : box.hi[i]) - ray.origin[i]) / ray.direction[i];
-        const T out = ((ahead ? box.hi[i] : box.lo[i]) - ray.origin[i]) / ray.direction[i];
-        if (!any || in > latest) latest = in, entry = {i, !ahead};
-        if (!any || out < earliest) earliest = out, exit = {i, ahead};
-        any = true;
-    }
-    return latest > T(0) ? entry : exit;
-}
-
-template <Number T>
-Vec<T> outward_normal(const Ray<T>&, const Sphere<T>& sphere, const Vec<T>& p) {
-    return normalised<T>(p - sphere.centre);
-}
-
-template <Number T>
-Vec<T> outward_normal(const Ray<T>& ray, const Box<T>& box, const Vec<T>&) {
-    const Face face = face_of<T>(ray, box);
-    Vec<T> n(T(0), T(0), T(0));
-    n[face.axis] = face.high ? T(1) : T(-1);
-    return n;
-}
-
-/// (p − G)/|p − G|, or the axis of the face.
 template <Number T>
 Vec<T> outward_normal(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&](const auto& shape) { return outward_normal<T>(ray, shape, p); });
+    return visit(solid, [&](const auto& shape) { return shape.outward_normal(ray, p); });
 }
 
-template <Number T>
-Vec<T> projected(const Ray<T>&, const Sphere<T>& sphere, const Vec<T>& p) {
-    const Vec<T> f = p - sphere.centre;
-    return moved<T>(sphere.centre, sphere.radius / length(f), f);
-}
-
-template <Number T>
-Vec<T> projected(const Ray<T>& ray, const Box<T>& box, const Vec<T>& p) {
-    const Face face = face_of<T>(ray, box);
-    Vec<T> on = p;
-    on[face.axis] = face.high ? box.hi[face.axis] : box.lo[face.axis];
-    return on;
-}
-
-/// G + f·(r/|f|) with f = p − G, or the coordinate of the face in place of the computed one.
 template <Number T>
 Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&](const auto& shape) { return projected<T>(ray, shape, p); });
+    return visit(solid, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
 /// The number n ≥ 0 places above zero in a format: the inverse of `truth::ordinal`.

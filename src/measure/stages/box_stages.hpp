@@ -72,7 +72,7 @@ mask_t<P> take_later(const Ratio<P>& other, const P& scale, Ratio<P>& latest) {
     return later || earlier || neither;
 }
 
-/// As `enclose` of truth/enclose_box.hpp, where no two of the compared fractions are equal: then the closed box and the
+/// As `enclose` of truth/enclose.hpp, where no two of the compared fractions are equal: then the closed box and the
 /// open one agree. t = n/m of the latest entry, or 0 where every entry lies behind the origin: of doubles the sign of n
 /// is that of n.hi. One word is off by 2u, or 5u with the factor |d|; two by ε = 2^-102 and what n has of the inputs.
 template <bool wide, Wanted wanted, bool two_words, class P>

@@ -103,44 +103,49 @@ E moved(const Problem<E, N>& problem, const Dual<E, N>& f) {
     return sum;
 }
 
-template <class E, class S>
-double reach_of_sphere(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double relative) {
-    const Problem<E, 10> problem(ray, solid);
-    const auto sphere = problem.solid.sphere();
-    const auto& d = problem.ray.direction;
-    const auto f = problem.ray.origin - sphere.centre;
-    const auto a = square(d), h = dot(f, d), r2 = square(sphere.radius);
+/// How far half an ulp in each input can move t: |Δp| + √|Δq| of t = p ± √q, and at t = 0 as far as the surface can
+/// move.
+template <class E, std::size_t N>
+double reach_in(const Problem<E, N>& problem, const QuadraticSpan<Dual<E, N>>& s, double t, double linear,
+                double relative) {
     const E half_ulp(relative);
-    const E squared = half_ulp * moved(problem, (a * r2 - square(cross(f, d))) / (a * a));
-    const double roots = as_double(E(half_ulp * moved(problem, -h / a) + sqrt(squared)));
+    const E squared = half_ulp * moved(problem, s.q / (s.a * s.a));
+    const double roots = as_double(E(half_ulp * moved(problem, -s.h / s.a) + sqrt(squared)));
     if (t != 0) return std::min(linear, roots);
-    const auto c = square(f) - r2;
-    const E aside = half_ulp * moved(problem, c), slope = abs(h.value()) + abs(h.value());
-    if (abs(c.value()) > aside) return 0;
+    const E aside = half_ulp * moved(problem, s.c), slope = abs(s.h.value()) + abs(s.h.value());
+    if (abs(s.c.value()) > aside) return 0;
     return slope > E(0) ? std::min(as_double(E(aside / slope)), roots) : roots;
 }
 
-template <class S>
-double reach_of_box(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double half_ulp) {
+template <class E, std::size_t N>
+double reach_in(const Problem<E, N>& problem, const SlabSpan<Dual<E, N>>& s, double t, double linear, double relative) {
     if (t != 0) return linear;
-    double most = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double o = as_double(ray.origin[k]), d = std::fabs(as_double(ray.direction[k]));
-        for (const S& side : {solid.box().lo[k], solid.box().hi[k]}) {
-            const double face = as_double(side), aside = half_ulp * (std::fabs(face) + std::fabs(o));
-            if (d > 0 && std::fabs(face - o) <= aside) most = std::max(most, aside / d);
+    E most(0);
+    for (const auto* side : {&s.entry, &s.exit}) {
+        for (const auto& face : *side) {
+            if (!face) continue;
+            const E aside = E(relative) * moved(problem, face->n);
+            if (abs(face->n.value()) <= aside) most = max(most, E(aside / face->m.value()));
         }
     }
-    return most;
+    return as_double(most);
+}
+
+template <class E, class S>
+double reach_with(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double relative) {
+    return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
+        constexpr std::size_t N = 6 + row_of(Of<S>::shape).numbers;
+        const Problem<E, N> problem(ray, solid);
+        return reach_in<E, N>(problem, *problem.solid.template as<Of>().span(problem.ray), t, linear, relative);
+    });
 }
 
 template <class S>
 double reach_of(const Ray<S>& ray, const Solid<S>& solid, double t, double condition, int precision) {
     const double half_ulp = std::ldexp(1.0, -precision), linear = condition * std::fabs(t) * half_ulp;
-    if (solid.shape == Shape::box) return reach_of_box(ray, solid, t, linear, half_ulp);
-    const double quick = reach_of_sphere<double>(ray, solid, t, linear, half_ulp);
+    const double quick = reach_with<double>(ray, solid, t, linear, half_ulp);
     // Beyond double's range a square is infinite, or nothing.
-    return std::isfinite(quick) && quick > 0 ? quick : reach_of_sphere<Real>(ray, solid, t, linear, half_ulp);
+    return std::isfinite(quick) && quick > 0 ? quick : reach_with<Real>(ray, solid, t, linear, half_ulp);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "measure/truth/certified.hpp"
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -221,21 +221,8 @@ void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>&
     }
 }
 
-namespace {
-
-bool may_hold(const Sphere<double>& sphere, const Vec<double>& p) {
-    const double f2 = square(p - sphere.centre), r2 = sphere.radius * sphere.radius;
-    return !(f2 > r2 * (1 + 0x1p-40) && f2 > 0x1p-900);
-}
-
-bool may_hold(const Box<double>& b, const Vec<double>& p) {
-    return !(p.x < b.lo.x || p.x > b.hi.x || p.y < b.lo.y || p.y > b.hi.y || p.z < b.lo.z || p.z > b.hi.z);
-}
-
-}  // namespace
-
 bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
-    return visit(solid, [&ray](const auto& shape) { return may_hold(shape, ray.origin); });
+    return visit(solid, [&ray](const auto& shape) { return shape.may_hold(ray.origin); });
 }
 
 }  // namespace lostbits::measure::truth

@@ -118,8 +118,7 @@ private:
     Indices forms_, own_truths_;
 };
 
-/// Whether a ray may start in the solid or on it. In double, |f|² of a sphere is good to 2^-50 of itself unless it
-/// underflows.
+/// Whether a ray may start in the solid or on it.
 bool may_start_in(const Ray<double>& ray, const Solid<double>& solid);
 
 }  // namespace lostbits::measure::truth

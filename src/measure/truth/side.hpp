@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace lostbits::measure::truth {
@@ -41,45 +41,43 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     return *of_u * *larger;
 }
 
-/// For a ray that hits the sphere and m > 0. With P(t) = a t² + 2 h t + c, the near root (from outside) is above m
-/// where P(m) > 0 and a m + h < 0, the far root (from inside) where P(m) < 0. Of a distance m the same with m/√a for m:
-/// P = (m² + c) + 2 h m/√a and, over √a, m + h/√a.
+/// For a ray that hits the surface and m > 0. With P(t) = a t² + 2 h t + c, the near root (from outside) is above m
+/// where P(m) > 0 and a m + h < 0, the far root (from inside) where P(m) < 0. Of a distance m the same with m/√b for m,
+/// b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b.
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Sphere<E>& sphere, const E& m, Length length, intersect::Inside) {
-    const Vec<E> f = ray.origin - sphere.centre;
-    const E a = square(ray.direction);
-    const E h = dot(f, ray.direction);
-    const E c = square(f) - square(sphere.radius);
+std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, intersect::Inside) {
     const bool parameter = length == Length::parameter;
-    const auto outside = sign(c);
-    const auto p = parameter ? sign<E>((a * m + h + h) * m + c) : sign_of_sum<E>(square(m) + c, (h + h) * m, a);
+    const auto outside = sign(s.c);
+    const auto p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
+                             : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
     if (!outside || !p) return std::nullopt;
     if (*outside <= 0) return -*p;
     if (*p < 0) return -1;
     // Past the middle both P(m) > 0 and the root P(m) = 0 lie beyond the near root.
-    const auto past = parameter ? sign<E>(a * m + h) : sign_of_sum<E>(m, h, a);
+    const auto past = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
     if (!past) return std::nullopt;
     return *past > 0 ? -1 : *p;
 }
 
-/// For a ray that hits the box and m > 0: t* = n/d of its first entry, or of its exit where that is the answer from
-/// inside, against m, or n² a against (m d)².
+/// For a ray that hits and m > 0: t* = n/d of its first entry, or of its exit where that is the answer from inside,
+/// against m, or n² d·d against (m d)².
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Box<E>& box, const E& m, Length length, intersect::Inside inside) {
-    const auto slabs = slabs_of(ray, box);
-    if (!slabs) return std::nullopt;
-    auto first = first_entry(*slabs);
-    if (first && inside == intersect::Inside::exit && (first->n <= E(0)).is_yes()) first = first_exit(*slabs);
+std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, intersect::Inside inside) {
+    auto first = first_entry(s);
+    if (first && inside == intersect::Inside::exit && (first->n <= E(0)).is_yes()) first = first_exit(s);
     if (!first) return std::nullopt;
     const E there = m * first->m;
     if (length == Length::parameter) return sign<E>(first->n - there);
-    return sign<E>(square(first->n) * square(ray.direction) - square(there));
+    return sign<E>(square(first->n) * s.d2 - square(there));
 }
 
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
                            intersect::Inside inside = intersect::Inside::usual) {
-    return visit(solid, [&](const auto& shape) { return side_of(ray, shape, m, length, inside); });
+    return visit(solid, [&](const auto& shape) -> std::optional<int> {
+        const auto span = shape.span(ray);
+        return span ? side_of(*span, m, length, inside) : std::nullopt;
+    });
 }
 
 }  // namespace lostbits::measure::truth

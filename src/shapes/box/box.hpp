@@ -7,6 +7,7 @@
 
 #include "geometry/key.hpp"
 #include "geometry/ray.hpp"
+#include "geometry/span.hpp"
 #include "shapes/sphere/sphere.hpp"
 
 namespace lostbits {
@@ -33,10 +34,7 @@ struct Box {
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * (lo + hi); }
-    [[nodiscard]] T half_extent() const {
-        const Vec<T> side = hi - lo;
-        return max(max(side.x, side.y), side.z) / 2;
-    }
+    [[nodiscard]] T half_extent() const { return unit() / 2; }
     [[nodiscard]] Sphere<T> ball_around() const {
         const T half = T(1) / T(2);
         return {half * lo + half * hi, half * length(Vec<T>(hi - lo))};
@@ -53,6 +51,82 @@ struct Box {
             to.hi[i] = there + k * (hi[i] - there);
         }
         return to;
+    }
+
+    /// entry = (lo − o)/d and exit = (hi − o)/d where d > 0, the other way round where d < 0, both scaled to a
+    /// denominator of |d|. Nothing where this precision does not tell a sign of d (a double's is always told).
+    [[nodiscard]] std::optional<SlabSpan<T>> span(const Ray<T>& ray) const {
+        const T zero(0);
+        const mask_t<T> always(true);
+        SlabSpan<T> slabs{.entry = {}, .exit = {}, .closed = always, .open = always, .d2 = square(ray.direction)};
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<std::size_t>(axis);
+            const T &o = ray.origin[axis], &d = ray.direction[axis], &low = lo[axis], &high = hi[axis];
+            const auto ahead = d > zero, back = d < zero;
+            slabs.open = slabs.open && low < high;
+            if (is_certain(ahead)) {
+                slabs.entry[i] = Fraction<T>{low - o, d};
+                slabs.exit[i] = Fraction<T>{high - o, d};
+            } else if (is_certain(back)) {
+                slabs.entry[i] = Fraction<T>{o - high, -d};
+                slabs.exit[i] = Fraction<T>{o - low, -d};
+            } else if (is_certain(!ahead && !back)) {
+                slabs.closed = slabs.closed && low <= o && o <= high;
+                slabs.open = slabs.open && low < o && o < high;
+            } else {
+                return std::nullopt;
+            }
+        }
+        return slabs;
+    }
+    /// The largest of lo − p and p − hi over the axes, in units of `unit()`: how far p lies outside by its worst
+    /// component (beside an edge or a corner that is less than the distance), or, negative, how deep inside by the
+    /// nearest face.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+        const auto beyond = [&](int i) { return max(lo[i] - p[i], p[i] - hi[i]); };
+        return max(max(beyond(0), beyond(1)), beyond(2)) / unit();
+    }
+    /// The longest side.
+    [[nodiscard]] T unit() const {
+        const Vec<T> side = hi - lo;
+        return max(max(side.x, side.y), side.z);
+    }
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        return !(p.x < lo.x || p.x > hi.x || p.y < lo.y || p.y > hi.y || p.z < lo.z || p.z > hi.z);
+    }
+    /// Which plane a ray met: that of the latest of its entries or, from inside, of the earliest of its exits.
+    struct Face {
+        int axis = 0;
+        bool high = false;
+    };
+    [[nodiscard]] Face face_met(const Ray<T>& ray) const {
+        Face entry, exit;
+        bool any = false;
+        T latest(0), earliest(0);
+        for (int i = 0; i < 3; ++i) {
+            const bool ahead = ray.direction[i] > T(0);
+            if (!ahead && !(ray.direction[i] < T(0))) continue;
+            const T in = ((ahead ? lo[i] : hi[i]) - ray.origin[i]) / ray.direction[i];
+            const T out = ((ahead ? hi[i] : lo[i]) - ray.origin[i]) / ray.direction[i];
+            if (!any || in > latest) latest = in, entry = {i, !ahead};
+            if (!any || out < earliest) earliest = out, exit = {i, ahead};
+            any = true;
+        }
+        return latest > T(0) ? entry : exit;
+    }
+    /// The outward unit normal where a ray met it: that of the face.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
+        const Face face = face_met(ray);
+        Vec<T> n(T(0), T(0), T(0));
+        n[face.axis] = face.high ? T(1) : T(-1);
+        return n;
+    }
+    /// The point of a ray put onto the surface: the coordinate of the face in place of the computed one.
+    [[nodiscard]] Vec<T> projected(const Ray<T>& ray, const Vec<T>& p) const {
+        const Face face = face_met(ray);
+        Vec<T> on = p;
+        on[face.axis] = face.high ? hi[face.axis] : lo[face.axis];
+        return on;
     }
 };
 

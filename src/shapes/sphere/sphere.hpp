@@ -7,6 +7,7 @@
 
 #include "geometry/key.hpp"
 #include "geometry/ray.hpp"
+#include "geometry/span.hpp"
 
 namespace lostbits {
 
@@ -49,6 +50,39 @@ struct Sphere {
         const T distance = length(towards);
         if (distance == 0) return std::nullopt;
         return Sphere{centre - ((k - 1) * radius / distance) * towards, k * radius};
+    }
+
+    /// With f = o − G: h = f·d, c = f·f − r², a = d·d, and q = a r² − |f × d|². No step subtracts numbers of like size
+    /// that are not exact differences of the inputs.
+    [[nodiscard]] std::optional<QuadraticSpan<T>> span(const Ray<T>& ray) const {
+        const Vec<T> f = ray.origin - centre;
+        const T r2 = square(radius), a = square(ray.direction);
+        return QuadraticSpan<T>{dot(f, ray.direction), square(f) - r2, a, a * r2 - square(cross(f, ray.direction)), a};
+    }
+    /// How far a point is outside, in units of `unit()`: (|v| − r)/r = (v·v − r²)/(r(|v| + r)) with v = p − G.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+        const Vec<T> v = p - centre;
+        const T v2 = square(v);
+        return (v2 - square(radius)) / (radius * (sqrt(v2) + radius));
+    }
+    [[nodiscard]] T unit() const { return radius; }
+    /// Whether it holds a point, in double: |f|² is good to 2^-50 of itself unless it underflows, so that what is in it
+    /// or on it is never denied.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        const T f2 = square(p - centre);
+        return !(f2 > radius * radius * (1 + 0x1p-40) && f2 > 0x1p-900);
+    }
+    /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
+        const Vec<T> f = p - centre;
+        const T size = length(f);
+        return {f.x / size, f.y / size, f.z / size};
+    }
+    /// The point of a ray put onto the surface: G + f (r/|f|) with f = p − G.
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
+        const Vec<T> f = p - centre;
+        const T k = radius / length(f);
+        return {centre.x + k * f.x, centre.y + k * f.y, centre.z + k * f.z};
     }
 };
 

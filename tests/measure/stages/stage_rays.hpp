@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/stages/stages.hpp"
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 
 namespace lostbits::testing {
 

@@ -6,7 +6,7 @@
 #include "counts.hpp"
 #include "intersect/box/box_exact.hpp"
 #include "measure/truth/box_families.hpp"
-#include "measure/truth/enclose_box.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
@@ -226,8 +226,8 @@ void check_gradient(const BoxSample& s) {
     const auto vec = [](const Vec<double>& v, std::size_t first) {
         return Vec<D>(D::input(E(v.x), first), D::input(E(v.y), first + 1), D::input(E(v.z), first + 2));
     };
-    const auto e = measure::truth::enclose<D>({vec(s.ray.origin, 0), vec(s.ray.direction, 3)},
-                                              {vec(s.box.lo, 6), vec(s.box.hi, 9)}, nullptr, intersect::Touching::hit);
+    const auto e = measure::truth::enclose<D>(Ray<D>{vec(s.ray.origin, 0), vec(s.ray.direction, 3)},
+                                              Box<D>{vec(s.box.lo, 6), vec(s.box.hi, 9)});
     const Span want = ray_in_box(test::exactly(s.ray, s.box, HUGE_VAL), true);
     REQUIRE(e.hit.is_yes() == !want.is_empty());
     if (!e.hit.is_yes()) return;
