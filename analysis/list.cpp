@@ -33,8 +33,15 @@ struct Listing {
     std::vector<std::vector<std::string>> rows;
 };
 
+/// The right answer to a ray that starts inside.
+std::string from_inside(intersect::Inside said, Shape shape) {
+    if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
+    if (!is_solid(shape)) return "by solid";
+    return zero_inside(shape) ? "zero" : "exit";
+}
+
 Listing intersectors() {
-    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "formats", "source"}, {}};
+    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "inside", "formats", "source"}, {}};
     for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
         const intersect::Info& info = *i.info;
         const char* roots = info.roots == intersect::Roots::both         ? "both"
@@ -47,7 +54,7 @@ Listing intersectors() {
                           info.at_origin == intersect::AtOrigin::hit    ? "hits"
                           : info.at_origin == intersect::AtOrigin::miss ? "misses"
                                                                         : "exit",
-                          choice::formats_of(i), std::string(info.source)});
+                          from_inside(info.inside, i.shape), choice::formats_of(i), std::string(info.source)});
     }
     return l;
 }
@@ -116,7 +123,8 @@ Listing devices(const Common& common) {
 /// What each form names its operations: those of one solid of its shape.
 Listing labels() {
     Listing l{{"name", "labels"}, {}};
-    const std::array<Solid<double>, 2> solids{Sphere<double>{{0, 0, 5}, 1}, Box<double>{{-1, -1, 4}, {1, 1, 6}}};
+    std::vector<Solid<double>> solids;
+    for (const ShapeRow& row : shape_rows) solids.push_back(solid_around<double>(row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     for (const intersect::table::Intersector& form : lostbits::intersect::table::intersectors()) {
         auto all = measure::blame::labels_of(

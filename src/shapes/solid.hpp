@@ -157,6 +157,14 @@ decltype(auto) visit(const Solid<S>& solid, const Act& act) {
     return Solids::visit(solid, act);
 }
 
+/// A solid of this shape around a point, as far as `half` from it on each axis.
+template <class S>
+Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {
+    Solid<S> made(shape);
+    visit(Solid<S>(made), [&]<template <class> class Of>(const Of<S>&) { made = Of<S>::around(point, half); });
+    return made;
+}
+
 /// Each number through `lift`, in order.
 template <class S, class Lift>
 auto transformed(const Solid<S>& from, Lift lift) {

@@ -23,6 +23,8 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
         CHECK(array[i]["name"] == name);
         CHECK_FALSE(array[i]["source"].get<std::string>().empty());
         CHECK(text.out.find("\n" + name + " ") != std::string::npos);
+        const std::string inside = name.starts_with("sphere.") ? "exit" : name.starts_with("box.") ? "zero" : "by solid";
+        CHECK(array[i]["inside"] == inside);  // no form of the catalogue has a word of its own
     }
 }
 

@@ -1,10 +1,15 @@
 // What every shape must say of itself: one test over the closed list.
+#include <cmath>
 #include <limits>
+#include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
+#include "number/ball.hpp"
+#include "number/interval.hpp"
 #include "shapes/number_names.hpp"
 
 using namespace lostbits;
@@ -93,4 +98,84 @@ TEST_CASE("the names that files and options have of spheres and boxes") {
     CHECK(column_names(Shape::sphere).front() == "cx");
     CHECK(other_column_names(Shape::sphere, 0) == std::vector<std::string>{"centre_x", "center_x"});
     CHECK(other_column_names(Shape::sphere, 3) == std::vector<std::string>{"r"});
+}
+
+namespace {
+
+/// 1/8 of a whole number, between -4 and 4: so coarse that sums and products of a few are exact.
+Vec<double> coarse(std::mt19937& random) {
+    std::uniform_int_distribution<int> eighths(-32, 32);
+    const auto one = [&] { return eighths(random) / 8.0; };
+    return {one(), one(), one()};
+}
+
+}  // namespace
+
+TEST_CASE("what a shape says of lines, points and normals fits together") {
+    std::mt19937 random(11);
+    for (const ShapeRow& row : shape_rows) {
+        CAPTURE(row.name);
+        const Solid<double> solid = solid_around<double>(row.shape, {1, -2, 3}, 2);
+        int met = 0, from_inside = 0;
+        visit(solid, [&](const auto& shape) {
+            CHECK(Vec<double>(shape.middle()) == Vec<double>(1, -2, 3));
+            CHECK(shape.half_extent() == 2);
+            for (int i = 0; i < 4096; ++i) {
+                const Ray<double> ray{coarse(random), coarse(random)};
+                if (ray.direction == Vec<double>(0, 0, 0)) continue;
+                const auto ends = ends_of(*shape.span(ray));
+                const auto at = [&](double t) { return Vec<double>(ray.origin + t * ray.direction); };
+                if (!ends || !(ends->near < ends->far)) continue;
+                ++met;
+                for (const double t : {ends->near, ends->far}) {
+                    INFO("t = " << t);
+                    CHECK(std::fabs(shape.off_surface(at(t))) <= 0x1p-40 * (1 + std::fabs(t)));
+                }
+                const double middle = (ends->near + ends->far) / 2;
+                CHECK(shape.off_surface(at(middle)) < 0);
+                CHECK(shape.may_hold(at(middle)));
+                CHECK(shape.off_surface(at(2 * ends->far - ends->near)) > 0);
+                from_inside += shape.off_surface(ray.origin) < 0;
+                CHECK((shape.off_surface(ray.origin) < 0) == (ends->near < 0 && ends->far > 0));
+                if (ends->near <= 0) continue;
+                const Vec<double> p = at(ends->near), n = shape.outward_normal(ray, p);
+                CHECK(std::fabs(length(n) - 1) <= 0x1p-50);
+                CHECK(dot(n, ray.direction) < 0);
+                CHECK(std::fabs(shape.off_surface(shape.projected(ray, p))) <= 0x1p-50);
+            }
+        });
+        CHECK(met > 500);
+        CHECK(from_inside > 20);
+    }
+}
+
+TEST_CASE("the span of a shape holds the span in every wider number") {
+    std::mt19937 random(12);
+    for (const ShapeRow& row : shape_rows) {
+        CAPTURE(row.name);
+        const Solid<double> solid = solid_around<double>(row.shape, {1, -2, 3}, 2);
+        const Interval::Precision precision(400);
+        int met = 0;
+        for (int i = 0; i < 512; ++i) {
+            const Ray<double> ray{coarse(random), coarse(random)};
+            if (ray.direction == Vec<double>(0, 0, 0)) continue;
+            const auto ends_in = [&]<class E>() {
+                const auto vec = [](const Vec<double>& v) { return Vec<E>(E(v.x), E(v.y), E(v.z)); };
+                return visit(transformed(solid, [](double x) { return E(x); }), [&](const auto& shape) {
+                    return ends_of(*shape.span(Ray<E>{vec(ray.origin), vec(ray.direction)}));
+                });
+            };
+            const auto quick = ends_in.template operator()<Ball>();
+            const auto sharp = ends_in.template operator()<Interval>();
+            REQUIRE(quick.has_value() == sharp.has_value());
+            if (!quick || !quick->near.is_bounded() || !quick->far.is_bounded()) continue;
+            ++met;
+            for (const auto& [ball, interval] : {std::pair(quick->near, sharp->near), {quick->far, sharp->far}}) {
+                const Interval hi(ball.hi()), lo(ball.lo()), off = interval - hi - lo, radius(ball.radius());
+                CHECK_FALSE((off > radius || off < -radius).is_yes());
+                CHECK(ball.radius() <= 0x1p-40);
+            }
+        }
+        CHECK(met > 100);
+    }
 }

@@ -19,7 +19,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
     for (std::size_t s = 0; s < target.solids.size(); ++s) {
         std::string prefix;
         if (target.solids.size() > 1) prefix.append("s").append(std::to_string(s)).append(".");
-        for (const auto number : number_names(target.solids[s].shape)) {
+        for (const std::string& number : number_names(target.solids[s].shape)) {
             std::string name(number);
             if (name.size() > 2 && name[name.size() - 2] == '_') name[name.size() - 2] = '.';
             names.push_back(prefix);

@@ -86,8 +86,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
 Format computes_in(const MapRow& row) {
     if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || row.form->shape == Shape::sdf)
         return row.format;
-    const Solid<float> solid = row.form->shape == Shape::sphere ? Solid<float>(Sphere<float>{{0, 0, 0}, 1})
-                                                                : Solid<float>(Box<float>{{-1, -1, -1}, {1, 1, 1}});
+    const Solid<float> solid = solid_around<float>(row.form->shape, {0, 0, 0}, 1);
     const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(solid),
                                                    std::numeric_limits<float>::infinity());
     return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;

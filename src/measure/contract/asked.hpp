@@ -14,8 +14,8 @@ namespace lostbits::measure::contract {
 
 /// One ray against one solid, in numbers that binary32 holds.
 struct Question {
-    std::array<double, 6> ray;    ///< origin, direction
-    std::array<double, 6> solid;  ///< as in `Solid::numbers`
+    std::array<double, 6> ray;               ///< origin, direction
+    std::array<double, most_numbers> solid;  ///< as in `Solid::numbers`
     double end = std::numeric_limits<double>::infinity();
 };
 

@@ -1,6 +1,7 @@
 // What the probes of a contract have in common: the form, and a name, which verdicts, crashes and the docs use.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -27,8 +28,8 @@ inline std::string text_of(double x) {
 /// A solid of half-width `half` around (0, 0, z), and a ray along the z axis: from (0, 0, -5) it is met at 3 and left
 /// at 7 where the half-width is 2 and z is 0.
 inline Question along(Shape shape, double from, double direction, double z = 0, double half = 2) {
-    Question q{.ray = {0, 0, from, 0, 0, direction}, .solid = {0, 0, z, half, 0, 0}};
-    if (shape == Shape::box) q.solid = {-half, -half, z - half, half, half, z + half};
+    Question q{.ray = {0, 0, from, 0, 0, direction}, .solid = {}};
+    std::ranges::copy(solid_around<double>(shape, {0, 0, z}, half).used(), q.solid.begin());
     return q;
 }
 

@@ -14,63 +14,6 @@ using truth::sign;
 
 namespace {
 
-constexpr double u = 0x1p-53;
-/// Products of four lengths below this size may lose bits to underflow; the filter leaves those alone.
-constexpr double least_filtered = 0x1p-200, most_filtered = 0x1p+200;
-
-double sum_of_sizes(const Vec<double>& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); }
-
-/// The sign of x where |x| exceeds a bound on its error; nothing elsewhere.
-std::optional<int> proved(double x, double error) {
-    if (std::fabs(x) <= error) return std::nullopt;
-    return x > 0 ? 1 : -1;
-}
-
-/// With s and S the sums of |f| and |w| over their components, and δ the error of each component of f, every step below
-/// rounds by at most u of itself: c is off by at most 2·(2sδ) + 4u(s² + r²), h by Sδ + 4usS, and aΔ by
-/// 2·(2sS²)(2δ + 3us) + 8uS²(s² + r²). Twice each of these is taken.
-std::optional<Meeting> filtered(const HalfLine& line, const Sphere<double>& sphere) {
-    const Vec<double>&o = line.ray.origin, &w = line.ray.direction;
-    const Vec<double> f(o.x - sphere.centre.x + line.from * w.x, o.y - sphere.centre.y + line.from * w.y,
-                        o.z - sphere.centre.z + line.from * w.z);
-    const double r = sphere.radius, s = sum_of_sizes(f), size_w = sum_of_sizes(w);
-    for (const double size : {s + r, r, size_w}) {
-        if (!(size > least_filtered && size < most_filtered)) return std::nullopt;
-    }
-    // o − G rounds by u|o − G| ≤ u(s + from·S), the product and the sum by as much again.
-    const double delta = line.from > 0 ? 4 * u * (s + 2 * line.from * size_w) : u * s;
-    const double squares = s * s + r * r, c = (f.x * f.x + f.y * f.y + f.z * f.z) - r * r;
-    const auto outside = proved(c, 8 * s * delta + 16 * u * squares);
-    if (!outside) return std::nullopt;
-    if (*outside < 0) return Meeting{.inside = true, .outside = false, .meets = true};
-    const auto leaving = proved(dot(f, w), 2 * size_w * (delta + 4 * u * s));
-    if (!leaving) return std::nullopt;
-    if (*leaving > 0) return Meeting{.inside = false, .outside = true, .meets = false};
-    const Vec<double> m = cross(f, w);
-    const double discriminant = square(w) * (r * r) - square(m);
-    const auto through = proved(discriminant, size_w * size_w * (8 * s * (2 * delta + 3 * u * s) + 16 * u * squares));
-    if (!through) return std::nullopt;
-    return Meeting{.inside = false, .outside = true, .meets = *through > 0};
-}
-
-/// Comparisons of stored numbers are exact; where t_min moves the start, only the enclosures know it.
-std::optional<Meeting> filtered(const HalfLine& line, const Box<double>& box) {
-    if (line.from > 0) return std::nullopt;
-    bool inside = true, outside = false;
-    for (int i = 0; i < 3; ++i) {
-        const double o = line.ray.origin[i], w = line.ray.direction[i];
-        inside = inside && o > box.lo[i] && o < box.hi[i];
-        outside = outside || o < box.lo[i] || o > box.hi[i];
-        if ((o >= box.hi[i] && w >= 0) || (o <= box.lo[i] && w <= 0)) {
-            for (int k = i + 1; k < 3; ++k)
-                outside = outside || line.ray.origin[k] < box.lo[k] || line.ray.origin[k] > box.hi[k];
-            return Meeting{.inside = false, .outside = outside, .meets = false};
-        }
-    }
-    if (inside) return Meeting{.inside = true, .outside = false, .meets = true};
-    return std::nullopt;
-}
-
 template <class E>
 std::optional<Meeting> enclosed(const QuadraticSpan<E>& s) {
     const auto c = sign(s.c);
@@ -146,8 +89,7 @@ Meeting find_meeting_by_enclosure(const HalfLine& line, const Solid<double>& sol
 }
 
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
-    const auto quick = visit(solid, [&line](const auto& shape) { return filtered(line, shape); });
-    return quick ? *quick : find_meeting_by_enclosure(line, solid);
+    return find_meeting_by_enclosure(line, solid);
 }
 
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {

@@ -53,8 +53,7 @@ std::vector<const Strategy*> all_strategies() {
 std::uint64_t Strategy::operations(Shape shape) const {
     using T = Counted<float>;
     const auto vec = [](float x, float y, float z) { return Vec<T>(T(x), T(y), T(z)); };
-    const Solid<T> solid = shape == Shape::sphere ? Solid<T>(Sphere<T>{vec(3, 2, 1), T(2.0F)})
-                                                  : Solid<T>(Box<T>{vec(3, 2, 1), vec(5, 6, 4)});
+    const Solid<T> solid = solid_around<T>(shape, vec(4, 4, 2.5F), T(2.0F));
     const Leaving<T> leaving{.ray = {vec(1, 9, 8), vec(0.3F, -0.5F, -0.7F)},
                              .t = T(7.0F),
                              .solid = solid,

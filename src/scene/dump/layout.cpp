@@ -91,6 +91,12 @@ void Layout::find_slots(const Complain& complain) {
         found[c].hex = name.ends_with(hex_tail);
         if (found[c].hex) name.erase(name.size() - hex_tail.size());
         found[c].known = find_known(name);
+        if (name == "tmin" || name == "t_min")
+            complain(c,
+                     fmt::format("\"{}\": rays begin at t = 0 here, so that the truth would count what the ray was to "
+                                 "pass over; write the origins o + {} d and t less {}, or, where all of it is 0, "
+                                 "leave the column out (as _ in --columns)",
+                                 columns_[c].name, columns_[c].name, columns_[c].name));
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;

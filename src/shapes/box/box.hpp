@@ -33,6 +33,10 @@ struct Box {
         take(lo.x), take(lo.y), take(lo.z), take(hi.x), take(hi.y), take(hi.z);
     }
 
+    static Box around(const Vec<T>& point, const T& half) {
+        return {{point.x - half, point.y - half, point.z - half}, {point.x + half, point.y + half, point.z + half}};
+    }
+
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * (lo + hi); }
     [[nodiscard]] T half_extent() const { return unit() / 2; }
     [[nodiscard]] Sphere<T> ball_around() const {

@@ -34,6 +34,9 @@ struct Sphere {
         take(centre.x), take(centre.y), take(centre.z), take(radius);
     }
 
+    /// One around a point, as far as this from it on each axis.
+    static Sphere around(const Vec<T>& point, const T& half) { return {point, half}; }
+
     [[nodiscard]] Vec<T> middle() const { return centre; }
     /// Half of the longest side of the box around it.
     [[nodiscard]] T half_extent() const { return radius; }

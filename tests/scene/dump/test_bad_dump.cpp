@@ -30,6 +30,7 @@ const BadFile bad_files[] = {
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,ox\n", "a.csv:1:35:", "already"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hits\n", "a.csv:1:35:", "did you mean \"hit\""},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,raduis,hit\n", "a.csv:1:28:", "did you mean \"radius\""},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,tmin,cx,cy,cz,radius,hit\n", "a.csv:1:19:", "rays begin at t = 0 here"},
     {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1\n", "a.csv:3:1:", "11 cells where there are 12"},
     {"a.csv", head + good + "0,0,-5,0,0,1,0,0,0,1,1,4,5\n", "a.csv:3:1:", "13 cells"},
     {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,four\n", "a.csv:2:24:", "\"four\" is not a number"},
