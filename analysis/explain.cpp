@@ -84,6 +84,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--worst", words.worst,
                 "The worst ray of a scene or a sweep for the form: a wrong decision, or else the largest error");
     command.add("--size", words.size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
+    command.add("--steps", words.steps, "With --worst of a sweep, its steps of each axis: 40, or 40,20");
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
                 "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
@@ -105,7 +106,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add_list("--beside", o->beside,
                      "Forms of a library in the program itself that may do better on the ray, by name or glob; those "
                      "in processes of their own (--isolate, --pipe, --shader) are asked anyway");
-    command.add_set(words.set, "Change a number of the scene first: march.hit_eps=1e-6");
+    command.add_set(words.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
     auto as = command.add_group("as", "Instead of the table");
     as.add("--json", o->json, "Everything, as JSON");
     as.add("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");

@@ -159,6 +159,7 @@ Behind open_each(const DoorWords& words, int threads) {
     Behind found;
     const auto add = [](auto more, auto& all) { std::ranges::move(more, std::back_inserter(all)); };
     std::string again;
+    std::map<std::string, std::string> library_of;  // of each formula
     for (const std::string& named : words.plugins) {
         const auto library = intersect::doors::find_plugin(named);
         scene::toml::note_read(library);
@@ -168,6 +169,14 @@ Behind open_each(const DoorWords& words, int threads) {
         if (const std::string prefix = intersect::doors::prefix_of_plugin(named); !prefix.empty()) {
             for (auto& form : forms) intersect::doors::rename(form, prefix);
             for (auto& formula : formulas) intersect::doors::rename(formula, prefix);
+        }
+        for (const auto& formula : formulas) {
+            const std::string form(formula.row.info->name);
+            if (const auto [known, is_new] = library_of.try_emplace(form, library.string()); !is_new)
+                throw InputError(fmt::format(
+                    "{0}: {1} and {2} both have a form of this name; give one library a name: --plugin new={2} calls "
+                    "its form new.{0}",
+                    form, known->second, library.string()));
         }
         add(std::move(forms), found.forms);
         add(std::move(formulas), found.formulas);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/sweep_options.hpp"
 #include "analysis/choice/worst_ray.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
@@ -122,11 +124,19 @@ std::optional<intersect::Touching> judged_of(const RayWords& words, const scene:
     return own ? std::nullopt : file.conventions[0];
 }
 
-/// Of a sweep the worst of all rays.
+/// Of a sweep the worst of all rays. What changes a sweep changes it here as `lostbits sweep` does.
 AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem::path& path,
                         const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
+    for (const auto& [given, option, why] :
+         {std::tuple{&words.pixel, "--pixel", "names one ray, and --worst finds it among all"},
+          {&words.ray, "--ray", "names one ray, and --worst finds it among all"},
+          {&words.variant, "--variant", "is of a scene, and a sweep names the one that it is over"}}) {
+        if (!given->empty()) throw InputError(fmt::format("{} {}: {}; leave it out", option, *given, why));
+    }
+    const SweepWords changes{words.size, words.steps, words.set};
+    if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
@@ -137,7 +147,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
         throw InputError("--worst: " + words.subject +
                          " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
                          "its tables have the command that explains the worst ray");
-    const scene::sweep::SweepFile sweep(path, data);
+    const scene::sweep::SweepFile sweep(path, data, read_changes(changes));
     require_solids(row, "the sweep " + sweep.id, [&](Shape shape) { return sweep.meets(shape); });
     row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
     return worst_along(sweep, row, words.stop);
@@ -252,6 +262,7 @@ void check(const RayWords& words) {
         without(!given->empty(), option, false, "a scene");
     without(!words.named_case.empty(), "--case", !own, "a file of cases");
     without(!words.ray.empty(), "--ray", own, "a scene or solids of its own: a case has its rays");
+    without(!words.steps.empty(), "--steps", false, "a sweep and --worst");
     without(!words.set.empty(), "--set", own, "a scene, or a ray with solids of its own");
 }
 
@@ -271,6 +282,10 @@ AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesyste
         return worst_of_sweep(words, row, *sweep, data);
     MapRow judged = row;
     judged.judged = scene::sweep::convention_named(words.convention);
+    if (!words.steps.empty())
+        throw InputError("--steps " + words.steps +
+                         ": is of a sweep whose worst ray is asked for; add --worst, or leave "
+                         "--steps out");
     AskedRay found = words.subject.empty() ? of_own_solids(words, row) : of_scene(words, judged, data);
     found.ray.judge_by(judged.judged);
     return found;

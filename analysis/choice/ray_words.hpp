@@ -16,7 +16,8 @@ namespace lostbits::analysis::choice {
 /// The words of the command line that name a ray and what it is aimed at.
 struct RayWords {
     std::string subject;               ///< a scene or a file of cases; empty where the ray has its own solids
-    std::string pixel, size, variant;  ///< of a scene
+    std::string pixel, size, variant;  ///< of a scene; a size also of the scene of a sweep
+    std::string steps;                 ///< of a sweep
     bool worst = false;                ///< of all pixels of a scene, or of all rays of a sweep
     std::string named_case;            ///< NAME or NAME:K, of a file of cases
     std::string ray, as;               ///< six numbers, and the format they are rounded to first

@@ -12,6 +12,7 @@ namespace lostbits::analysis::choice {
 
 using intersect::process::StopToken;
 using measure::answer::OneRay;
+using measure::answer::Outcome;
 using measure::map::MapRow;
 using measure::map::MapSummary;
 using measure::map::WorstRay;
@@ -21,28 +22,57 @@ namespace {
 
 std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metric::find_metric("lost_bits")}; }
 
-/// A wrong decision is worse than any error; of two the first found.
-bool is_worse(const MapSummary& a, const MapSummary& b) {
-    const WorstRay *const x = a.worst_ray(), *const y = b.worst_ray();
-    if (x == nullptr || y == nullptr) return x != nullptr;
-    const bool wrong = a.fault() != nullptr, other = b.fault() != nullptr;
-    return wrong != other ? wrong : !wrong && x->size > y->size;
+const char* words_of(Outcome wrong) {
+    switch (wrong) {
+        case Outcome::false_hit: return "a false hit";
+        case Outcome::false_miss: return "a false miss";
+        case Outcome::wrong_object: return "a hit of the wrong solid";
+        default: return "an answer that is not a number";
+    }
 }
 
-/// What makes the ray the worst.
-std::string why(const MapSummary& s) {
-    const auto wrong = s.wrong();
-    if (!wrong) return "the largest error";
-    std::string name(measure::answer::outcome_names[static_cast<std::size_t>(*wrong)]);
-    for (char& c : name) c = c == '_' ? ' ' : c;
-    return fmt::format("a {}, the first of {}", name, s.count(*wrong));
+/// The worst ray of several summaries, by the rule of one: of the most frequent kind of wrong decision over all of them
+/// the first ray, else the largest error.
+struct WorstOfAll {
+    std::size_t which = 0;
+    const WorstRay* ray = nullptr;  ///< null where there is none
+    std::uint64_t rays = 0;
+    std::string why = "the largest error";
+    bool any_hit = false;  ///< some decision is a correct hit
+
+    explicit WorstOfAll(const std::vector<MapSummary>& summaries) {
+        MapSummary all;
+        for (const MapSummary& s : summaries) {
+            rays += s.rays;
+            for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
+        }
+        any_hit = all.count(Outcome::agree_hit) > 0;
+        const auto wrong = all.wrong();
+        if (wrong) why = fmt::format("{}, the first of {}", words_of(*wrong), all.count(*wrong));
+        for (std::size_t i = 0; i < summaries.size(); ++i) {
+            const WorstRay* const here = wrong                      ? summaries[i].first_of(*wrong)
+                                         : summaries[i].worst.x < 0 ? nullptr
+                                                                    : &summaries[i].worst;
+            if (here == nullptr || (ray != nullptr && (wrong || here->size <= ray->size))) continue;
+            ray = here;
+            which = i;
+        }
+    }
+};
+
+[[noreturn]] void refuse(const MapRow& row, const std::string& where, const WorstOfAll& worst) {
+    throw InputError(fmt::format(
+        "--worst: {} in {} has no worst ray in {}: it decides all rays rightly, and {}; name "
+        "a ray, as with --pixel X,Y",
+        row.form->info->name, row.format.name, where,
+        worst.any_hit ? "tells no t that could be off: it answers yes or no" : "none of them hits anything"));
 }
 
-[[noreturn]] void refuse(const MapRow& row, const std::string& where) {
-    throw InputError(
-        fmt::format("--worst: {} in {} has no worst ray in {}: it decides all rays rightly, and none of them hits "
-                    "anything; name a ray, as with --pixel X,Y",
-                    row.form->info->name, row.format.name, where));
+/// The place of a ray among all of a step, of which a family draws so many in each group.
+std::size_t place_among(const std::vector<RayGroup>& groups, const WorstRay& ray) {
+    auto place = static_cast<std::size_t>(ray.x);
+    for (int g = 0; g < ray.group; ++g) place += groups[static_cast<std::size_t>(g)].rays.size();
+    return place;
 }
 
 }  // namespace
@@ -66,12 +96,12 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const M
     const measure::map::MapRequest request{
         .scene = scene.get(), .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::map::run_map(request, {nullptr});
-    const WorstRay* const worst = summaries.front().worst_ray();
-    if (worst == nullptr) refuse(row, "scene " + scene->id);
-    const auto x = static_cast<int>(worst->x);
-    AskedRay found{scene, OneRay(*scene, x, worst->y, {.stop = stop}),
-                   fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst->y, scene->pixels(),
-                               why(summaries.front()))};
+    const WorstOfAll worst(summaries);
+    if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
+    const auto x = static_cast<int>(worst.ray->x);
+    AskedRay found{
+        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}),
+        fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }
@@ -79,45 +109,44 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const M
 AskedRay worst_along(const scene::sweep::SweepFile& sweep, const MapRow& row, StopToken stop) {
     const measure::sweep::SweepRequest request{
         .sweep = &sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
-    const auto steps = measure::sweep::run_sweep(request);
-    const measure::sweep::SweepStep* worst = &steps.front();
-    for (const auto& step : steps) {
-        if (is_worse(step.rows.front(), worst->rows.front())) worst = &step;
+    std::vector<MapSummary> summaries;
+    std::vector<std::vector<double>> values;
+    for (auto& step : measure::sweep::run_sweep(request)) {
+        summaries.push_back(std::move(step.rows.front()));
+        values.push_back(std::move(step.values));
     }
-    const MapSummary& summary = worst->rows.front();
-    const WorstRay* const ray = summary.worst_ray();
-    if (ray == nullptr) refuse(row, "sweep " + sweep.id);
+    const WorstOfAll worst(summaries);
+    const WorstRay* const ray = worst.ray;
+    if (ray == nullptr) refuse(row, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} has too many solids to be taken along; explain "
                         "a pixel of its scene with --set",
                         sweep.id));
-    std::string place;
+    std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)
-        place += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name, output::file::decimal(worst->values[a]));
-    AskedRay found{
-        nullptr, OneRay(RayGroup(*ray->given)),
-        fmt::format("Ray {} of the step {}, the worst of all steps for this form: {}.\n", ray->x, place, why(summary))};
+        step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
+                            output::file::decimal(values[worst.which][a]));
+    AskedRay found{nullptr, OneRay(RayGroup(*ray->given)),
+                   fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
+                               "form: {}.\n",
+                               place_among(sweep.rays(values[worst.which]), *ray), summaries[worst.which].rays, step,
+                               worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }
 
 AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const MapRow& row, StopToken stop) {
-    MapSummary least(lost_bits());
-    std::size_t which = 0;
-    for (std::size_t i = 0; i < file.size(); ++i) {
-        auto summaries =
-            measure::map::measure_groups(file.rays(i, row.format.shape), {row}, lost_bits(), {.stop = stop});
-        if (!is_worse(summaries.front(), least)) continue;
-        least = std::move(summaries.front());
-        which = i;
-    }
-    const WorstRay* const worst = least.worst_ray();
-    if (worst == nullptr) refuse(row, "the file of cases " + file.id);
-    const int rays = file.rays_of(which), k = worst->group * rays + static_cast<int>(worst->x);
-    AskedRay found{nullptr, OneRay(ray_of(file.rays(which, row.format.shape), rays, k)),
-                   fmt::format("Case \"{}\", ray {} (counted from 0), the worst of all cases for this form: {}.\n",
-                               file.name(which), k, why(least))};
+    std::vector<MapSummary> summaries;
+    for (std::size_t i = 0; i < file.size(); ++i)
+        summaries.push_back(std::move(
+            measure::map::measure_groups(file.rays(i, row.format.shape), {row}, lost_bits(), {.stop = stop}).front()));
+    const WorstOfAll worst(summaries);
+    if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
+    const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);
+    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.shape), rays, k)),
+                   fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
+                               file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }

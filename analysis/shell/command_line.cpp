@@ -109,6 +109,13 @@ std::vector<std::string> assignments_in(const std::string& word) {
     for (std::size_t i = 0; i < word.size(); ++i) {
         depth += (word[i] == '[' || word[i] == '(') - (word[i] == ']' || word[i] == ')');
         if (word[i] != ',' || depth > 0) continue;
+        // `box[0].lo=9,9,9`: only what has a = of its own begins another assignment.
+        const std::size_t next = word.find(',', i + 1), equals = word.find('=', i + 1);
+        if (begin < i && word.find('=', begin) < i && equals > next)
+            throw InputError(
+                fmt::format("--set {}: what stands after the comma is not an assignment; write several numbers in "
+                            "brackets, as in {}",
+                            word, "'box[0].lo=[9, 9, 9]'"));
         all.push_back(trimmed(word.substr(begin, i - begin)));
         begin = i + 1;
     }

@@ -39,19 +39,20 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
           "  map sphere.half_b f32: lost_bits_p99 nan to 3\n"
           "  map sphere.press f32: lost_bits_p99 2 to 4.5\n"
           "  map sphere.press f32: ulp_error_max 5 to 10\n"
-          // Where one side has no p99, and as many wrong decisions, neither is better.
-          "two is better in 0 rows, worse in 1, the same in 1: by wrong decisions, then by lost_bits_p99\n");
+          // Where one side has no p99, and as many wrong decisions, nothing is said.
+          "not comparable in 1 row: as many wrong decisions, and only one side has a lost_bits_p99\n"
+          "two is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by lost_bits_p99\n");
     const auto back = run("diff two one", scratch.path()).out;
     CHECK(
-        has(back, "\none is better in 1 row, worse in 0, the same in 1: by wrong decisions, then by lost_bits_p99\n"));
+        has(back, "\none is better in 1 row, worse in 0, the same in 0: by wrong decisions, then by lost_bits_p99\n"));
     // Two tables by themselves end alike, if nothing has to stay as it was.
     CHECK(has(run("diff one/map/summary.csv two/map/summary.csv", scratch.path()).out,
-              "two/map/summary.csv is better in 0 rows, worse in 1, the same in 1: by wrong decisions, then by "
+              "two/map/summary.csv is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by "
               "lost_bits_p99\n"));
     CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
     // What is left out or forgiven decides nothing.
     CHECK(has(run("diff one two --ignore false_miss --tolerance lost_bits_p99=3", scratch.path()).out,
-              "two is better in 0 rows, worse in 0, the same in 2: by lost_bits_p99\n"));
+              "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
     CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));
     CHECK(has(run("diff one two --pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
@@ -66,6 +67,31 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
     const auto nothing = run("diff one two", scratch.path());
     CHECK(nothing.code == 4);
     CHECK(has(nothing.err, "nothing but pictures"));
+}
+
+TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and of one question alone") {
+    const Scratch scratch;
+    const std::string head = "form,format,rays,agree_hit,agree_miss,false_hit,false_miss,lost_bits_p99\n";
+    for (const char* folder : {"small/map", "large/map"}) std::filesystem::create_directories(scratch.path() / folder);
+    const auto write = [&](const std::string& folder, const std::string& rows) {
+        static_cast<void>(scratch.write(folder + "/map/summary.csv", head + rows));
+    };
+    write("small", "mylib.mine,f32,768,509,234,22,3,13\n");
+    write("large", "mylib.mine,f32,3072,2019,961,91,1,13\n");  // more of them, and a smaller share
+    CHECK(has(run("diff small large", scratch.path()).out,
+              "\nlarge is better in 1 row, worse in 0, the same in 0: by the share of wrong decisions, then by "
+              "lost_bits_p99\n"));
+    write("large", "mylib.mine,f32,3072,2036,936,88,12,14\n");  // the same share: then the bits
+    CHECK(has(run("diff small large", scratch.path()).out, "\nlarge is better in 0 rows, worse in 1, the same in 0: "));
+
+    // From inside one form is asked for the exit, and the other one for the near root alone.
+    const std::string forms = " -i a.exit -i b.near";
+    write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,20,80,0,0,2\n");
+    const std::string asked = run("diff small" + forms, scratch.path()).out;
+    CHECK(has(asked, "not comparable in 1 row: the two forms are asked different questions"));
+    CHECK_FALSE(has(asked, "better"));
+    write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,70,30,0,0,2\n");
+    CHECK(has(run("diff small" + forms, scratch.path()).out, "\nb.near is better in 1 row, "));
 }
 
 TEST_CASE("diff: two forms of one folder, and the difference as a picture, from tables and from EXR alike") {

@@ -1,7 +1,9 @@
 // Which ray `lostbits explain` is asked about, and what it is given.
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -170,10 +172,6 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
         // Each begins with a line on which case it is.
         CHECK(worst.out.substr(worst.out.find('\n')) == there.out.substr(there.out.find('\n')));
     }
-    const auto along = run("explain sphere-tilt --worst" + with, folder.path());
-    INFO(along.out << along.err);
-    CHECK(along.code == 0);
-    CHECK(has(along.out, "the worst of all steps for this form: "));
 
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
              {"near-benign --worst --pixel 1,1" + with, "name one ray"},
@@ -183,13 +181,77 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
              {"near-benihn --worst" + with, "near-benign"},
              {"box-distance --worst" + with, "try -i 'box.*'"},
              {"near-benign --size 1x1 --set camera.look_at[2]=100 --worst" + with,
-              "has no worst ray in scene near-benign"}}) {
+              "it decides all rays rightly, and none of them hits anything"},
+             // What would change nothing, or cannot, is refused; of a sweep as `lostbits sweep` refuses it.
+             {"sphere-distance --worst --variant foo" + with, "--variant foo: is of a scene"},
+             {"sphere-distance --worst --pixel 1,1" + with, "--pixel 1,1: names one ray"},
+             {"sphere-distance --worst --size 9x9" + with, "--size is of a scene's picture"},
+             {"sphere-distance --worst --set nonsense=64" + with, "unknown key"},
+             {"sphere-distance --worst --steps x" + with, "--steps x: is not a number of steps"},
+             {"extremes/contact --worst --set views=2" + with, "--set views=2: extremes/contact names each"},
+             {"extremes/contact --worst --steps 3" + with, "has no steps but its cases"},
+             {"near-benign --worst --steps 3" + with, "--steps 3: is of a sweep"}}) {
         const auto r = run("explain " + arguments, folder.path());
         INFO(arguments << "\n" << r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, says));
         CHECK(r.out.empty());
     }
+}
+
+TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of how many") {
+    const Scratch folder;
+    const std::string changes = " --set views=16 --set rays=4 --steps 7", with = " -i sphere.schoolbook -f f32";
+    const auto worst = run("explain sphere-distance --worst" + changes + with, folder.path());
+    INFO(worst.out << worst.err);
+    REQUIRE(worst.code == 0);
+    REQUIRE(run("sweep sphere-distance" + changes + with + " --seeds 0 -o sweep", folder.path()).code == 0);
+    // The same by hand: the most frequent wrong decision over all steps, and the first ray of that.
+    std::map<std::string, int> wrong;
+    const auto rows = lostbits::test::read_csv(folder.path() / "sweep/sphere-distance/samples.csv");
+    for (const auto& row : rows)
+        for (const char* kind : {"false_hit", "false_miss"}) wrong[kind] += std::stoi(row.at(kind));
+    REQUIRE(wrong["false_miss"] > wrong["false_hit"]);
+    const auto first =
+        std::ranges::find_if(rows, [](const auto& row) { return row.at("fault_outcome") == "false_miss"; });
+    REQUIRE(first != rows.end());
+    CHECK(has(worst.out, " of the 64 of the step distance_radii " + first->at("distance_radii") +
+                             ", the worst of 448 in 7 steps for this form: a false miss, the first of " +
+                             std::to_string(wrong["false_miss"]) + ".\n"));
+    const auto there = run(first->at("fault_explain").substr(9), folder.path());
+    CHECK(worst.out.substr(worst.out.find('\n') + 1) == there.out);
+    // Not the first ray of its view, as far as a family goes: one ray a view, and the place is that of the view.
+    const auto single = run("explain sphere-distance --worst --set views=64 --steps 7" + with, folder.path());
+    CHECK(single.out.starts_with("Ray "));
+    CHECK_FALSE(single.out.starts_with("Ray 0 "));
+}
+
+TEST_CASE("a claim about all wrong decisions names the first of them, as explain --worst does") {
+    const Scratch scratch;
+    const auto claim = [](const std::string& id, const std::string& subject) {
+        return "[[claim]]\nid = \"" + id +
+               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + subject +
+               "form = \"sphere.press\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"wrong_fraction\"\n" +
+               "in = [0, 0]\n";
+    };
+    const std::string file =
+        scratch.write("c.toml", "schema = \"lostbits-claims/1\"\n" + claim("scene", "scene = \"grazing\"\n") +
+                                    claim("sweep", "sweep = \"sphere-distance\"\nat = 4096\n"));
+    const std::string junit = (scratch.path() / "j.xml").string();
+    const auto r = run("check '" + file + "' --junit '" + junit + "'");
+    INFO(r.out << r.err);
+    REQUIRE(r.code == 1);
+    const auto worst = run("explain grazing --worst -i sphere.press -f f32").out;
+    REQUIRE(worst.starts_with("Pixel "));
+    const std::string pixel = "--pixel " + worst.substr(6, worst.find(", the worst") - 6) + " ";
+    CHECK(has(worst.substr(0, worst.find('\n')), ": a false "));
+    CHECK(has(r.out, "explain grazing " + pixel));
+    CHECK(has(lostbits::test::contents(junit), "explain grazing " + pixel));
+    // Of the step: its ray is decided wrongly.
+    const auto command = r.out.rfind("explain it: lostbits ");
+    REQUIRE(command != std::string::npos);
+    const std::string words = r.out.substr(command + 21, r.out.find('\n', command) - command - 21);
+    CHECK(has(run(words).out, "false miss"));
 }
 
 }  // namespace test_explain_ray

@@ -115,4 +115,21 @@ TEST_CASE("every operation that a row names has a row") {
     }
 }
 
+TEST_CASE("explain names the last column after what the contributions are to, and writes no NaN there") {
+    const std::string hit = run("explain near-benign --pixel 100,128 -i sphere.schoolbook -f f32").out,
+                      turned = run("explain grazing --worst -i sphere.press -f f32").out;
+    CHECK(has(hit, " of t, ulp\n"));
+    CHECK(has(turned, " of disc, ulp\n"));
+    CHECK_FALSE(has(turned, " of t, ulp"));
+    // Rounding turned nothing: there is no ulp of anything.
+    const std::string plain = run("explain --sphere 0x1.0b429p+8,0x1.0b429p+9,-0x1.90e3d8p+9,1 --ray "
+                                  "-0x1.2bcp-2,0x1.adp-1,0x1.d8p-2,0x1.11cp-2,0x1.11cp-1,-0x1.9a8p-1 "
+                                  "-i sphere.unified -f fp16")
+                                  .out;
+    CHECK(has(plain, "Rounding changed no decision"));
+    const auto row = plain.find("= d.z·d.z ");
+    REQUIRE(row != std::string::npos);
+    CHECK_FALSE(has(plain.substr(row, plain.find('\n', row) - row), "nan"));
+}
+
 }  // namespace test_explain_verdict

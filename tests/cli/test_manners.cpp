@@ -75,6 +75,9 @@ TEST_CASE("what is not understood is said in a sentence, with what may have been
     const Case cases[] = {
         {"map " + scene + " -i unified -o out", {"-i unified: unknown form", "did you mean \"sphere.unified\"?"}},
         {"map " + scene + " -i spher.unified -o out", {"did you mean \"sphere.unified\"?"}},
+        {"map " + scene + " -i sphere.press -o out --set 'sphere[0].centre=9,9,9'",
+         {"--set sphere[0].centre=9,9,9: what stands after the comma is not an assignment",
+          "write several numbers in brackets"}},
         {"map " + scene + " --metrik lost_bits -o out", {"--metrik: is not an option", "did you mean --metric?"}},
         {"map " + scene + " -metrix lost_bits -o out", {"-metrix: is not an option", "did you mean --metric?"}},
         {"map " + scene + " --out", {"--out: its value is missing", "Folder for the results"}},

@@ -42,6 +42,34 @@ TEST_CASE("plugin: explain says what an answer is worth, and no more of a form t
     }
 }
 
+TEST_CASE("plugin: explain says what a form that is named beside is worth, and yes or no of one that tells no t",
+          "[doors]") {
+    const Scratch folder;
+    const std::string with = " -f f32" + plugin("odd_plugin");
+    const auto told = [&](const std::string& words) {
+        const Outcome o = run("explain " + words + with, folder.path());
+        INFO(words << ": " << o.err);
+        CHECK(o.code == 0);
+        return o.out;
+    };
+    const std::string ahead = "--sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1",
+                      inside = "--sphere 0,0,0,1 --ray 0,0,0,0,0,1";
+    CHECK(has(told(ahead + " -i sphere.unified --beside odd.far_first"),
+              "odd.far_first does no better on this ray: 22.9 bits lost.\n"));
+    CHECK(has(told(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
+              "word.misses has another contract, by which another answer is true of this ray. By its own: a correct "
+              "miss.\n"));
+    CHECK(has(told(ahead + " -i sphere.unified --beside box.signs"),
+              "box.signs is a form for another shape, and was not asked.\n"));
+
+    CHECK(has(told(ahead + " -i odd.predicate"), "odd.predicate answers yes, and the ray hits at 4.0"));
+    CHECK(has(told("--sphere 0,0,0,1 --ray 2,0,-5,0,0,1 -i odd.predicate"),
+              "odd.predicate answers no, and the ray misses: a correct miss."));
+    const Outcome worst = run("explain camera-inside --size 16x12 --worst -i odd.predicate" + with, folder.path());
+    CHECK(worst.code == 2);
+    CHECK(has(worst.err, "it decides all rays rightly, and tells no t that could be off: it answers yes or no"));
+}
+
 TEST_CASE("plugin: two builds of one library are in one run, each under a name", "[doors]") {
     const Scratch folder;
     std::filesystem::create_directory(folder.path() / "next");
@@ -84,10 +112,19 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
         run("list intersectors" + plugin("schoolbook") + " --plugin next/schoolbook.so", folder.path());
     CHECK(twice.code == 2);
     CHECK(has(twice.err, "--plugin new=next/schoolbook.so calls its forms new.example.schoolbook"));
+    CHECK(has(twice.err, "the first time from " + library("schoolbook")));
+    std::filesystem::copy_file(library("own_forms"), folder.path() / "next/own_forms.so");
+    const Outcome formulas =
+        run("list intersectors" + plugin("own_forms") + " --plugin next/own_forms.so", folder.path());
+    CHECK(formulas.code == 2);
+    CHECK(has(formulas.err, "own.unified: " + library("own_forms") +
+                                " and next/own_forms.so both have a form of this "
+                                "name; give one library a name: --plugin new=next/own_forms.so"));
     const Outcome bad = run("list intersectors --plugin sphere=next/schoolbook.so", folder.path());
     CHECK(bad.code == 2);
     CHECK(has(bad.err, "begin the names of the forms that ship"));
     CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such library"));
+    CHECK(has(run("list intersectors --plugin new=", folder.path()).err, "--plugin new=: names no library; "));
 }
 
 TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[doors]") {

@@ -39,7 +39,7 @@ void add_format(Enrolled& to, ForeignForm form) {
     const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? to.of64 : to.of32;
     if (place)
         throw InputError(form.from + ": " + form.contract.name + " comes twice in binary" +
-                         std::to_string(form.contract.bits) +
+                         std::to_string(form.contract.bits) + ", the first time from " + place->form().from +
                          "; give each form a name of its own, or name the library: --plugin new=" + form.from +
                          " calls its forms new." + form.contract.name);
     if (other) {

@@ -83,6 +83,9 @@ void rename(ForeignForm& form, const std::string& prefix) {
 fs::path find_plugin(const std::string& word) {
     std::error_code ignored;
     const std::string named = word.substr(prefix_of_plugin(word).size());
+    if (named.empty() && !word.empty())
+        throw InputError("--plugin " + word + ": names no library; write its path after the =, as in " + word +
+                         "mine.so");
     const fs::path given(named);
     if (fs::is_regular_file(given, ignored)) return given;
     if (named.find('/') != std::string::npos) throw InputError(named + ": there is no such library");

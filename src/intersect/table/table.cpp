@@ -33,9 +33,11 @@ void enroll(const std::vector<Intersector>& rows) {
     for (const Intersector& row : rows) {
         const auto same = [&row](const Intersector& other) { return other.info->name == row.info->name; };
         if (std::ranges::any_of(all_rows(), same))
-            throw InputError(std::string(row.info->name) +
-                             ": two forms have this name, of two libraries, of one that is named twice, or of one and "
-                             "lostbits; load one of them, or give it another name");
+            throw InputError(
+                std::string(row.info->name) +
+                ": two forms have this name, of two libraries, of one that is named twice, or of one and "
+                "lostbits; load one of them, or give its library a name: --plugin new=PATH calls its forms "
+                "new.FORM");
         all_rows().push_back(row);
     }
 }

@@ -20,9 +20,11 @@ using truth::missing;
 
 namespace {
 
+/// Of a form that tells no t its decision alone.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
-    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, t), t};
-    if (s.outcome != Outcome::agree_hit) return s;
+    const bool tells_t = form.info->roots != intersect::Roots::none;
+    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
+    if (s.outcome != Outcome::agree_hit || !tells_t) return s;
     s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.shape);
     s.lost = truth::lost_bits(s.ulps, format.shape.precision);
     return s;
@@ -35,14 +37,30 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
+/// Whether two forms are asked for different answers on the ray. Where only one of them normalises the direction their
+/// t have different units, and the decision tells.
+bool is_other_question(const Intersector& a, const Intersector& b, const OneRay& ray) {
+    const truth::Truth of_a = ray.truth(*a.info), of_b = ray.truth(*b.info);
+    if (of_a.decision != of_b.decision) return true;
+    return of_a.is_hit() && a.info->direction == b.info->direction &&
+           ray.rounded_truth(*a.info, binary64) != ray.rounded_truth(*b.info, binary64);
+}
+
 void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector* const> beside) {
     for (const Intersector& other : intersect::table::intersectors()) {
-        if (&other == x.form || other.shape != x.form->shape || !other.exists_in(x.format)) continue;
-        if (!intersect::doors::is_harmless(other) && std::ranges::find(beside, &other) == beside.end()) continue;
+        if (&other == x.form) continue;
+        const bool named = std::ranges::find(beside, &other) != beside.end();
+        if (other.shape != x.form->shape || !other.exists_in(x.format)) {
+            if (named) x.unasked.push_back(&other);
+            continue;
+        }
+        if (!intersect::doors::is_harmless(other) && !named) continue;
         try {
-            const Standing s = standing_of(other, x.format, ray);
+            Standing s = standing_of(other, x.format, ray);
+            s.other_question = is_other_question(*x.form, other, ray);
             const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.shape.precision);
-            if (s.beats(x.standing) && !lost_all) x.better.push_back(s);
+            if (s.beats(x.standing) && !lost_all && !s.other_question) x.better.push_back(s);
+            if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
             x.silent.emplace_back(error.what());
         }
@@ -151,7 +169,8 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
     }
     const int met = answers.object[in.index];
-    const bool elsewhere = is_solid(form.shape) && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
+    const bool elsewhere =
+        x.tells_t() && is_solid(form.shape) && x.hit && truth.is_hit() && met != truth.object && truth.object >= 0;
     if (elsewhere && x.has_tape()) x.missed = missed_solid(form, format, in, truth.object);
     if (elsewhere) {  // between two solids there is a distance, and no error
         x.standing.outcome = answer::Outcome::wrong_object;

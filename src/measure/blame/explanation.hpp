@@ -19,6 +19,7 @@ struct Standing {
     double t = 0;                  ///< its answer
     double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost = truth::missing;  ///< bits; NaN unless both hit
+    bool other_question = false;   ///< its contract has another truth on this ray than that of the form it is beside
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// A right decision before a wrong one, then fewer lost bits.
     bool beats(const Standing& other) const;
@@ -53,11 +54,16 @@ struct Explanation {
     double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
     std::vector<Standing> better = {};     ///< forms of the same shape in the same format that do better, best first
+    std::vector<Standing> beside = {};     ///< of the forms that were named beside it: how they fare
+    std::vector<const intersect::table::Intersector*> unasked =
+        {};  ///< and those of another shape, or not in the format
     /// Of forms from outside that were asked whether they do better: why they did not answer.
     std::vector<std::string> silent = {};
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return beyond; }
+    /// Whether the form says where it hits, and not only that it does.
+    [[nodiscard]] bool tells_t() const { return form->info->roots != intersect::Roots::none; }
     /// Whether the operations are known: those of a form that is compiled elsewhere are not.
     [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
     /// The ulp of the format at the subject's exact value (of the larger side of a comparison).

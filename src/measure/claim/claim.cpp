@@ -72,6 +72,7 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
             const auto name = answer::outcome_names[static_cast<std::size_t>(map::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
         }
+        if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
         result.trouble = std::to_string(summary->count(answer::Outcome::unresolved)) + " rays have no proved truth";
@@ -95,8 +96,9 @@ MapRow claim_row(const Claim& claim) {
                                                "; `lostbits list forms` shows its formats");
         return {&i, format, claim.convention};
     }
-    scene::toml::fail(claim.where,
-                      "unknown form \"" + claim.form + "\"; " + scene::toml::did_you_mean(claim.form, names));
+    scene::toml::fail(claim.where, "unknown form \"" + claim.form + "\"; " +
+                                       scene::toml::did_you_mean(claim.form, names) +
+                                       "; a form of your own comes by --plugin, --pipe or --shader");
 }
 
 namespace {

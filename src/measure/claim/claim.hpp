@@ -20,7 +20,8 @@ struct ClaimResult {
     State state = State::broken;
     double measured = 0;
     std::string trouble;  ///< why it is broken or skipped
-    /// The worst ray of the measurement, where there is one; of a claim about a wrong decision the first of those.
+    /// The worst ray of the measurement, where there is one; of a claim about wrong decisions the first of those, of
+    /// all kinds together the first of the most frequent.
     map::WorstRay witness;
     /// On how many independent draws of rays (or numbers) `measured` rests; 0: on none, nothing is random.
     std::uint64_t samples = 0;

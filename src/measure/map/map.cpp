@@ -77,10 +77,13 @@ std::optional<Outcome> MapSummary::wrong() const {
     return count(*most) > 0 ? std::optional(*most) : std::nullopt;
 }
 
+const WorstRay* MapSummary::first_of(Outcome wrong) const {
+    return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, wrong) - wrong_decisions.begin())].get();
+}
+
 const WorstRay* MapSummary::fault() const {
     const auto most = wrong();
-    if (!most) return nullptr;
-    return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, *most) - wrong_decisions.begin())].get();
+    return most ? first_of(*most) : nullptr;
 }
 
 const WorstRay* MapSummary::worst_ray() const {

@@ -87,7 +87,9 @@ struct MapSummary {
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing where every decision is right.
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
-    /// The first ray of that; null where there is none.
+    /// The first ray that is decided so wrongly; null where there is none.
+    [[nodiscard]] const WorstRay* first_of(answer::Outcome wrong) const;
+    /// That of `wrong`; null where every decision is right.
     [[nodiscard]] const WorstRay* fault() const;
     /// The ray to look at first: `fault`, else the one with the largest |ulp_error|; null where there is neither.
     [[nodiscard]] const WorstRay* worst_ray() const;

@@ -74,10 +74,11 @@ std::string row_of(const Explanation& x, const OperationWords& words, NodeId i) 
     std::string line =
         left_of(mark, words, i, words.text().expression(i)) + values_of(x, words, i, digits_of(n, x.tape, i));
     if (!decides)
-        line += fmt::format(" {:>9} {:<16} {:>6} {:>9} {:>10}", short_number(words.own_ulps(i, e.error)),
-                            words.cancellation(i), e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
-                            e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
-                            e.live && e.rounding != 0 ? short_number(words.contribution(i)) : "");
+        line += fmt::format(
+            " {:>9} {:<16} {:>6} {:>9} {:>10}", short_number(words.own_ulps(i, e.error)), words.cancellation(i),
+            e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
+            e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
+            e.live && e.rounding != 0 && !std::isnan(words.contribution(i)) ? short_number(words.contribution(i)) : "");
     while (line.back() == ' ') line.pop_back();
     return line + (e.turned && (decides || e.rounding != 0) ? "  rounding chose the other side" : "") + "\n";
 }
@@ -94,12 +95,24 @@ NodeId first_shown(const Explanation& x, bool all) {
     return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
+/// What the contributions are to, in whose ulps they are: t, or what the decision compares.
+std::string name_of_subject(const Explanation& x, const OperationWords& words) {
+    const NodeId subject = x.attribution.subject;
+    if (subject == no_node || !is_decision(x.tape[subject].op)) return "t";
+    const TapeNode& n = x.tape[subject];
+    if (!is_comparison(n.op)) return "decision";
+    for (const std::size_t k : {0U, 1U}) {
+        if (x.tape[n.operands[k]].op == TapeOp::constant) return words.text().operand(n.operands[1 - k]);
+    }
+    return words.text().expression(subject);
+}
+
 std::string table(const Explanation& x, const OperationWords& words, bool all) {
     const int digits = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103));
-    std::string text =
-        padded("  operation", widest_expression) +
-        fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", digits + 6, "without rounding",
-                    digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp", "of t, ulp");
+    std::string text = padded("  operation", widest_expression) +
+                       fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", digits + 6,
+                                   "without rounding", digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp",
+                                   fmt::format("of {}, ulp", name_of_subject(x, words)));
     const NodeId from = first_shown(x, all);
     if (from > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", from);
     // A row names other operations; each of those has a row too, of which the last come first to be looked at.
@@ -192,6 +205,7 @@ std::string verdict(const Explanation& x) {
                                        : fmt::format("Condition {}: half an ulp in each input costs {:.1f} bits.",
                                                      short_number(x.condition), x.inherent);
     }
+    if (!x.tells_t()) return "It tells no t, so it has no bits to lose.";
     const std::string envelope = fmt::format("Condition {}: half an ulp in each input would cost {:.1f} bits",
                                              short_number(x.condition), x.inherent);
     if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";

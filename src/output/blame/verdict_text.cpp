@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
@@ -18,8 +20,22 @@ using measure::blame::Explanation;
 
 namespace {
 
+/// Of a form that answers yes or no.
+std::string decision_sentence(const Explanation& x) {
+    const std::string_view form = x.form->info->name;
+    const std::string truly = x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses";
+    switch (x.standing.outcome) {
+        case Outcome::agree_hit: return fmt::format("{} answers yes, and the ray {}: a correct hit.", form, truly);
+        case Outcome::agree_miss: return fmt::format("{} answers no, and the ray {}: a correct miss.", form, truly);
+        case Outcome::false_hit: return fmt::format("{} answers yes, but the ray {}: a false hit.", form, truly);
+        case Outcome::false_miss: return fmt::format("{} answers no, but the ray {}: a false miss.", form, truly);
+        default: return "The true answer for this ray could not be proved.";
+    }
+}
+
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
+    if (!x.tells_t()) return decision_sentence(x);
     switch (x.standing.outcome) {
         case Outcome::agree_miss: return fmt::format("{} misses, and so does the exact ray: a correct miss.", form);
         case Outcome::false_hit:
@@ -109,6 +125,7 @@ std::string blame_sentence(const Explanation& x, bool marches) {
         return "Its operations cannot be looked at, since it is compiled elsewhere; written as a form over any number "
                "they can (docs/your-own-form.md).";
     if (names_culprit(x)) return culprit_sentence(x);
+    if (!x.tells_t() && x.standing.is_right()) return "No operation is to blame: the decision is right.";
     const bool hit = x.standing.outcome == Outcome::agree_hit;
     if (!hit || x.attribution.subject == no_node || x.attribution.culprit == no_node) {
         const bool silent = x.attribution.culprit != no_node;
@@ -125,24 +142,61 @@ std::string blame_sentence(const Explanation& x, bool marches) {
                        short_number(rounding), short_number(x.standing.ulps), rest);
 }
 
+/// `a correct miss`, `4.6 bits lost`.
+std::string fares(const measure::blame::Standing& s) {
+    switch (s.outcome) {
+        case Outcome::agree_hit: return std::isnan(s.lost) ? "a correct hit" : fmt::format("{:.1f} bits lost", s.lost);
+        case Outcome::agree_miss: return "a correct miss";
+        case Outcome::false_hit: return "a false hit";
+        case Outcome::false_miss: return "a false miss";
+        case Outcome::not_a_number: return "a hit at NaN";
+        case Outcome::wrong_object: return "a hit of the wrong solid";
+        case Outcome::unresolved: break;
+    }
+    return "its true answer could not be proved";
+}
+
+/// Of the forms that were named beside it what is not yet told as better.
+std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& told) {
+    std::string text;
+    for (const measure::blame::Standing& s : x.beside) {
+        const auto& name = s.form->info->name;
+        if (s.other_question)
+            text +=
+                fmt::format("{} has another contract, by which another answer is true of this ray. By its own: {}.\n",
+                            name, fares(s));
+        else if (std::ranges::find(told, s.form) == told.end())
+            text += fmt::format("{} does no better on this ray{}: {}.\n", name,
+                                s.beats(x.standing) && s.outcome == Outcome::agree_hit ? ", by a bit or more" : "",
+                                fares(s));
+    }
+    for (const auto* form : x.unasked)
+        text += form->shape != x.form->shape
+                    ? fmt::format("{} is a form for another shape, and was not asked.\n", form->info->name)
+                    : fmt::format("{} does not exist in {}, and was not asked.\n", form->info->name, x.format.name);
+    return text;
+}
+
 std::string better_sentence(const Explanation& x) {
     std::string text;
     constexpr std::size_t most = 6;
-    std::size_t told = 0, left = 0;
+    std::vector<const intersect::table::Intersector*> told;
+    std::size_t left = 0;
     for (const measure::blame::Standing& s : x.better) {
         if (x.standing.is_right() && !(x.standing.lost - s.lost >= worth_saying)) continue;
-        if (told == most) {
+        const bool named = std::ranges::find(x.beside, s.form, &measure::blame::Standing::form) != x.beside.end();
+        if (told.size() >= most && !named) {
             ++left;
             continue;
         }
-        text +=
-            fmt::format("{} {} ({})", told++ ? "," : "", s.form->info->name,
-                        s.outcome == Outcome::agree_hit ? fmt::format("{:.1f} bits lost", s.lost) : "a correct miss");
+        text += fmt::format("{} {} ({})", told.empty() ? "" : ",", s.form->info->name, fares(s));
+        told.push_back(s.form);
     }
-    if (told == 0)
-        return fmt::format("No other form that was asked does better on this ray in this format{}.\n",
+    if (told.empty())
+        text = fmt::format("No other form that was asked does better on this ray in this format{}.\n",
                            x.better.empty() ? "" : ", by a bit or more");
-    return "Better on this ray:" + text + (left > 0 ? fmt::format(" and {} more.\n", left) : ".\n");
+    else text = "Better on this ray:" + text + (left > 0 ? fmt::format(" and {} more.\n", left) : ".\n");
+    return text + beside_sentences(x, told);
 }
 
 }  // namespace

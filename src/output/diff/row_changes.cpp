@@ -1,6 +1,7 @@
 #include "output/diff/row_changes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -76,24 +77,64 @@ bool is_wrong(const std::string& name) {
     });
 }
 
-/// Row r of the one table and row q of the other, by the columns that both have.
-RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, std::size_t r, std::size_t q) {
+/// A row's own number in a column; NaN where there is none.
+double number_of(const CsvTable& table, std::size_t row, std::string_view name) {
+    const CsvColumn* const column = table.find(name);
+    return column == nullptr ? std::nan("") : number_in(column->cells[row]);
+}
+
+/// Between what two numbers the true hits of a row lie: of an answer that is not a number, or not proved, nobody says
+/// whether the ray truly hits. NaN where the table does not tell.
+std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
+    const auto count = [&](const char* name, double without) {
+        return table.find(name) == nullptr ? without : number_of(table, row, name);
+    };
+    const double least =
+        number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") + count("wrong_object", 0);
+    return {least, least + count("not_a_number", 0) + count("unresolved", 0)};
+}
+
+/// A row of each table that are about the same.
+struct RowPair {
+    const CsvTable &a, &b;
+    std::size_t r, q;
+
+    /// Whether as many rays have another truth. A comparison with NaN is false.
+    [[nodiscard]] bool has_other_truth() const {
+        const auto [least, most] = true_hits(a, r);
+        const auto [other_least, other_most] = true_hits(b, q);
+        return number_of(a, r, "rays") == number_of(b, q, "rays") && (most < other_least || other_most < least);
+    }
+};
+
+/// By the columns that both tables have.
+RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool two_forms) {
     RowVerdict verdict;
+    const double rays = number_of(rows.a, rows.r, "rays"), other_rays = number_of(rows.b, rows.q, "rays");
+    const bool shares = rays > 0 && other_rays > 0 && rays != other_rays;
     double wrong = 0, bits = 0;  // how much more the second has
+    bool one_sided = false;
     for (const auto& [x, y, tolerance] : pairs) {
         const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
         if (!decisions && !lost) continue;
         (decisions ? verdict.by_decisions : verdict.by_bits) = true;
-        if (!judge_cells(x->cells[r], y->cells[q], tolerance, false).differs) continue;
-        const double more = number_in(y->cells[q]) - number_in(x->cells[r]);
-        if (std::isnan(more)) continue;  // of no agreed hit there are no bits; its decisions tell
-        (decisions ? wrong : bits) += more;
+        const double before = number_in(x->cells[rows.r]), after = number_in(y->cells[rows.q]);
+        const bool differs = judge_cells(x->cells[rows.r], y->cells[rows.q], tolerance, false).differs;
+        if (!differs && (!shares || tolerance != nullptr)) continue;
+        if (decisions && shares) wrong += after * rays - before * other_rays;  // exact below 2^53
+        else if (std::isnan(after - before)) one_sided |= lost && std::isnan(after) != std::isnan(before);
+        else (decisions ? wrong : bits) += after - before;
     }
     if (!verdict.by_decisions && !verdict.by_bits) return verdict;
+    verdict.by_shares = shares && verdict.by_decisions;
     const double more = wrong != 0 ? wrong : bits;
-    ++(more < 0 ? verdict.better : more > 0 ? verdict.worse : verdict.even);
+    if (two_forms && rows.has_other_truth()) ++verdict.other_truth;
+    else if (wrong == 0 && one_sided) ++verdict.one_sided;
+    else ++(more < 0 ? verdict.better : more > 0 ? verdict.worse : verdict.even);
     return verdict;
 }
+
+std::string count_of_rows(std::uint64_t n) { return fmt::format("{} {}", n, n == 1 ? "row" : "rows"); }
 
 }  // namespace
 
@@ -101,15 +142,30 @@ void RowVerdict::add(const RowVerdict& other) {
     better += other.better;
     worse += other.worse;
     even += other.even;
+    other_truth += other.other_truth;
+    one_sided += other.one_sided;
     by_decisions |= other.by_decisions;
     by_bits |= other.by_bits;
+    by_shares |= other.by_shares;
 }
 
 std::string RowVerdict::text(const std::string& second) const {
-    if (better + worse + even == 0) return "";
-    return fmt::format("{} is better in {} row{}, worse in {}, the same in {}: by {}{}{}", second, better,
-                       better == 1 ? "" : "s", worse, even, by_decisions ? "wrong decisions" : "",
-                       by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : "");
+    std::vector<std::string> lines;
+    if (other_truth > 0)
+        lines.push_back(
+            fmt::format("not comparable in {}: the two forms are asked different questions, so that other rays are "
+                        "hits (agree_hit + false_miss differ)",
+                        count_of_rows(other_truth)));
+    if (one_sided > 0)
+        lines.push_back(
+            fmt::format("not comparable in {}: as many wrong decisions, and only one side has a lost_bits_p99",
+                        count_of_rows(one_sided)));
+    if (better + worse + even > 0)
+        lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
+                                    count_of_rows(better), worse, even, by_shares ? "the share of " : "",
+                                    by_decisions ? "wrong decisions" : "", by_decisions && by_bits ? ", then by " : "",
+                                    by_bits ? "lost_bits_p99" : ""));
+    return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 void RowChanges::add(RowChanges other) {
@@ -171,7 +227,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
         }
         ++found.rows;
         const std::size_t r = left.row.at(key), q = other->second;
-        found.verdict.add(judge_rows(pairs, r, q));
+        found.verdict.add(judge_rows(pairs, {a, b, r, q}, two_forms));
         OutcomeChange outcome{subject + key, {}, 0};
         bool differs = false;
         for (const auto& [x, y, tolerance] : pairs) {

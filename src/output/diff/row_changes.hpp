@@ -29,14 +29,17 @@ struct OutcomeChange {
 };
 
 /// How the second side stands to the first, row by row: better with fewer wrong decisions, and of as many with a
-/// smaller `lost_bits_p99`. Rows of tables that have neither are left out.
+/// smaller `lost_bits_p99`. Where the sides have other numbers of rays, the shares of them count. Rows of tables that
+/// have neither are left out.
 struct RowVerdict {
     std::uint64_t better = 0, worse = 0, even = 0;
-    bool by_decisions = false, by_bits = false;  ///< what the tables have
+    std::uint64_t other_truth = 0;  ///< of two forms: as many rays, and other numbers of true hits
+    std::uint64_t one_sided = 0;    ///< as many wrong decisions, and one side alone has a `lost_bits_p99`
+    bool by_decisions = false, by_bits = false, by_shares = false;  ///< what the tables have
 
     void add(const RowVerdict& other);
-    /// `out/b is better in 3 rows, worse in 1, the same in 40: by wrong decisions, then by lost_bits_p99`; empty where
-    /// no row was judged.
+    /// `out/b is better in 3 rows, worse in 1, the same in 40: by wrong decisions, then by lost_bits_p99`, and a line
+    /// for each kind of rows that cannot be compared; empty where there is no row of either.
     [[nodiscard]] std::string text(const std::string& second) const;
 };
 

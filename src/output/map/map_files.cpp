@@ -162,11 +162,11 @@ private:
         return piece;
     }
 
-    /// `; worst pixel 100, 90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
+    /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
     /// compiled elsewhere leaves nothing to explain.
     [[nodiscard]] std::string worst_words(const MetricPaint& paint, const measure::map::WorstRay& worst) const {
         if (!paint.names_worst()) return "";
-        const std::string place = fmt::format("; worst pixel {}, {}", worst.x, worst.y);
+        const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
         if (!row_.form->record) return place;
         return place + ": " +
                blame::explain_command(blame::name_of_pixel(named_, static_cast<int>(worst.x), worst.y), row_);

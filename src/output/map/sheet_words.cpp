@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "output/blame/explain_command.hpp"
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
@@ -38,15 +39,15 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
                                     rows.front().format.name));
     if (paint.names_worst())
         lines.push_back(fmt::format(
-            "worst pixel X, Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT says how its answer came about",
-            named));
+            "worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} says how its answer came about",
+            named, blame::where_forms_are_from()));
     std::erase(lines, "");
     return lines;
 }
 
 std::string cell_note(const MetricPaint& paint, const measure::map::MapSummary& summary, std::size_t m) {
     const measure::map::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
-    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {}, {}", worst->x, worst->y) : "");
+    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 
 std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {

@@ -29,7 +29,7 @@ namespace lostbits::output::map {
 
 /// Four of a glance, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
-/// What stands below a cell of a sheet: a glance, and `worst pixel 100, 90`, where a ray is worse than another.
+/// What stands below a cell of a sheet: a glance, and `worst pixel 100,90`, where a ray is worse than another.
 [[nodiscard]] std::string cell_note(const MetricPaint& paint, const measure::map::MapSummary& summary, std::size_t m);
 
 /// What was found of a form, in the format that a sheet has first.

@@ -61,16 +61,18 @@ namespace {
 /// Gives out looks and dashes, no two alike while any are left.
 class Looks {
 public:
-    explicit Looks(std::span<const PlotLine> lines) {
-        for (const PlotLine& line : lines) {
-            if (line.series->look) asked_.insert(*line.series->look % look_count);
+    /// Of all series, so that one which shares its line here looks as in a plot where it does not.
+    explicit Looks(std::span<const Series> all) {
+        for (const Series& series : all) {
+            if (series.look) asked_.insert(*series.look % look_count);
         }
+        part_colours(all);
         skip_taken();
     }
 
     void give(PlotLine& line) {
         const Series& series = *line.series;
-        std::size_t look = series.look ? *series.look % look_count : next_;
+        std::size_t look = series.look ? drawn_.at(*series.look % look_count) : next_;
         if (!series.look && !series.family.empty()) look = families_.try_emplace(series.family, next_).first->second;
         int pattern = series.dashed ? 1 : 0;
         for (std::size_t tried = 0; !find_free(look, pattern) && tried < look_count; ++tried)
@@ -83,6 +85,27 @@ public:
     }
 
 private:
+    /// No two looks of one colour while there are no more of them than colours: of two the later one gets a free
+    /// colour, with its marker.
+    void part_colours(std::span<const Series> all) {
+        for (const std::size_t look : asked_) drawn_.emplace(look, look);
+        if (asked_.size() > line_colours) return;
+        std::set<std::size_t> wanted, given;
+        for (const std::size_t look : asked_) wanted.insert(look % line_colours);
+        std::set<std::size_t> seen;
+        for (const Series& series : all) {
+            if (!series.look || !seen.insert(*series.look % look_count).second) continue;
+            const std::size_t look = *series.look % look_count;
+            std::size_t colour = look % line_colours;
+            if (given.contains(colour))
+                for (colour = 0; wanted.contains(colour) || given.contains(colour);) ++colour;
+            given.insert(colour);
+            drawn_[look] = look - look % line_colours + colour;
+        }
+        asked_.clear();
+        for (const auto& [look, drawn] : drawn_) asked_.insert(drawn);
+    }
+
     void skip_taken() {
         while (next_ < look_count - 1 && (asked_.contains(next_) || taken_.contains(next_))) ++next_;
     }
@@ -98,6 +121,7 @@ private:
     }
 
     std::set<std::size_t> asked_;
+    std::map<std::size_t, std::size_t> drawn_;  ///< by the look that is asked for
     std::map<std::string, std::size_t> families_;
     std::map<std::size_t, std::set<int>> taken_;
     std::size_t next_ = 0;
@@ -127,7 +151,7 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
     for (std::size_t k = 0; k < lines.size(); ++k) {
         if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " the same: " + lines[k].label;
     }
-    Looks looks(lines);
+    Looks looks(series);
     for (PlotLine& line : lines) looks.give(line);
     return lines;
 }

@@ -309,7 +309,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     for (const auto i : order) plot.line(page, lines[i], markers, i);
     axes.draw(page, frame);
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
-        const auto text = backend.render_text("no data", image::style::text_size);
+        const auto text = backend.render_text(spec.nothing, image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
                   image::style::soft_ink);
     }

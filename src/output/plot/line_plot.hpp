@@ -18,8 +18,9 @@ struct Series {
     std::vector<double> low, high;  ///< a band, drawn faint; both empty, or as long as x
     bool dashed = false;
     std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty = none
-    /// Of `look_count`: the colour and marker that it has in every plot, whatever is drawn beside it; none: the first
-    /// that no other series asks for.
+    /// Of `look_count`: the colour and marker that it has in every plot, whatever is drawn beside it, but for its
+    /// colour where an earlier series has that and there are no more looks than colours; none: the first that no other
+    /// series asks for.
     std::optional<std::size_t> look = {};
 };
 
@@ -43,6 +44,7 @@ struct LinePlotSpec {
     std::optional<Series> envelope = {};  ///< what no form can be better than: grey below it
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
+    std::string nothing = "no data";      ///< stands in the middle where no line has a value
     std::vector<std::string> notes = {};  ///< below the plot, a sentence each
     int width = 1100, height = 620;       ///< the height grows where legend or marks need it
 };

@@ -144,7 +144,7 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
                              .x = drawn.axis(),
                              .y = {"share of the binade's tried floats", S::log2, least_share, 1.0, true},
                              .series = {}};
-    wrong.subtitle.emplace_back("at 0, below the axis: none of the binade's floats");
+    wrong.subtitle.emplace_back("a line at 0, below the log scale: no such float in that binade");
     for (const Half& half : drawn.halves()) {
         lost.series.push_back(drawn.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;

@@ -63,6 +63,7 @@ struct Quantity {
     bool over_hits = false;                             ///< a quantile over agreed hits: withheld where they are few
     std::string note = {};                              ///< ends the subtitle
     bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
+    std::string nothing = {};  ///< why there is nothing to draw; empty: there is
 };
 
 bool marches(const MapRow& row) { return !is_solid(row.form->shape); }
@@ -125,6 +126,11 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
                 spec.envelope = std::move(envelope);
         }
     }
+    if (!quantity.nothing.empty()) {
+        spec.series.clear();
+        spec.nothing = quantity.nothing;
+        return plot::write_line_plot(image::image_backend(), path, spec);
+    }
     shade_and_note(spec, sweep, format, quantity.over_hits);
     for (const auto& mark : request.sweep->marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
@@ -175,7 +181,12 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
                       {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
                       share,
                       {}};
-    quantity.note = "at 0, below the axis: none of a step's rays";
+    const auto truly_misses = [](const MapSummary& s) { return s.true_misses() > 0; };
+    const bool possible = outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
+                              return std::ranges::any_of(step.rows, truly_misses);
+                          });
+    if (possible) quantity.note = "a line at 0, below the log scale: no such ray in that step";
+    else quantity.nothing = "no ray of this sweep truly misses, so that none can be a false hit";
     write_lines(path, sweep, format, quantity, size);
 }
 

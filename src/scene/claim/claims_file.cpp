@@ -147,6 +147,7 @@ void read_given(TableReader table, Claim& claim) {
             "claim.given names a scene, a sweep, a search, a table, a scene to render or one of which offsets or "
             "consistency are measured; write one of them");
     }
+    table.reject("size", "is the scene's own; write it there, or name a variant of the scene that has that size");
     read_offsets(table, claim);
     read_consistency(table, claim);
     if (!claim.search.empty()) {

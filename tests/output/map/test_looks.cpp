@@ -58,6 +58,23 @@ TEST_CASE("a line keeps the look that is its own, and no two lines look alike", 
     }
 }
 
+TEST_CASE("while there are colours for all, no two lines that ask for a look share one", "[looks]") {
+    const auto with_look = [](int k, std::size_t look) {
+        plot::Series one = level(std::to_string(k), k);
+        one.look = look;
+        return one;
+    };
+    // Three of one colour, and one that keeps its own.
+    const auto lines =
+        plot::plot_lines(std::vector{with_look(1, 3), with_look(2, 11), with_look(3, 0), with_look(4, 19)});
+    std::set<std::array<int, 3>> colours;
+    for (const plot::PlotLine& line : lines) colours.insert({line.colour.r, line.colour.g, line.colour.b});
+    CHECK(colours.size() == lines.size());
+    CHECK(lines[0].colour == plot::look_colour(3));
+    CHECK(lines[2].colour == plot::look_colour(0));
+    CHECK(lines[1].marker == 1);  // of the look that it asks for
+}
+
 TEST_CASE("a form has its look by its place in the catalogue, one from outside by its name", "[looks]") {
     std::map<Shape, std::set<std::size_t>> looks;
     for (const Intersector& form : intersect::table::catalogue()) {

@@ -7,6 +7,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/helpers.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/sheet_words.hpp"
@@ -197,7 +198,7 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
     CHECK_FALSE(has_word(cell_note(paint, seen, 0), "worst"));
     seen.worst.x = 17;
     seen.worst.y = 4;
-    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17, 4"));
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17,4"));
     // A wrong decision is worse than any error.
     seen.outcomes[static_cast<std::size_t>(Outcome::false_hit)] = 1;
     const auto place = std::ranges::find(lostbits::measure::map::wrong_decisions, Outcome::false_hit) -
@@ -205,7 +206,18 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
     seen.faults[static_cast<std::size_t>(place)] = std::make_unique<lostbits::measure::map::WorstRay>();
     seen.faults[static_cast<std::size_t>(place)]->x = 5;
     seen.faults[static_cast<std::size_t>(place)]->y = 6;
-    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5, 6"));
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));
+    // The command above the sheet can be pasted for forms from outside, too.
+    const lostbits::scene::file::Scene scene{};
+    const auto above = [&] {
+        std::string text;
+        for (const auto& line : sheet_subtitle(scene, "mine.toml", {}, paint, false)) text += line + "\n";
+        return text;
+    };
+    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT says how"));
+    blame::say_where_forms_are_from(" --plugin mine.so");
+    CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so says how"));
+    blame::say_where_forms_are_from("");
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32, backend()), seen, 0), "worst"));
 }
 

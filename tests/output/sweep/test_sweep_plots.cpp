@@ -93,7 +93,11 @@ TEST_CASE("a single false miss of a thousand rays stands clear of none, and is n
     for (std::size_t k = 20; k < steps; ++k) made.put(Outcome::false_miss, k, rays);
     const Found all = drawn(Outcome::false_miss);
     CHECK(first.top - all.top > 200);  // a thousandth is not near to all
+    // No ray truly misses, so that none can be a false hit: a line at 0 would say that the form is good at it.
+    CHECK(drawn(Outcome::false_hit).pixels == 0);
+    made.made[0].rows[0].true_hits = rays - 1;
     const Found hits = drawn(Outcome::false_hit);
+    CHECK(hits.pixels > 300);
     CHECK(hits.foot - hits.top <= 3);
 
     using Outcomes = std::vector<Outcome>;
