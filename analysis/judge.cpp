@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/judge/judge_files.hpp"
+#include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/toml/result_name.hpp"
 
@@ -43,6 +44,27 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     group.march = request.march;
     return made.for_forms(choice::measured(drawn, request.rows), measure::map::forms_of(asked),
                           [&group] { return measure::blame::SettingOf(group); });
+}
+
+/// Says on stderr where the decimals of a file are not those of its format.
+void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
+    const auto needed = [](const Format& f) { return scene::dump::NumberWords(f).digits(); };
+    const Format narrow = *find_format("f32");
+    const bool is_wide = format.shape.precision > binary32.precision;
+    // Of numbers that are written as short as they can be, none may need the last of the digits.
+    const bool is_short = result.decimals > 10 && result.digits + 1 < needed(format);
+    if (is_wide && result.answers > 10 && result.floats == result.answers &&
+        !(is_short && result.digits < needed(narrow)))
+        fmt::print(stderr,
+                   "lostbits: {}: the t of all {} hits is a number of f32, exactly or as a decimal of it, and was "
+                   "judged as one of {}; if the answers were computed in float, say --format f32\n",
+                   file, result.answers, format.name);
+    else if (is_short)
+        fmt::print(stderr,
+                   "lostbits: {}: its numbers have at most {} digits, and a number of {} needs {}{}; the bits that are "
+                   "lost may be those that were not written: print with %.{}g (std::setprecision({}))\n",
+                   file, result.digits, format.name, needed(format),
+                   is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
 }
 
 void print_judged(const JudgeRequest& request, const JudgeResult& result) {
@@ -195,13 +217,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                 "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that the "
                 "answers were computed in with --format\n",
                 o.file, result.rounded, dump->format().name);
-        if (result.answers > 10 && result.floats == result.answers &&
-            dump->format().shape.precision > binary32.precision)
-            fmt::print(stderr,
-                       "lostbits: {}: the t of all {} hits is a number of f32, exactly or as a decimal of it, and was "
-                       "judged as "
-                       "one of {}; if the answers were computed in float, say --format f32\n",
-                       o.file, result.answers, dump->format().name);
+        note_digits(o.file, dump->format(), result);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
         print_judged(request, result);
         print_pairs(request.rows, request.metrics, result.summaries);
@@ -211,7 +227,8 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     note_suspicions({request.rows.begin(), request.rows.begin() + (request.answered ? 1 : 0)}, common,
                     [&result](const measure::map::MapRow&) {
-                        return measure::contract::suspicion(result.first, measure::contract::Whose::file);
+                        return measure::contract::suspicion(result.first, measure::contract::Whose::file,
+                                                            result.misses_beside_first());
                     });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }

@@ -3,12 +3,14 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/choice/doors.hpp"
 #include "analysis/shell/supervisor.hpp"
 #include "commands.hpp"
+#include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
@@ -50,8 +52,8 @@ const char* word_of(Observation::Verdict verdict) {
 }
 
 /// Whether every promise is kept.
-bool show_trial(const ForeignForm& form, bool quiet) {
-    std::vector<Observation> findings = measure::contract::try_contract(form);
+bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
+    std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
     int broken = 0;
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
@@ -73,10 +75,11 @@ Exit try_forms(const std::string& library, const Common& common) {
     choice::DoorWords words = common.doors;
     if (!library.empty()) words.plugins.push_back(library);
     if (const std::string here = choice::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
-    const std::vector<ForeignForm> forms = choice::open_each(words, common.threads).forms;
+    const auto [forms, formulas] = choice::open_each(words, common.threads);
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
     bool good = true;
-    for (const ForeignForm& form : forms) good = show_trial(form, common.quiet) && good;
+    for (const ForeignForm& form : forms)
+        good = show_trial(form, intersect::doors::first_of(formulas, form), common.quiet) && good;
     return good ? Exit::done : Exit::answer_is_no;
 }
 

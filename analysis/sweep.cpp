@@ -160,8 +160,13 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     progress.finish();
     note_suspicions(request.rows, common, [&sweep](const measure::map::MapRow& row) {
         std::vector<double> first;
-        for (const scene::sweep::Axis& axis : sweep.axes) first.push_back(axis.values.front());
-        return measure::contract::suspicion(sweep.rays(first), row);
+        std::string step;
+        for (const scene::sweep::Axis& axis : sweep.axes) {
+            first.push_back(axis.values.front());
+            step += fmt::format("{}{} = {}", step.empty() ? "at " : ", ", axis.name, first.back());
+        }
+        const std::string words = measure::contract::suspicion(sweep.rays(first), row);
+        return words.empty() ? words : fmt::format("{}, the first step: {}", step, words);
     });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());

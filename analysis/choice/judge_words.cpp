@@ -85,9 +85,11 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
     command.add("--at-origin", words.at_origin,
                 "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
                 shell::one_of({"hit", "miss", "exit"}));
-    command.add("--inside", words.inside,
-                "The right answer from inside: exit, zero or miss (default: the exit of a sphere, 0 of a box)",
-                shell::one_of({"usual", "exit", "zero", "miss"}));
+    command.add(
+        "--inside", words.inside,
+        "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
+        "0 of a box)",
+        shell::one_of({"usual", "exit", "zero", "near", "miss"}));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {

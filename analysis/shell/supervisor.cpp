@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -73,6 +74,13 @@ sigset_t to_hand_on() {
     for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
         sigdelset(&all, signal);
     return all;
+}
+
+/// Whether nobody reads what this program prints: `lostbits … | head` has ended its right side.
+bool has_no_reader() {
+    std::array<pollfd, 2> streams{{{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}}};
+    return poll(streams.data(), streams.size(), 0) > 0 &&
+           std::ranges::any_of(streams, [](const pollfd& stream) { return (stream.revents & POLLERR) != 0; });
 }
 
 /// The process that waits.
@@ -150,7 +158,8 @@ private:
         if (status_ && WIFEXITED(how_) && !is_broken_) _exit(*status_);
         for (const std::string& path : partial_) unlink(path.c_str());
         const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
-        if (!status_ && heard_.contains(signal)) {  // somebody ended it, from outside
+        // Somebody ended it, from outside, or by not reading what it prints.
+        if (!status_ && (heard_.contains(signal) || (signal == SIGPIPE && has_no_reader()))) {
             ::signal(signal, SIG_DFL);
             sigset_t one;
             sigemptyset(&one);

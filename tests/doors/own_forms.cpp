@@ -34,6 +34,16 @@ struct SecantRefined : intersect::sdf::SecantRefined {
     static constexpr intersect::Info info = renamed<intersect::sdf::SecantRefined>("own.secant_refined");
 };
 
+/// Both roots, and a t that is |near| from inside: what near and far do not say.
+struct SizeOfNear {
+    static constexpr intersect::Info info{.name = "own.size_of_near"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        Hit<T> hit = intersect::sphere::Unified::intersect(ray, sphere);
+        hit.t = abs(hit.near);
+        return hit;
+    }
+};
 struct Crashes {
     static constexpr intersect::Info info{.name = "own.crashes"};
     template <Number T>
@@ -61,4 +71,4 @@ struct Hangs {
 
 }  // namespace
 
-LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, Crashes, Throws, Hangs)
+LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, SizeOfNear, Crashes, Throws, Hangs)

@@ -123,7 +123,27 @@ TEST_CASE("formulas: the bits are the same for every register width, and through
         }
     }
     CHECK(widths >= 2);
-    CHECK(run("plugin check" + own.substr(own.find("--plugin") + 8)).code == 3);  // one of its forms hangs
+}
+
+TEST_CASE("formulas: plugin check tries the t of a hit beside its near and far", "[doors]") {
+    const Outcome o = run("plugin check --time-limit 2" + own.substr(own.find("--plugin") + 8));
+    CHECK(o.code == 3);  // one of its forms hangs
+    const auto finding = [&o](const std::string& form) {
+        const auto at = o.out.find("own." + form + " in binary32");
+        REQUIRE(at != std::string::npos);
+        return o.out.substr(at, o.out.find("\nown.", at) - at);
+    };
+    for (const std::string form : {"unified", "double_inside", "inclusive"}) {
+        INFO(finding(form));
+        CHECK(has(finding(form), "does as it says"));
+        CHECK(has(finding(form), "the t beside near and far is the root that counts, in every probe"));
+    }
+    INFO(finding("size_of_near"));
+    CHECK(has(finding("size_of_near"), "2 of its promises broken"));
+    CHECK(has(finding("size_of_near"),
+              "BROKEN inside       the t beside near and far: a ray from inside is answered with the near root without "
+              "its sign"));
+    CHECK_FALSE(has(finding("size_of_near"), "in every probe"));
 }
 
 TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the program with its name", "[doors]") {

@@ -301,6 +301,17 @@ TEST_CASE("plugin: C is enough", "[doors]") {
     CHECK(row_of(summary, "c.slabs", "f64")["agree_hit"] == row_of(summary, "box.divide", "f64")["agree_hit"]);
 }
 
+TEST_CASE("plugin: a reader that goes away is no fault of the library", "[doors]") {
+    for (const std::string& words : {"plugin check " + library("schoolbook"),
+                                     "map near-benign --size 32x24 -i odd.right -f f32 -o out" + plugin("odd_plugin"),
+                                     "trade --quick -i example.schoolbook -f f32 -o out" + plugin("schoolbook")}) {
+        const Scratch folder;
+        const Outcome o = run(words + "); echo $? >&2; } | true", folder.path(), "{ (");
+        INFO(words << ": " << o.err);
+        CHECK(o.err == "141\n");  // of SIGPIPE, in silence
+    }
+}
+
 TEST_CASE("plugin check: says which promise is broken and what to write", "[doors]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + library("schoolbook"), folder.path());

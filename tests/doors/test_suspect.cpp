@@ -70,12 +70,86 @@ TEST_CASE("suspicion: t in other units is known by one factor, which is said", "
     CHECK(has(off_by(0.001), "0.001 times what is right: metres for millimetres?"));
     CHECK(has(off_by(0.0254), "metres for inches?"));
     CHECK(has(off_by(7.5), "t is in other units: it is 7.5 times what is right"));
+    // Decisions that are wrong beside it, as arithmetic makes them, hide neither a factor nor a sign.
+    const auto with_wrong_decisions = [](double factor) {
+        auto all = judged([factor](double t, double, double) { return factor * t; });
+        for (std::size_t i = 0; i < all.size(); i += 6) (i % 4 == 0 ? all[i].hit : all[i].truly_hits) = false;
+        return suspicion(all);
+    };
+    CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should: t is in other units"));
+    CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should: t has the wrong sign"));
+    CHECK(with_wrong_decisions(1).empty());
     // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
     int n = 0;
     CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
     std::vector<measure::contract::Judged> alike;
     for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
     CHECK_FALSE(has(suspicion(alike), "units"));
+    // From far away all t are nearly alike: a factor that is written on purpose is known there too.
+    const auto from_afar = [](double factor) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 100; ++i) {
+            all.push_back(judged([](double t, double, double) { return t; }).front());
+            all.back().true_t *= 1 + 0x1p-17 * i;
+            all.back().t = factor * all.back().true_t;
+        }
+        return suspicion(all);
+    };
+    CHECK(has(from_afar(1000), "1000 times what is right"));
+    CHECK(has(from_afar(1 / 0.0254), "inches for metres?"));
+    CHECK(has(from_afar(1024), "1.02e+03 times what is right"));
+    CHECK_FALSE(has(from_afar(3), "units"));
+}
+
+TEST_CASE("suspicion: what was done to the rays or to the solid is known by its answers", "[doors]") {
+    using measure::contract::Judged;
+    using R = Ray<double>;
+    using S = Sphere<double>;
+    const auto nearest = [](const R& ray, const S& s) {
+        const Vec<double> f = ray.origin - s.centre;
+        const double a = dot(ray.direction, ray.direction), b = dot(f, ray.direction);
+        const double left = b * b - a * (dot(f, f) - s.radius * s.radius), root = std::sqrt(std::max(0.0, left));
+        const double near = (-b - root) / a, far = (-b + root) / a;
+        return left < 0 || far < 0 ? std::nan("") : near >= 0 ? near : far;
+    };
+    // Rays from around (1, -2, 0) at a sphere around (4, 6, -20), some of which miss. They are answered as they are,
+    // and told as `change` leaves them.
+    const auto asked = [&nearest](const auto& change, bool inverted = false) {
+        std::vector<Judged> all;
+        for (int i = 0; i < 400; ++i) {
+            const double u = (i % 20 - 9.5) / 4, v = (i / 20 - 9.5) / 4;
+            R ray{{1 + u / 8, -2, v / 8}, {3 + u, 8 + v, -20}};
+            S sphere{{4, 6, -20}, 2};
+            const double t = nearest(ray, sphere);
+            const bool hit = std::isnan(t) == inverted;
+            change(ray, sphere);
+            const double truth = nearest(ray, sphere);
+            all.push_back({.ray = ray,
+                           .solid = Solid<double>(sphere),
+                           .truly_hits = !std::isnan(truth),
+                           .true_t = truth,
+                           .other_measure = truth,
+                           .hit = hit,
+                           .t = std::isnan(t) ? 0 : t});
+        }
+        return measure::contract::suspicion(all, measure::contract::Whose::file);
+    };
+    CHECK(asked([](R&, S&) {}).empty());
+    CHECK(has(asked([](R& ray, S&) { ray.direction = -ray.direction; }),
+              "the direction seems to be reversed: the answers are those for -d; write -dx, -dy, -dz"));
+    CHECK(has(asked([](R& ray, S&) { ray.direction = ray.origin + ray.direction; }), "the point where the ray ends"));
+    CHECK(has(asked([](R& ray, S&) {
+                  for (Vec<double>* v : {&ray.origin, &ray.direction}) std::swap(v->y, v->z);
+              }),
+              "y and z of the rays seem to be exchanged"));
+    CHECK(has(asked([](R& ray, S&) { std::swap(ray.origin, ray.direction); }), "the origin and the direction"));
+    for (const auto& [factor, says] : {std::pair(1000.0, "1000 times as large (millimetres for metres?); write both"),
+                                       std::pair(0.01, "0.01 times as large (metres for centimetres?)")})
+        CHECK(has(asked([f = factor](R&, S& sphere) { sphere = {sphere.centre * f, sphere.radius * f}; }), says));
+    CHECK(has(asked([](R&, S&) {}, true), "hit seems to be inverted, 1 where the ray misses; write 1 for a hit"));
+    // A sphere elsewhere: it is hit where it is not, and missed where it is, but most rays miss both.
+    const std::string elsewhere = asked([](R&, S& sphere) { sphere.centre.x += 9; });
+    CHECK(has(elsewhere, "no mistake that is known here"));
 }
 
 TEST_CASE("suspicion: what is wrong from inside is told apart", "[doors]") {
@@ -110,6 +184,8 @@ TEST_CASE("suspicion: what is wrong from inside is told apart", "[doors]") {
     CHECK(has(asked(none, far, Whose::file), "; say --inside exit"));
     CHECK(has(asked(far, size), "the near root without its sign"));
     CHECK_FALSE(has(asked(far, near), "without its sign"));
+    CHECK(has(asked(far, near), "the near root, behind the ray; say so (near_root, roots=near)"));
+    CHECK(has(asked(far, near, Whose::file), "; say --inside near"));
 }
 
 TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by misses", "[doors]") {
@@ -132,7 +208,7 @@ TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by m
     };
     CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
     CHECK_FALSE(has(asked(false), "exchanged"));
-    CHECK(has(asked(false), "wrong on 300 of 300 rays: 300 miss what they should hit"));
+    CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should: 300 miss what they should hit"));
 }
 
 TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early", "[doors]") {
@@ -192,6 +268,7 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
         CHECK(map(form, "near-benign").empty());
     }
     const Outcome sweep = run("sweep sphere-distance -i odd.far_first -f f32 -o out" + odd, folder.path());
+    CHECK(has(sweep.err, "odd.far_first f32: at distance_radii = 1.25, the first step: wrong on "));
     CHECK(has(sweep.err, "far root"));
     const Outcome quiet = run("map near-benign -q --size 48x32 -f f32 -o out -i odd.far_first" + odd, folder.path());
     CHECK(quiet.err.empty());

@@ -113,6 +113,46 @@ void obey_the_rules_after() {
     else obey_the_rules<Form>(nullptr, nullptr, nullptr);
 }
 
+/// The answers in S through the C interface; `told`: t alone is, or near and far.
+template <class Form, class S, Roots told = Form::info.roots>
+const char* answer_batch_of(const lb_batch* batch) {
+    const auto* const rays = static_cast<const S*>(batch->rays);
+    const auto* const ends = static_cast<const S*>(batch->ends);
+    auto* const near_far = static_cast<S*>(batch->near_far);
+    for (std::size_t i = 0; i < batch->size; ++i) {
+        const S* const r = rays + 6 * i;
+        const S* const n = static_cast<const S*>(batch->solids) + batch->solid_stride * i;
+        const Ray<S> ray{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+        const S end = ends ? ends[i] : std::numeric_limits<S>::infinity();
+        const Hit<S> hit = intersect_numbers<Form>(
+            ray, [n](std::size_t k) { return n[k]; }, end);
+        batch->hit[i] = hit.hit ? 1 : 0;
+        near_far[2 * i] = told == Roots::both ? hit.near : hit.t;
+        near_far[2 * i + 1] = hit.far;
+    }
+    return nullptr;
+}
+
+template <class Form, class S, Roots told = Form::info.roots>
+constexpr lb_form plain_form() {
+    return {.name = Form::info.name.data(),
+            .title = Form::info.title.data(),
+            .source = Form::info.source.data(),
+            .shape = static_cast<int>(shape_of<Form>),
+            .format = 8 * sizeof(S),
+            .direction = static_cast<int>(Form::info.direction),
+            .roots = static_cast<int>(told),
+            .touching = static_cast<int>(Form::info.touching),
+            .at_origin = static_cast<int>(Form::info.at_origin),
+            .flags = !told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
+            .own = nullptr,
+            .run = answer_batch_of<Form, S, told>};
+}
+
+/// The t of its hits.
+template <class Form, class S>
+inline constexpr lb_form first_form = plain_form<Form, S, Roots::first_only>();
+
 template <class Form>
 Formula formula_of() {
     static_assert(TakesASolid<Form>,
@@ -133,43 +173,12 @@ Formula formula_of() {
         row.rounded = Told<Form, table::rounded_batch<Form>>::run;
     }
     if (false) obey_the_rules_after<Form>();
-    return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>};
-}
-
-/// The answers in S through the C interface.
-template <class Form, class S>
-const char* answer_batch_of(const lb_batch* batch) {
-    const auto* const rays = static_cast<const S*>(batch->rays);
-    const auto* const ends = static_cast<const S*>(batch->ends);
-    auto* const near_far = static_cast<S*>(batch->near_far);
-    for (std::size_t i = 0; i < batch->size; ++i) {
-        const S* const r = rays + 6 * i;
-        const S* const n = static_cast<const S*>(batch->solids) + batch->solid_stride * i;
-        const Ray<S> ray{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
-        const S end = ends ? ends[i] : std::numeric_limits<S>::infinity();
-        const Hit<S> hit = intersect_numbers<Form>(
-            ray, [n](std::size_t k) { return n[k]; }, end);
-        batch->hit[i] = hit.hit ? 1 : 0;
-        near_far[2 * i] = Form::info.roots == Roots::both ? hit.near : hit.t;
-        near_far[2 * i + 1] = hit.far;
+    std::array<const lb_form*, 2> first{};
+    if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
+        first[0] = &first_form<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) first[1] = &first_form<Form, double>;
     }
-    return nullptr;
-}
-
-template <class Form, class S>
-constexpr lb_form plain_form() {
-    return {.name = Form::info.name.data(),
-            .title = Form::info.title.data(),
-            .source = Form::info.source.data(),
-            .shape = static_cast<int>(shape_of<Form>),
-            .format = 8 * sizeof(S),
-            .direction = static_cast<int>(Form::info.direction),
-            .roots = static_cast<int>(Form::info.roots),
-            .touching = static_cast<int>(Form::info.touching),
-            .at_origin = static_cast<int>(Form::info.at_origin),
-            .flags = !told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
-            .own = nullptr,
-            .run = answer_batch_of<Form, S>};
+    return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>, first};
 }
 
 /// All that a library exports of a list of forms.

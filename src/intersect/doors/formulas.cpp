@@ -70,6 +70,19 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     return formulas;
 }
 
+std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
+    for (const Formula& formula : formulas) {
+        const lb_form* const first = formula.first[form.contract.bits == 64 ? 1 : 0];
+        if (formula.row.info->name != form.contract.name || first == nullptr) continue;
+        ForeignForm made = foreign(*first, form.from, process::FloatingPoint::standard());
+        made.contract = form.contract;
+        made.contract.roots = Roots::first_only;
+        made.contract.inside = formula.row.info->inside;
+        return made;
+    }
+    return {};
+}
+
 void rename(Formula& formula, const std::string& prefix) {
     Info* const info = new Info(*formula.row.info);  // kept as long as `lasting_text`, and for the same reason
     info->name = lasting_text(prefix + std::string(info->name));

@@ -48,6 +48,8 @@ std::string loader_words(const fs::path& library) {
     return words;
 }
 
+}  // namespace
+
 ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes) {
     ForeignForm made{contract_of(form, from), from, {}};
     made.contract.state = computes.words();
@@ -63,8 +65,6 @@ ForeignForm foreign(const lb_form& form, const std::string& from, const process:
     };
     return made;
 }
-
-}  // namespace
 
 std::string prefix_of_plugin(const std::string& named) {
     std::error_code ignored;

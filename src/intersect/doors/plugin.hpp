@@ -44,6 +44,10 @@ Ask entry_of(const Library& library, const char* name) {
 /// A text that is kept beyond the end of main(): what is called when the program exits may ask for it.
 const char* lasting_text(const std::string& text);
 
+/// A form as a library states it, which lives as long as the library is loaded. `computes`: what loading it left.
+/// InputError, which begins with `from`, for a contract that makes no sense.
+ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes);
+
 /// Loads a library, which stays loaded, and asks it for its forms. InputError for what is no library, exports no
 /// `lostbits_forms`, is of another version, or states contracts that make no sense.
 std::vector<ForeignForm> load_plugin(const std::filesystem::path& library);

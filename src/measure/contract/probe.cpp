@@ -148,8 +148,10 @@ void try_far(Trial& trial) {
     if (is_answer(outside.far, 7)) return trial.kept("near and far, from outside");
     if (is_answer(outside.near + outside.far, 7))
         return trial.broken("far is " + text_of(outside.far) + ", the thickness; hand over near + thickness");
-    trial.broken("far is " + text_of(outside.far) +
-                 " where 7 is right; say LB_NEAR (roots=near) or LB_FIRST (roots=first) where it tells one");
+    trial.broken(
+        "far is " + text_of(outside.far) +
+        " where 7 is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) where it tells "
+        "one");
 }
 
 void try_behind(Trial& trial) {
@@ -228,9 +230,8 @@ void try_odd_numbers(Trial& trial) {
             along(shape, -std::ldexp(1, -scale), unit ? 1 : std::ldexp(1, -scale), 0, std::ldexp(1, -scale - 1)));
 }
 
-}  // namespace
-
-std::vector<Observation> try_contract(const ForeignForm& form) {
+/// Every probe of one form.
+std::vector<Observation> try_all(const ForeignForm& form) {
     Trial trial(form);
     const bool both = trial.contract.roots == Roots::both, sphere = trial.shape == Shape::sphere;
     trial.probe("answers", try_hit_is_written);
@@ -259,6 +260,24 @@ std::vector<Observation> try_contract(const ForeignForm& form) {
     trial.probe("end", try_end);
     try_odd_numbers(trial);
     return std::move(trial.findings);
+}
+
+}  // namespace
+
+std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm* first) {
+    using enum Observation::Verdict;
+    std::vector<Observation> findings = try_all(form);
+    if (first == nullptr) return findings;
+    bool good = true;
+    for (const Observation& of_t : try_all(*first)) {
+        if (of_t.verdict != broken) continue;
+        good = false;
+        if (std::ranges::none_of(
+                findings, [&of_t](const Observation& f) { return f.verdict == broken && f.subject == of_t.subject; }))
+            findings.push_back({of_t.subject, broken, "the t beside near and far: " + of_t.words});
+    }
+    if (good) findings.push_back({"first", kept, "the t beside near and far is the root that counts, in every probe"});
+    return findings;
 }
 
 }  // namespace lostbits::measure::contract

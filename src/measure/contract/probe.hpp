@@ -23,8 +23,10 @@ struct Observation {
 /// Asks the form, some twenty batches: whether it answers the same again, ray by ray, with a solid a ray and from
 /// several threads; whose directions, roots and ends it takes; what it makes of a ray that touches, starts on the
 /// surface, inside or beyond; of huge, zero and NaN numbers. Answers are right here to 2^-10 of themselves. A form that
-/// cannot answer at all throws what it throws.
-std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form);
+/// cannot answer at all throws what it throws. A formula of both roots has a t of its own: `first` tells that one
+/// (`doors::first_of`), and every probe tries it too.
+std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form,
+                                      const intersect::doors::ForeignForm* first = nullptr);
 
 /// Whether the processor computes after its calls, as far as it was called, as before; and how it computes in them.
 Observation observe_state(const intersect::doors::ForeignForm& form);

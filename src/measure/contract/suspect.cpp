@@ -7,20 +7,20 @@
 #include <functional>
 #include <optional>
 
-#include "measure/map/culprit_order.hpp"
-#include "measure/truth/missing.hpp"
-
 namespace lostbits::measure::contract {
 namespace {
 
-constexpr std::size_t most_rays = 4096;
-
 using Line = Ends<double>;
 
-/// In double: good to many more bits than are asked about.
+/// In double: good to many more bits than are asked about. Of a line beside a slab that it does not cross, the middle
+/// lies outside.
 std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
-    const auto line = visit(solid, [&ray](const auto& shape) { return ends_of(*shape.span(ray)); });
-    return line && line->near <= line->far ? line : std::nullopt;
+    return visit(solid, [&ray](const auto& shape) -> std::optional<Line> {
+        const auto line = ends_of(*shape.span(ray));
+        if (!line || !(line->near <= line->far)) return std::nullopt;
+        const Vec<double> middle = ray.origin + (line->near / 2 + line->far / 2) * ray.direction;
+        return shape.off_surface(middle) > 0x1p-20 ? std::nullopt : line;
+    });
 }
 
 bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
@@ -30,28 +30,34 @@ bool is_right(const Judged& j) {
     return !j.hit || std::isnan(j.t) || is_about(j.t, j.true_t);
 }
 
+/// The answer for another ray or another solid.
+bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
+    const auto line = line_through(ray, solid);
+    const bool ahead = line && line->far >= 0;
+    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
+    return is_about(j.t, line->near >= 0 ? line->near : line->far);
+}
+
 /// The answer for a sphere of another radius. A radius that would be the same explains what is right.
 bool fits_radius(const Judged& j, double radius) {
     if (j.solid.shape != Shape::sphere) return false;
     if (is_about(radius, j.solid.sphere().radius)) return is_right(j);
     Sphere<double> other = j.solid.sphere();
     other.radius = radius;
-    const auto line = line_through(j.ray, Solid<double>(other));
-    const bool ahead = line && line->far >= 0;
-    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
-    return is_about(j.t, line->near >= 0 ? line->near : line->far);
+    return fits(j, j.ray, Solid<double>(other));
 }
+
+/// The answer for a solid whose numbers are so many times as large.
+bool fits_scaled(const Judged& j, double factor) {
+    Solid<double> other = j.solid;
+    for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
+    return fits(j, j.ray, other);
+}
+
+Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
 
 bool is_in_other_measure(const Judged& j) {
     return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
-}
-
-/// The answer for the ray whose origin is the direction, and the other way round.
-bool fits_exchanged(const Judged& j) {
-    const auto line = line_through({j.ray.direction, j.ray.origin}, j.solid);
-    const bool ahead = line && line->far >= 0;
-    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
-    return is_about(j.t, line->near >= 0 ? line->near : line->far);
 }
 
 /// Where the line enters and leaves, of a ray that starts between.
@@ -62,19 +68,36 @@ std::optional<Line> line_from_inside(const Judged& j) {
 
 /// Something that a contract may have said wrongly: whether it explains an answer.
 struct Reason {
-    const char* words;       ///< what seems to be wrong
-    const char* to_library;  ///< what to write where an intersector answered
-    const char* to_file;     ///< and where a file holds the answers
+    /// Which answers it speaks about, and has to explain.
+    enum class About : std::uint8_t {
+        t,      ///< the t of hits that should be: decisions are wrong beside it, by arithmetic as a rule
+        wrong,  ///< every wrong answer
+        all,    ///< as it would change every answer, the right ones too. A march that ends early misses near the rim,
+                ///< as a smaller sphere would, and is right in the middle, where that is not
+        decisions  ///< hits and misses alone, all of them, in both ways
+    };
+    std::string words;       ///< what seems to be wrong
+    std::string to_library;  ///< what to write where an intersector answered
+    std::string to_file;     ///< and where a file holds the answers
     std::function<bool(const Judged&)> explains;
-    /// Whether it would change every answer: then it explains the right ones too, or it is not the reason. A march that
-    /// ends early misses near the rim, as a smaller sphere would, and is right in the middle, where that is not.
-    bool of_all = false;
+    About about = About::t;
     /// Whether it needs a hit to be seen: an intersector that never hits is no sign of it.
     bool by_a_hit = false;
 };
 
-const std::vector<Reason>& reasons() {
-    static const std::vector<Reason> all{
+struct Units {
+    double factor;
+    const char* words;
+};
+constexpr Units known_units[] = {{1000, "millimetres for metres"}, {0.001, "metres for millimetres"},
+                                 {100, "centimetres for metres"},  {0.01, "metres for centimetres"},
+                                 {0.0254, "metres for inches"},    {1 / 0.0254, "inches for metres"},
+                                 {0.3048, "metres for feet"},      {1 / 0.3048, "feet for metres"},
+                                 {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
+
+std::vector<Reason> all_reasons() {
+    using About = Reason::About;
+    std::vector<Reason> all{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
          [](const Judged& j) { return !j.unit && is_in_other_measure(j); }},
@@ -83,16 +106,16 @@ const std::vector<Reason>& reasons() {
          "leave --direction unit out", [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
         {"the radius seems to be taken for its square", "hand over radius * radius",
          "the answers are for spheres of radius sqrt(r); write that radius",
-         [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }, true},
+         [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }, About::all},
         {"the radius seems to be squared once too often", "hand over radius",
          "the answers are for spheres of radius r * r; write that radius",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }, true},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }, About::all},
         {"the radius seems to be taken for a diameter", "hand over 2 * radius",
          "the answers are for spheres of half the radius; write that radius (--sphere)",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }, true},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }, About::all},
         {"a diameter seems to be handed over for the radius", "hand over radius",
          "the answers are for spheres of twice the radius; write that radius (--sphere)",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }, true},
+         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }, About::all},
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const Judged& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
         {"from inside it answers with the exit, where 0 is right", "say so (inside_exit, inside=exit)",
@@ -100,6 +123,12 @@ const std::vector<Reason>& reasons() {
          [](const Judged& j) {
              const auto line = line_from_inside(j);
              return line && j.truly_hits && j.true_t == 0 && is_about(j.t, line->far);
+         }},
+        {"from inside it answers with the near root, behind the ray",
+         "say so (near_root, roots=near), by which t < 0 is a miss", "say --inside near, by which t < 0 is a miss",
+         [](const Judged& j) {
+             const auto line = line_from_inside(j);
+             return line && is_about(j.t, line->near);
          }},
         {"from inside it answers with the near root without its sign",
          "the root is behind the ray; the first with t >= 0 is asked for",
@@ -116,15 +145,52 @@ const std::vector<Reason>& reasons() {
          }},
         {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
          [](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, -j.true_t); }},
+        {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
+         "write -dx, -dy, -dz",
+         [](const Judged& j) {
+             return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.solid);
+         },
+         About::all, true},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
          [](const Judged& j) {
              const auto line = line_through(j.ray, j.solid);
-             return j.hit && !j.truly_hits && line && line->far < 0;
-         }},
+             return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
+         },
+         About::wrong},
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
-         "look at the names of the columns: ox, oy, oz are the origin", fits_exchanged, true, true},
+         "look at the names of the columns: ox, oy, oz are the origin",
+         [](const Judged& j) {
+             return fits(j, {j.ray.direction, j.ray.origin}, j.solid);
+         },
+         About::all, true},
+        {"the direction seems to be the point where the ray ends: the answers are those for d - o",
+         "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
+         [](const Judged& j) {
+             return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.solid);
+         },
+         About::all, true},
+        {"y and z of the rays seem to be exchanged against those of the solid",
+         "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
+         [](const Judged& j) {
+             return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.solid);
+         },
+         About::all, true},
     };
+    for (const Units& units : known_units)
+        all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
+                                   units.factor, units.words),
+                       "hand over both in the same units", "write both in the same units",
+                       [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all,
+                       true});
+    all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
+                   "write 1 for a hit and 0 for a miss", [](const Judged& j) { return j.hit != j.truly_hits; },
+                   About::decisions});
+    return all;
+}
+
+const std::vector<Reason>& reasons() {
+    static const std::vector<Reason> all = all_reasons();
     return all;
 }
 
@@ -134,36 +200,39 @@ bool explain_most(const std::vector<Judged>& some, const std::function<bool(cons
 
 /// `1000` for 1000.02: a factor as far as 2^-8 of it is known, and with the name of units where they have it.
 std::string factor_text(double factor) {
-    struct Units {
-        double factor;
-        const char* words;
-    };
-    constexpr Units known[] = {{1000, "millimetres for metres"}, {0.001, "metres for millimetres"},
-                               {100, "centimetres for metres"},  {0.01, "metres for centimetres"},
-                               {0.0254, "metres for inches"},    {1 / 0.0254, "inches for metres"},
-                               {0.3048, "metres for feet"},      {1 / 0.3048, "feet for metres"},
-                               {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
-    for (const Units& units : known) {
+    for (const Units& units : known_units) {
         if (is_about(factor, units.factor))
             return fmt::format("{:.4g} times what is right: {}?", units.factor, units.words);
     }
     return fmt::format("{:.3g} times what is right", factor);
 }
 
-/// The one factor by which nine in ten of the wrong answers are off; empty where there is none, or where all true t are
-/// alike, so that any one answer would be.
+/// A factor of units, or a power of two or ten: one that is written on purpose.
+bool is_round(double factor) {
+    const auto is_power = [factor](double base) {
+        return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
+    };
+    return factor > 0 && (is_power(2) || is_power(10) || std::ranges::any_of(known_units, [factor](const Units& units) {
+                              return is_about(factor, units.factor);
+                          }));
+}
+
+/// The one factor by which nine in ten of the wrong answers are off; empty where there is none. Where all true t are
+/// alike any one answer would be, so there it has to be a round one of answers that are not all the same.
 std::string other_units(const std::vector<Judged>& wrong) {
-    std::vector<double> factors, truths;
+    std::vector<double> factors, truths, answers;
     for (const Judged& j : wrong) {
         if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
         factors.push_back(j.t / j.true_t);
         truths.push_back(j.true_t);
+        answers.push_back(j.t);
     }
-    if (10 * factors.size() < 9 * wrong.size()) return "";
+    if (factors.empty() || 10 * factors.size() < 9 * wrong.size()) return "";
     std::ranges::nth_element(factors, factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2));
     const double factor = factors[factors.size() / 2];
     const auto [least, most] = std::ranges::minmax(truths);
-    if (is_about(least, most)) return "";
+    const auto [lowest, highest] = std::ranges::minmax(answers);
+    if (is_about(least, most) && (lowest == highest || !is_round(factor))) return "";
     const auto fits = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
     return explain_most(wrong, fits) ? "t is in other units: it is " + factor_text(factor) : "";
 }
@@ -187,68 +256,62 @@ std::string ways_of(const std::vector<Judged>& wrong) {
     return words;
 }
 
-/// What a row makes of the rays of a band.
-void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>& rays) {
-    const truth::FormatInputs in =
-        band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit});
-    const answer::Answers answers = answer::evaluate(*row.form, in);
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
-    for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
-        const truth::Truth& truth = band.truth(i, row.convention());
-        if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
-                              answers.hit[i] != 0, answers.t[i]));
+/// The answers that something is said of: of rays that hit or should, or of fewer.
+struct Asked {
+    std::vector<Judged> all, wrong;
+    std::uint64_t right_misses = 0;  ///< beside them
+
+    template <class Belongs>
+    Asked(const std::vector<Judged>& rays, const Belongs& belongs) {
+        for (const Judged& j : rays) {
+            right_misses += !j.hit && !j.truly_hits;
+            if (!belongs(j)) continue;
+            all.push_back(j);
+            if (!is_right(j)) wrong.push_back(j);
+        }
     }
-}
+    explicit Asked(const std::vector<Judged>& rays)
+        : Asked(rays, [](const Judged& j) { return j.hit || j.truly_hits; }) {}
+
+    [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
+    [[nodiscard]] std::string count(const char* which) const {
+        return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
+    }
+    [[nodiscard]] bool is_explained_by(const Reason& reason) const {
+        using About = Reason::About;
+        const auto explained = [&reason](bool hit) {
+            return [&reason, hit](const Judged& j) { return j.hit == hit && reason.explains(j); };
+        };
+        const bool decides = reason.about == About::decisions;
+        if ((reason.by_a_hit || decides) && std::ranges::none_of(wrong, explained(true))) return false;
+        if (decides && (std::ranges::none_of(wrong, explained(false)) || 10 * right_misses > wrong.size()))
+            return false;
+        const bool of_all = decides || reason.about == About::all;
+        return explain_most(wrong, reason.explains) && (!of_all || explain_most(all, reason.explains));
+    }
+};
 
 }  // namespace
 
-Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
-              double t) {
-    Judged j{.ray = ray, .solid = solid, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
-    const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
-    if (truth.is_hit()) {
-        j.true_t = number(unit ? truth.distance : truth.t);
-        j.other_measure = number(unit ? truth.t : truth.distance);
-    }
-    return j;
-}
-
-std::string suspicion(const std::vector<Judged>& rays, Whose whose) {
-    std::vector<Judged> asked, wrong;
-    for (const Judged& j : rays) {
-        if (j.hit || j.truly_hits) asked.push_back(j);
-        if (!is_right(j)) wrong.push_back(j);
-    }
-    if (wrong.empty() || 2 * wrong.size() < asked.size()) return "";
-    const std::string count = fmt::format("wrong on {} of {} rays: ", wrong.size(), asked.size());
+std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_t more_misses) {
+    Asked asked(rays);
+    asked.right_misses += more_misses;
+    // Of rays that both hit, where there are enough of them, t alone is asked about.
+    const Asked both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
+    const bool most_hit = 2 * both.all.size() >= asked.all.size();
+    if (!asked.is_mostly_wrong()) return "";
     for (const Reason& reason : reasons()) {
-        const auto by_a_hit = [&reason](const Judged& j) { return j.hit && reason.explains(j); };
-        if (reason.by_a_hit && std::ranges::none_of(wrong, by_a_hit)) continue;
-        if (explain_most(wrong, reason.explains) && (!reason.of_all || explain_most(asked, reason.explains)))
-            return fmt::format("{}{}; {}", count, reason.words,
-                               whose == Whose::file ? reason.to_file : reason.to_library);
+        const bool about_t = reason.about == Reason::About::t;
+        if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
+        const Asked& of = about_t ? both : asked;
+        if (!of.is_explained_by(reason)) continue;
+        return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
+                           reason.words, whose == Whose::file ? reason.to_file : reason.to_library);
     }
-    if (const std::string units = other_units(wrong); !units.empty()) return count + units;
-    return count + ways_of(wrong) + "; no mistake that is known here explains nine in ten of them";
-}
-
-std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row) {
-    const scene::file::Scene small = map::small_picture_of(scene, 64);
-    truth::Culler culler(small);
-    std::vector<Judged> rays;
-    judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
-    return suspicion(rays);
-}
-
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const map::MapRow& row) {
-    std::vector<Judged> rays;
-    for (scene::rays::RayGroup& group : groups) {
-        if (rays.size() >= most_rays) break;
-        judge(truth::Band(std::move(group)), row, rays);
-    }
-    return suspicion(rays);
+    if (const std::string units = most_hit ? other_units(both.wrong) : ""; !units.empty())
+        return both.count("hit and should") + units;
+    return asked.count("hit or should") + ways_of(asked.wrong) +
+           "; no mistake that is known here explains nine in ten of them";
 }
 
 }  // namespace lostbits::measure::contract

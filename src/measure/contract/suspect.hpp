@@ -31,10 +31,13 @@ enum class Whose : std::uint8_t { intersector, file };
 /// What is wrong with answers most of which are: those that are off by more than 2^-8 of t and wrong decisions, where
 /// at least half of all that are not rightly missed are so. What explains nine in ten of them, in words with what to
 /// write; where nothing known does, how many are wrong, and how. Empty where fewer are.
-///   a distance for t · the parameter for a distance · the radius's square, root, half or double · origin and direction
-///   exchanged · 0, the exit or the near root without its sign from inside · the far root · the wrong sign · what lies
-///   behind · t in other units
-std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector);
+/// What is about t alone is asked of the rays that hit and should.
+///   a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
+///   near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or the
+///   end of the ray in its place, or exchanged with the origin · what lies behind · y and z exchanged · the solid, or
+///   t, in other units · hit inverted
+/// `more_misses`: rays that are rightly missed, beside those in `rays`.
+std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
 
 /// The same of a row on a small picture of a scene, or on the rays of a step of a sweep.
 std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row);

@@ -169,8 +169,10 @@ private:
         const Chunk& chunk = piece.chunk;
         answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
         for (double& t : answers.t) t = t == t ? t : missing;
+        const bool tells_near = request_.rows.front().form->info->inside == intersect::Inside::near;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
-            if (chunk.hit[i] != 0) answers.object[i] = object_of(piece, i);
+            if (tells_near && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
+            if (answers.hit[i] != 0) answers.object[i] = object_of(piece, i);
         }
         return answers;
     }
@@ -198,6 +200,8 @@ private:
         if (chunk.size() == 0) return;
         result_.rays += chunk.size();
         result_.rounded += chunk.rounded;
+        result_.digits = std::max(result_.digits, chunk.digits);
+        result_.decimals += chunk.decimals;
         for (const double t : chunk.t) {
             const bool all = result_.floats == result_.answers;
             result_.answers += t != 0;
@@ -268,9 +272,16 @@ void JudgeResult::append(JudgeResult&& after) {
     rounded += after.rounded;
     answers += after.answers;
     floats += after.floats;
+    digits = std::max(digits, after.digits);
+    decimals += after.decimals;
     for (contract::Judged& judged : after.first) {
         if (first.size() < most_of_first) first.push_back(std::move(judged));
     }
+}
+
+std::uint64_t JudgeResult::misses_beside_first() const {
+    const std::uint64_t misses = summaries.front().count(answer::Outcome::agree_miss);
+    return rays > misses ? misses * first.size() / (rays - misses) : misses;
 }
 
 std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {

@@ -59,12 +59,16 @@ struct JudgeResult {
     /// Answers of the file with a t that is not 0, and those whose t is a number of binary32 or a decimal of one: all
     /// of many, where they were computed in it. The latter are counted until one is neither.
     std::uint64_t answers = 0, floats = 0;
+    int digits = 0;              ///< the most that a decimal has which is not exactly a number of the format
+    std::uint64_t decimals = 0;  ///< so many of those there are
     /// What the file's answers and the truth make of the first rays that either has a hit on, for
     /// `contract::suspicion`.
     std::vector<contract::Judged> first = {};
 
     /// What is known of the pieces that come next.
     void append(JudgeResult&& after);
+    /// So many rays are rightly missed for as many as `first` holds.
+    [[nodiscard]] std::uint64_t misses_beside_first() const;
 };
 
 /// In how many pieces the file is measured: they are cut by the request's picture and the file alone. Reads it to its

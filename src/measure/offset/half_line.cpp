@@ -84,12 +84,8 @@ std::optional<bool> passes(const SlabSpan<E>& s) {
 
 bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
 
-Meeting find_meeting_by_enclosure(const HalfLine& line, const Solid<double>& solid) {
-    return escalate([&]<class E>() { return enclosed<E>(line, solid); });
-}
-
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
-    return find_meeting_by_enclosure(line, solid);
+    return escalate([&]<class E>() { return enclosed<E>(line, solid); });
 }
 
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {

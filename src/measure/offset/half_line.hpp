@@ -25,12 +25,9 @@ struct Meeting {
 
 /// With f = q − G, c = f·f − r², h = f·w and aΔ = w·w r² − |f × w|²: inside where c < 0, and the half-line meets inner
 /// points where c < 0, or h < 0 and aΔ > 0. Of a box: comparisons of q with its planes, and the slabs of the open box.
-/// A filter in doubles first, with a bound on its own rounding, then double-double balls, then intervals of as many
-/// bits as it takes: every polynomial is dyadic, so enough bits always decide. The half-line is proper.
+/// Double-double balls first, then intervals of as many bits as it takes: every polynomial is dyadic, so enough bits
+/// always decide. The half-line is proper.
 Meeting find_meeting(const HalfLine& line, const Solid<double>& solid);
-
-/// The same without the filter: its plain twin.
-Meeting find_meeting_by_enclosure(const HalfLine& line, const Solid<double>& solid);
 
 /// Whether the way from a to b, both ends with it, meets inner points of the solid. a and b are finite.
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid);

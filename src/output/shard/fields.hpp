@@ -126,8 +126,8 @@ void fields(Bits& bits, measure::judge::WorstRays& worst) {
 
 template <class Bits>
 void fields(Bits& bits, measure::judge::JudgeResult& result) {
-    auto& [summaries, rays, rounded, answers, floats, first] = result;
-    bits(summaries, rays, rounded, answers, floats, first);
+    auto& [summaries, rays, rounded, answers, floats, digits, decimals, first] = result;
+    bits(summaries, rays, rounded, answers, floats, digits, decimals, first);
 }
 
 template <class Bits>

@@ -89,14 +89,11 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     return records.count > 0;
 }
 
-void BinaryDump::refuse_reversed(const Records& records) const {
-    // Of nonzero floating numbers. Lengths of scenes lie in this range; of random bits a sixth or less do.
-    const auto is_usual = [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; };
+bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size_t>& columns,
+                             const std::function<bool(double)>& is_usual, std::string& strange) const {
     std::size_t numbers = 0, usual = 0, usual_reversed = 0;
-    std::string strange;  // the first of them
-    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
+    for (const std::size_t c : columns) {
         const BinaryColumn& column = lie_.columns[c];
-        if (!layout_->columns()[c].slot || column.type.kind != ItemType::Kind::floating) continue;
         ItemType reversed = column.type;
         reversed.big_endian = !reversed.big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
@@ -106,16 +103,45 @@ void BinaryDump::refuse_reversed(const Records& records) const {
             ++numbers;
             usual += is_usual(x) ? 1 : 0;
             usual_reversed += is_usual(reversed.read(at).value) ? 1 : 0;
-            if (!is_usual(x) && strange.empty())
-                strange = fmt::format(
-                    "record {}: {} is {}, and nearly all numbers are as strange; with their bytes in the other order "
-                    "they are of usual size, so the {} significant byte comes first; write {}:f{}{} in --columns",
-                    i + 1, column.name, x, reversed.big_endian ? "most" : "least", column.name, 8 * column.type.size,
-                    reversed.big_endian ? "be" : "");
+            if (!is_usual(x) && strange.empty()) strange = fmt::format("record {}: {} is {}", i + 1, column.name, x);
         }
     }
-    if (numbers >= 6 && 10 * usual <= numbers && 10 * usual_reversed >= 9 * numbers)
-        throw InputError(source_.name() + ": " + strange);
+    return numbers >= 6 && 2 * usual <= numbers && 10 * usual_reversed >= 9 * numbers;
+}
+
+void BinaryDump::refuse_reversed(const Records& records) const {
+    // What a t may be is the file's own affair: a number that means a miss is of any size.
+    std::vector<std::size_t> floats, whole;
+    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
+        const auto means = layout_->columns()[c].slot;
+        const ItemType& type = lie_.columns[c].type;
+        if (!means || *means == slot::t || *means == slot::tmax || type.size < 2) continue;
+        if (type.kind == ItemType::Kind::floating) floats.push_back(c);
+        else if (*means == slot::hit) whole.push_back(c);
+    }
+    // Of nonzero floating numbers. Lengths of scenes lie in this range; of random bits a sixth or less do.
+    std::string strange;
+    const bool floats_are = is_reversed(
+        records, floats, [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; }, strange);
+    if (!floats_are) strange.clear();
+    const bool hit_is = is_reversed(
+        records, whole, [](double x) { return x == 1; }, strange);
+    if (!floats_are && !hit_is) return;
+    std::string words, before;
+    bool big_endian = false;
+    for (const BinaryColumn& column : lie_.columns) {
+        const bool is_float = column.type.kind == ItemType::Kind::floating;
+        ItemType type = column.type;
+        if (type.size > 1 && (is_float ? floats_are : hit_is || floats_are)) type.big_endian = !type.big_endian;
+        big_endian |= type.big_endian;
+        const std::string name = type.name();
+        words += (words.empty() ? "" : ",") + column.name + (name == before ? "" : ":" + name);
+        before = name;
+    }
+    throw InputError(
+        fmt::format("{}: {}, and nearly all numbers are as strange; with their bytes in the other order they are of "
+                    "usual size, so the {} significant byte comes first; write --columns {}",
+                    source_.name(), strange, big_endian ? "most" : "least", words));
 }
 
 Chunk BinaryDump::decode(const Records& records) const {

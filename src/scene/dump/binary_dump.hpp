@@ -1,6 +1,7 @@
 // What raw numbers and arrays have in common: columns of fixed size, record after record or column after column.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "scene/dump/byte_source.hpp"
@@ -39,6 +40,10 @@ protected:
     [[nodiscard]] ByteSource& source() { return source_; }
 
 private:
+    /// Whether nearly all numbers of some columns are usual with their bytes in the other order, and not so; `strange`:
+    /// where the first of them is.
+    [[nodiscard]] bool is_reversed(const Records& records, const std::vector<std::size_t>& columns,
+                                   const std::function<bool(double)>& is_usual, std::string& strange) const;
     /// InputError where the numbers of these records, raw ones, have their bytes in the other order.
     void refuse_reversed(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;

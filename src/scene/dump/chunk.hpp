@@ -1,6 +1,7 @@
 // Some records of a file of rays, as the numbers that the measuring takes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,6 +41,8 @@ struct Chunk {
     std::vector<std::int32_t> object = {};   ///< the solid that was hit; empty where the file does not say
     std::vector<std::string> kept = {};      ///< the columns of one's own, record by record, where they are wanted
     std::uint64_t rounded = 0;               ///< numbers that the format does not hold
+    int digits = 0;                          ///< the most that a number has, see `NumberWords::Word`
+    std::uint64_t decimals = 0;              ///< numbers that have some
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
 };
@@ -50,10 +53,12 @@ public:
     ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk);
 
     /// A number of this record, as the format holds it; where none is put, the cell is empty.
-    void put(std::size_t slot, double value, bool held) {
+    void put(std::size_t slot, double value, bool held, int digits = 0) {
         numbers_[slot] = value;
         there_ |= 1U << slot;
         chunk_.rounded += held ? 0 : 1;
+        chunk_.digits = std::max(chunk_.digits, digits);
+        chunk_.decimals += digits > 0 ? 1 : 0;
     }
     /// Ends the record. Throws InputError, with `place(slot)` in front, for what is no ray, no solid or no answer.
     template <class Place>

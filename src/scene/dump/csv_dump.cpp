@@ -213,7 +213,7 @@ std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& w
     if (word.empty()) return {};
     const NumberWords::Word read = words_->read(word);
     switch (read.kind) {
-        case NumberWords::Kind::number: writer.put(slot, read.value, read.held); return {};
+        case NumberWords::Kind::number: writer.put(slot, read.value, read.held, read.digits); return {};
         case NumberWords::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "

@@ -81,6 +81,12 @@ std::string ItemType::text(const char* from) const {
     return bits != 0 ? "1" : "0";
 }
 
+std::string ItemType::name() const {
+    if (kind == Kind::boolean) return "bool";
+    const char letter = kind == Kind::floating ? 'f' : kind == Kind::signed_integer ? 'i' : 'u';
+    return letter + std::to_string(8 * size) + (big_endian ? "be" : "");
+}
+
 std::optional<Format> ItemType::format() const {
     if (kind != Kind::floating) return {};
     return find_format(size == 2 ? "fp16" : size == 4 ? "f32" : "f64");

@@ -24,6 +24,8 @@ struct ItemType {
     [[nodiscard]] Item read(const char* from) const;
     /// The shortest decimal that reads back to it.
     [[nodiscard]] std::string text(const char* from) const;
+    /// `f32`, `f64be`, `bool`: what `find_item_type` finds it by.
+    [[nodiscard]] std::string name() const;
     /// The format of such numbers, of floating ones.
     [[nodiscard]] std::optional<Format> format() const;
     friend bool operator==(const ItemType&, const ItemType&) = default;

@@ -1,5 +1,6 @@
 #include "scene/dump/number_words.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -39,6 +40,22 @@ int significant_digits(std::string_view text) {
     return digits;
 }
 
+/// Whether a decimal of few digits is exactly `x`, its nearest double: n / 10^d is m / 2^d, or differs by 10^-d at
+/// least.
+bool is_exactly(std::string_view text, double x) {
+    const std::size_t end = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
+    int places = point < end ? static_cast<int>(end - point) - 1 : 0;
+    if (end < text.size()) {
+        std::string_view exponent = text.substr(end + 1);
+        if (exponent.starts_with('+')) exponent.remove_prefix(1);
+        int power = 0;
+        std::from_chars(exponent.data(), exponent.data() + exponent.size(), power);
+        places -= power;
+    }
+    const double scaled = std::ldexp(x, std::max(places, 0));
+    return scaled == std::trunc(scaled);
+}
+
 template <class F>
 bool read_whole(std::string_view text, F& value) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -69,14 +86,24 @@ Word NumberWords::read(std::string_view text) const {
         float narrow = 0;
         if (!read_whole(text, narrow)) return read_slowly(text);
         Word word{Kind::number, narrow};
-        if (significant_digits(magnitude) <= digits_) return word;
+        const int digits = significant_digits(magnitude);
         double wide = 0;
-        word.held = read_whole(text, wide) && wide == word.value;
+        if (digits < digits_) {
+            const bool exact = digits < 2 || (read_whole(text, wide) && wide == word.value && is_exactly(text, wide));
+            word.digits = exact ? 0 : digits;
+            return word;
+        }
+        word.digits = digits;
+        word.held = digits == digits_ || (read_whole(text, wide) && wide == word.value);
         return word;
     }
-    if (format_.engine == Format::Engine::native64 && significant_digits(magnitude) <= digits_) {
+    if (const int digits = significant_digits(magnitude);
+        format_.engine == Format::Engine::native64 && digits <= digits_) {
         Word word;
-        if (read_whole(text, word.value)) return word;
+        if (read_whole(text, word.value)) {
+            word.digits = digits < digits_ && (digits < 2 || is_exactly(text, word.value)) ? 0 : digits;
+            return word;
+        }
     }
     return read_slowly(text);
 }
@@ -94,7 +121,7 @@ Word NumberWords::read_hexadecimal(std::string_view text) const {
     if (text.front() == '-') exact = -exact;
     const double value = format_.engine == Format::Engine::native32 ? static_cast<float>(exact) : exact;
     if (std::isinf(value)) return {Kind::too_large};
-    return {Kind::number, value, value == exact};
+    return {Kind::number, value, value == exact, digits_};
 }
 
 Word NumberWords::read_slowly(std::string_view text) const {
@@ -106,7 +133,9 @@ Word NumberWords::read_slowly(std::string_view text) const {
     if (std::isinf(word.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
     const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
-    word.held = exact == Real(word.value) || (!hexadecimal && significant_digits(magnitude) <= digits_);
+    const int digits = hexadecimal ? digits_ : significant_digits(magnitude);
+    word.held = exact == Real(word.value) || (!hexadecimal && digits <= digits_);
+    word.digits = exact == Real(word.value) && digits < digits_ ? 0 : digits;
     return word;
 }
 

@@ -19,8 +19,13 @@ public:
         /// Whether the format has the number that was meant: it is what is written, exactly, or what is written has no
         /// more digits than it takes to tell the numbers of the format apart (9 in binary32, 17 in binary64).
         bool held = true;
+        /// Decimal digits from the first that is not 0, where they are not exactly a number of the format, or are as
+        /// many as it needs; else 0.
+        int digits = 0;
     };
     [[nodiscard]] Word read(std::string_view text) const;
+    /// So many tell the numbers of the format apart.
+    [[nodiscard]] int digits() const { return digits_; }
 
 private:
     [[nodiscard]] Word read_hexadecimal(std::string_view text) const;

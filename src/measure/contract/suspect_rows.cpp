@@ -1,0 +1,59 @@
+// What rows of the table answer, for suspicion.
+#include <algorithm>
+#include <cmath>
+
+#include "measure/contract/suspect.hpp"
+#include "measure/map/culprit_order.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::contract {
+namespace {
+
+constexpr std::size_t most_rays = 4096;
+
+/// What a row makes of the rays of a band.
+void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>& rays) {
+    const truth::FormatInputs in =
+        band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit});
+    const answer::Answers answers = answer::evaluate(*row.form, in);
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
+        const truth::Truth& truth = band.truth(i, row.convention());
+        if (truth.decision == truth::Truth::Decision::unresolved) continue;
+        const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
+        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
+                              answers.hit[i] != 0, answers.t[i]));
+    }
+}
+
+}  // namespace
+
+Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
+              double t) {
+    Judged j{.ray = ray, .solid = solid, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+    const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
+    if (truth.is_hit()) {
+        j.true_t = number(unit ? truth.distance : truth.t);
+        j.other_measure = number(unit ? truth.t : truth.distance);
+    }
+    return j;
+}
+
+std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row) {
+    const scene::file::Scene small = map::small_picture_of(scene, 64);
+    truth::Culler culler(small);
+    std::vector<Judged> rays;
+    judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
+    return suspicion(rays);
+}
+
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const map::MapRow& row) {
+    std::vector<Judged> rays;
+    for (scene::rays::RayGroup& group : groups) {
+        if (rays.size() >= most_rays) break;
+        judge(truth::Band(std::move(group)), row, rays);
+    }
+    return suspicion(rays);
+}
+
+}  // namespace lostbits::measure::contract

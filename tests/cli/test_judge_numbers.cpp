@@ -1,0 +1,179 @@
+// Numbers of judged files that are not what they seem: bytes in the other order, too few digits, a t behind the ray.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+namespace test_judge_numbers {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
+
+std::string into(const Scratch& scratch) { return " -o '" + (scratch.path() / "out").string() + "'"; }
+
+/// A number with its most significant byte first.
+template <class N>
+std::string reversed_bytes(N x) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &x, 4);
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift & 255);
+    return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("raw numbers in the other order of bytes are refused before anything else is asked") {
+    const Scratch scratch;
+    std::string bytes;
+    for (int i = 0; i < 8; ++i) {
+        for (const float x :
+             {0.0F, 0.0F, -5.0F - static_cast<float>(i), 0.0F, 0.0F, 1.0F, 4.0F + static_cast<float>(i)})
+            bytes += reversed_bytes(x);
+    }
+    const std::string file = scratch.write("rays.bin", bytes);
+    const auto with = [&](const std::string& columns) {
+        return run("judge '" + file + "' --columns " + columns + " --sphere 0,0,0,1" + into(scratch));
+    };
+    const auto reversed = with("ox:f32,oy,oz,dx,dy,dz,t");
+    CHECK(reversed.code == 2);
+    CHECK(has(reversed.err, "the most significant byte comes first; write --columns ox:f32be,oy,oz,dx,dy,dz,t"));
+    CHECK(has(reversed.err, "rays.bin: record 1: oz is "));
+    CHECK_FALSE(has(reversed.err, "--miss"));
+    const auto right = with("ox:f32be,oy,oz,dx,dy,dz,t");
+    INFO(right.err);
+    CHECK(right.code == 0);
+    CHECK(right.err.empty());
+    CHECK(has(with("ox:f32be,oy,oz,dx,dy,dz,t --skip 1").err, "bytes"));
+}
+
+TEST_CASE("floats of any digits show the order of their bytes, and so does a hit") {
+    const Scratch scratch;
+    std::string as_float, as_whole, in_order;
+    for (int i = 0; i < 40; ++i) {  // rays from (x, y, 0.4) along z at a sphere around (0, 0, 5), that miss at times
+        const float x = 1.37F * std::sin(1.0F + static_cast<float>(i)), y = 0.31F, z = 0.4F;
+        const bool hit = x * x + y * y < 1;
+        const float t = hit ? 4.6F - std::sqrt(1 - x * x - y * y) : 0;
+        std::string ray;
+        for (const float number : {x, y, z, 0.0F, 0.0F, 1.0F, t}) ray += reversed_bytes(number);
+        as_float += ray + reversed_bytes(hit ? 1.0F : 0.0F);
+        as_whole += ray + reversed_bytes(hit ? 1 : 0);
+        for (const float number : {x, y, z, 0.0F, 0.0F, 1.0F, t})
+            in_order.append(reinterpret_cast<const char*>(&number), 4);
+        in_order += std::string(1, hit ? 1 : 0) + std::string(3, 0);
+    }
+    const auto with = [&](const std::string& bytes, const std::string& columns) {
+        const std::string file = scratch.write("rays.bin", bytes);
+        return run("judge '" + file + "' --columns " + columns + " --sphere 0,0,5,1" + into(scratch));
+    };
+    const std::string ray = "ox:f32,oy,oz,dx,dy,dz,t", reversed = "ox:f32be,oy,oz,dx,dy,dz,t";
+    CHECK(has(with(as_float, ray + ",hit").err, "write --columns " + reversed + ",hit\n"));
+    CHECK(has(with(as_float, ray + ",_ --miss -1").err, "write --columns " + reversed + ",_\n"));
+    CHECK(has(with(as_whole, ray + ",hit:i32").err, "write --columns " + reversed + ",hit:i32be\n"));
+    const Outcome hit = with(as_whole, reversed + ",hit:i32");
+    CHECK(has(hit.err, ": hit is 16777216, and "));
+    CHECK(has(hit.err, "write --columns " + reversed + ",hit:i32be\n"));
+    CHECK(with(as_float, reversed + ",hit").err.empty());
+    CHECK(with(as_whole, reversed + ",hit:i32be").err.empty());
+    CHECK(has(with(in_order, reversed + ",hit:i32be").err,
+              "the least significant byte comes first; write --columns " + ray + ",hit:i32\n"));
+}
+
+TEST_CASE("decimals too short for a format are told from the bits that an answer has lost") {
+    const Scratch scratch;
+    const auto said = [&](const char* pattern, const std::string& options, bool wide = false, double step = 0.37 / 3) {
+        std::string text = head;
+        for (int i = 0; i < 30; ++i) {
+            const double z = -3 - step * i, t = -z - 1;
+            std::array<char, 64> row{};
+            std::snprintf(row.data(), row.size(), pattern, wide ? z : static_cast<float>(z),
+                          wide ? t : static_cast<float>(t));
+            text += row.data();
+        }
+        const auto r =
+            run("judge '" + scratch.write("rays.csv", text) + "' --sphere 0,0,0,1" + options + into(scratch));
+        CHECK(r.code == 0);
+        return r.err;
+    };
+    const std::string six = "0,0,%.6g,0,0,1,1,%.6g\n", f32 = " --format f32";
+    CHECK(has(said(six.c_str(), f32), "its numbers have at most 6 digits, and a number of f32 needs 9; the bits"));
+    CHECK(has(said("0,0,%.7g,0,0,1,1,%.7g\n", f32), "at most 7 digits"));
+    CHECK(has(said(six.c_str(), f32), "print with %.9g (std::setprecision(9))"));
+    CHECK(said("0,0,%.9g,0,0,1,1,%.9g\n", f32).empty());
+    CHECK(said("0,0,%a,0,0,1,1,%a\n", f32).empty());
+    // As f64 six digits look like floats too, which would be no better.
+    CHECK(has(said(six.c_str(), ""), "at most 6 digits, and a number of f64 needs 17 (of f32 9)"));
+    CHECK_FALSE(has(said(six.c_str(), ""), "--format f32"));
+    CHECK(has(said("0,0,%.8g,0,0,1,1,%.8g\n", ""), "at most 8 digits, and a number of f64 needs 17"));
+    CHECK_FALSE(has(said("0,0,%.9g,0,0,1,1,%.9g\n", ""), "digits"));
+    CHECK(has(said("0,0,%.12g,0,0,1,1,%.12g\n", "", true), "at most 12 digits"));
+    CHECK(said("0,0,%.17g,0,0,1,1,%.17g\n", "", true).empty());
+    // Few digits that are exactly the number are enough.
+    CHECK(said("0,0,%.7g,0,0,1,1,%.7g\n", f32, false, 1 / 64.0).empty());
+}
+
+TEST_CASE("an answer of the near root behind the ray can be said, and is a miss then") {
+    const Scratch scratch;
+    std::string text = head;
+    for (int i = 0; i < 20; ++i) {
+        const double z = -0.5 + i / 32.0;
+        text += "0,0," + std::to_string(z) + ",0,0,1,1," + std::to_string(-1 - z) + "\n";
+    }
+    const std::string file = scratch.write("rays.csv", text);
+    const auto with = [&](const std::string& options) {
+        return run("judge '" + file + "' --format f32 --sphere 0,0,0,1" + options + into(scratch));
+    };
+    CHECK(has(with("").err, "the near root, behind the ray; say --inside near, by which t < 0 is a miss"));
+    const Outcome near = with(" --inside near");
+    CHECK(near.code == 0);
+    CHECK(near.err.empty());
+    const auto row = read_csv(scratch.path() / "out/rays/summary.csv").front();
+    CHECK(row.at("agree_miss") == "20");
+    CHECK(row.at("false_hit") == "0");
+}
+
+TEST_CASE("a CSV of nine digits, or of as few as a float needs, looks like floats") {
+    const Scratch scratch;
+    const auto said = [&](const char* pattern, bool narrow) {
+        std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
+        for (int i = 0; i < 20; ++i) {
+            const double t = 4 + 0.37 * i / 3, told = narrow ? static_cast<float>(t) : t;
+            char cell[64];
+            std::snprintf(cell, sizeof cell, pattern, told);
+            text += "0,0," + std::to_string(-t - 1) + ",0,0,1,1," + cell + "\n";
+        }
+        const auto r = run("judge '" + scratch.write("rays.csv", text) + "' --sphere 0,0,0,1" + into(scratch));
+        CHECK(r.code == 0);
+        return has(r.err, "is a number of f32, exactly or as a decimal of it") && has(r.err, "--format f32");
+    };
+    CHECK(said("%.9g", true));
+    CHECK(said("%.17g", true));
+    CHECK_FALSE(said("%.17g", false));
+    CHECK_FALSE(said("%.12g", false));
+}
+
+TEST_CASE("a factor of t is known in the file of the page on judging, where a seventh of the decisions is wrong") {
+    const Scratch scratch;
+    const std::string file = LOSTBITS_DATA_DIR "/dumps/far-sphere.csv";
+    const auto times = [&](const std::string& factor) {
+        return run("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch), ".",
+                   "awk -F, -v OFS=, -v CONVFMT=%.9g 'NR > 1 && $10 != \"\" {$10 *= " + factor + "} 1' '" + file +
+                       "' |")
+            .err;
+    };
+    const std::string wrong = "wrong on 1132 of the 1132 rays that hit and should: ";
+    CHECK(times("1").empty());
+    CHECK(has(times("1000"), wrong + "t is in other units: it is 1000 times what is right: millimetres for metres?"));
+    CHECK(has(times("39.3700787"), wrong + "t is in other units: it is 39.37 times what is right: inches for metres?"));
+    CHECK(has(times("2"), wrong + "t is in other units: it is 2 times what is right"));
+    CHECK(has(times("-1"), wrong + "t has the wrong sign"));
+}
+
+}  // namespace test_judge_numbers
