@@ -23,8 +23,9 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
         CHECK(array[i]["name"] == name);
         CHECK_FALSE(array[i]["source"].get<std::string>().empty());
         CHECK(text.out.find("\n" + name + " ") != std::string::npos);
-        const std::string inside = name.starts_with("sphere.") ? "exit" : name.starts_with("box.") ? "zero" : "by solid";
-        CHECK(array[i]["inside"] == inside);  // no form of the catalogue has a word of its own
+        // No form of the catalogue has a word of its own.
+        const bool round = name.starts_with("sphere."), box = name.starts_with("box.");
+        CHECK(array[i]["inside"] == (round ? "exit" : box ? "zero" : "by solid"));
     }
 }
 

@@ -122,7 +122,8 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
             CHECK(shape.half_extent() == 2);
             for (int i = 0; i < 4096; ++i) {
                 const Ray<double> ray{coarse(random), coarse(random)};
-                if (ray.direction == Vec<double>(0, 0, 0)) continue;
+                // A line beside a slab that it does not cross has ends of the others.
+                if (ray.direction.x == 0 || ray.direction.y == 0 || ray.direction.z == 0) continue;
                 const auto ends = ends_of(*shape.span(ray));
                 const auto at = [&](double t) { return Vec<double>(ray.origin + t * ray.direction); };
                 if (!ends || !(ends->near < ends->far)) continue;
@@ -156,7 +157,7 @@ TEST_CASE("the span of a shape holds the span in every wider number") {
         const Solid<double> solid = solid_around<double>(row.shape, {1, -2, 3}, 2);
         const Interval::Precision precision(400);
         int met = 0;
-        for (int i = 0; i < 512; ++i) {
+        for (int i = 0; i < 1024; ++i) {
             const Ray<double> ray{coarse(random), coarse(random)};
             if (ray.direction == Vec<double>(0, 0, 0)) continue;
             const auto ends_in = [&]<class E>() {
