@@ -24,7 +24,8 @@ Answer<float> sphere(const Segment<float>& ray, const Sphere<float>& s) {
 }
 
 LOSTBITS_FORMS(form<sphere>("bullet.sphere")
-                   .near_root()
+                   .first_root()
+                   .inside_misses()
                    .origin_misses()
                    .titled("rayTestSingle of Bullet")
                    .from("Bullet 3.24, btCollisionWorld.cpp:276, btSubSimplexConvexCast.cpp:32"))
