@@ -1,12 +1,12 @@
 #include "measure/offset/half_line.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
+#include "number/running.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -53,9 +53,10 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
     });
 }
 
-/// What `find` finds: every sign is told by some precision.
+/// What `find` finds: every sign is told by some precision, most by a running error.
 template <class Find>
 auto escalate(const Find& find) {
+    if (const auto quick = find.template operator()<Running>()) return *quick;
     if (const auto found = truth::by_rising_precision(find)) return *found;
     throw Error(Exit::internal, "no precision was enough to tell on which side of a solid a ray starts");
 }
