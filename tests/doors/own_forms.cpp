@@ -7,6 +7,7 @@
 #include "intersect/box/inclusive.hpp"
 #include "intersect/sdf/secant_refined.hpp"
 #include "intersect/sphere/double_inside.hpp"
+#include "intersect/sphere/schoolbook.hpp"
 #include "intersect/sphere/unified.hpp"
 
 using namespace lostbits;
@@ -44,6 +45,15 @@ struct SizeOfNear {
         return hit;
     }
 };
+/// Wrong by a factor, and by what cancels in the schoolbook's.
+struct Twice {
+    static constexpr intersect::Info info{.name = "own.twice"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        const Hit<T> hit = intersect::sphere::Schoolbook::intersect(ray, sphere);
+        return {hit.hit, hit.near * T(2), hit.far * T(2), hit.t * T(2)};
+    }
+};
 struct Crashes {
     static constexpr intersect::Info info{.name = "own.crashes"};
     template <Number T>
@@ -71,4 +81,4 @@ struct Hangs {
 
 }  // namespace
 
-LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, SizeOfNear, Crashes, Throws, Hangs)
+LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, SizeOfNear, Twice, Crashes, Throws, Hangs)

@@ -72,6 +72,17 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
     }
 }
 
+TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation that also rounds", "[doors]") {
+    const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
+    INFO(o.out << o.err);
+    REQUIRE(o.code == 0);
+    CHECK(has(o.out, "No operation is to blame: rounding inside the form makes "));
+    CHECK(has(o.out, "the rest is there without it, from what the form assumes"));
+    CHECK_FALSE(has(o.out, "The culprit is"));
+    const Outcome once = run("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i sphere.schoolbook");
+    CHECK(has(once.out, "The culprit is"));
+}
+
 TEST_CASE("formulas: explained, in any format, and with the same words", "[doors]") {
     const auto told = [](const std::string& form, const std::string& how) {
         const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);

@@ -252,7 +252,9 @@ TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[
     };
     refused("no-such-library", "no such library; looked here");
     refused("./no-such-library.so", "there is no such library");
-    refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++");
+    refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++ -O2");
+    refused(folder.write("mine.cpp", "#include <lostbits_form.hpp>\n"),
+            "compile it first: c++ -shared mine.cpp -o mine.so @build/form.flags");
     refused(folder.write("cut.so",
                          "\x7f"
                          "ELF"),

@@ -104,10 +104,19 @@ const char* lasting_text(const std::string& text) { return (new std::string(text
 
 namespace {
 
-bool is_machine_code(const fs::path& file) {
-    std::array<char, 4> first{};
-    std::ifstream(file, std::ios::binary).read(first.data(), first.size());
-    return std::string_view(first.data(), first.size()) == "\177ELF";
+std::string beginning(const fs::path& file, std::size_t size) {
+    std::string text(size, '\0');
+    std::ifstream in(file, std::ios::binary);
+    in.read(text.data(), static_cast<std::streamsize>(size));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return text;
+}
+
+/// How what is no library would become one; a formula's source needs the program's own headers and flags.
+std::string compiling(const fs::path& source) {
+    const bool formula = beginning(source, 65536).find("lostbits_form.hpp") != std::string::npos;
+    return (formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + source.filename().string() + " -o " +
+           source.stem().string() + ".so" + (formula ? " @build/form.flags" : "");
 }
 
 }  // namespace
@@ -116,9 +125,8 @@ Library load_library(const fs::path& library) {
     static std::map<void*, process::FloatingPoint> left;  // a library that is loaded a second time does nothing anew
     const std::string from = library.string();
     const char* const who = lasting_text(from);
-    if (!is_machine_code(library))
-        throw InputError(from + ": is not a library; compile it first: c++ -O2 -shared -fPIC " +
-                         library.filename().string() + " -o " + library.stem().string() + ".so");
+    if (beginning(library, 4) != "\177ELF")
+        throw InputError(from + ": is not a library; compile it first: " + compiling(library));
     // Without a slash the loader would look for it in folders of its own.
     const auto [loaded, now] = call_of(who, [&] {
         const LoadsForeignCode here(who);

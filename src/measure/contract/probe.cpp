@@ -137,8 +137,8 @@ void try_direction(Trial& trial) {
     if (!trial.tells_t) return trial.kept("of any length: twice as long hits as well");
     if (is_answer(twice.near, 1.5)) return trial.kept("of any length: twice as long, half the t");
     trial.broken(is_answer(twice.near, 3)
-                     ? "t is a distance: a direction twice as long changes nothing. Divide by its length, or say "
-                       "LB_UNIT (unit_direction, direction=unit)"
+                     ? "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
+                       "say LB_UNIT (unit_direction, direction=unit)"
                      : "a direction twice as long gives t = " + text_of(twice.near) +
                            " where 1.5 is right; say LB_UNIT (unit_direction, direction=unit)");
 }

@@ -76,10 +76,13 @@ double rounding_ulps(const Explanation& x) {
     return x.attribution.error / x.ulp_of_subject();
 }
 
-/// Whether rounding inside the form is less than a bit of what is lost.
-bool is_not_roundings(const Explanation& x) {
-    return x.standing.lost >= worth_saying && std::fabs(rounding_ulps(x)) < 1;
+/// Whether less than a bit of the loss is rounding's: it makes less than an ulp, or without it more than half of the
+/// error would still be there.
+bool rounds_little(const Explanation& x) {
+    return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.standing.ulps) / 2);
 }
+
+bool is_not_roundings(const Explanation& x) { return x.standing.lost >= worth_saying && rounds_little(x); }
 
 /// Of an answer that a march gave, or did not reach.
 std::string march_sentence(const Explanation& x, const MarchEnd& march) {
@@ -132,14 +135,14 @@ std::string blame_sentence(const Explanation& x, bool marches) {
         return silent ? "The decision is the same without rounding, so no operation is to blame." : culprit_sentence(x);
     }
     if (x.standing.lost < worth_saying) return "No operation is to blame: what is lost is less than a bit.";
-    const double rounding = rounding_ulps(x);
-    if (!(std::fabs(rounding) < 1)) return "No operation is to blame: none of their roundings reaches t.";
-    const char* const rest = x.missed           ? "the answer is of another solid"
-                             : x.rounded_inputs ? "the rest comes from inputs that the format cannot hold"
-                             : marches          ? "the rest is where the march ended"
-                                                : "the rest is there without it, from what the form assumes";
+    if (!rounds_little(x)) return "No operation is to blame: none of their roundings reaches t.";
+    const bool inputs = x.rounded_inputs && !(x.excess() >= worth_saying);
+    const char* const rest = x.missed  ? "the answer is of another solid"
+                             : inputs  ? "the rest comes from inputs that the format cannot hold"
+                             : marches ? "the rest is where the march ended"
+                                       : "the rest is there without it, from what the form assumes";
     return fmt::format("No operation is to blame: rounding inside the form makes {} of the {} ulp, and {}.",
-                       short_number(rounding), short_number(x.standing.ulps), rest);
+                       short_number(rounding_ulps(x)), short_number(x.standing.ulps), rest);
 }
 
 /// `a correct miss`, `4.6 bits lost`.
@@ -208,8 +211,7 @@ bool names_culprit(const Explanation& x) {
     if (!std::isfinite(x.tape[a.culprit].value)) return true;
     if (e.contribution == 0) return false;
     if (is_decision(x.tape[a.subject].op)) return true;
-    return x.standing.outcome == Outcome::agree_hit && x.standing.lost >= worth_saying &&
-           !(std::fabs(rounding_ulps(x)) < 1);
+    return x.standing.outcome == Outcome::agree_hit && x.standing.lost >= worth_saying && !rounds_little(x);
 }
 
 bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
