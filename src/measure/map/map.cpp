@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "intersect/process/parallel.hpp"
 #include "measure/map/measure_row.hpp"
@@ -97,23 +98,89 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
     return needs;
 }
 
+namespace {
+
+/// Groups of rays with one solid each, as one group whose rays are paired with it.
+struct Joined {
+    scene::rays::RayGroup rays = {.paired = true};
+    std::vector<std::size_t> first = {};  ///< of each group, the place of its first ray
+
+    /// What names a ray of the whole names it by its group again.
+    void name(WorstRay& w, const std::vector<scene::rays::RayGroup>& groups) const {
+        if (w.x < 0) return;
+        const auto i = static_cast<std::size_t>(w.x);
+        const std::size_t g = static_cast<std::size_t>(std::ranges::upper_bound(first, i) - first.begin()) - 1;
+        const auto width = static_cast<std::size_t>(groups[g].rays.width);
+        w.group = static_cast<int>(g);
+        w.x = static_cast<std::int64_t>((i - first[g]) % width);
+        w.y = groups[g].rays.y0 + static_cast<int>((i - first[g]) / width);
+        w.object = std::min<std::int64_t>(w.object, 0);
+    }
+};
+
+/// Nothing where there is one group, or where one of them is about several solids: what a band costs beside its rays
+/// is a hundred times what a ray costs, and families have a group for each ray.
+std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
+    const auto fits = [&](const scene::rays::RayGroup& g) {
+        return g.solids.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
+               g.solids[0].shape == groups[0].solids[0].shape && g.rays.tmax.empty() == groups[0].rays.tmax.empty();
+    };
+    if (groups.size() < 2 || groups[0].solids.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
+    Joined all;
+    scene::rays::RayBlock& rays = all.rays.rays;
+    for (const scene::rays::RayGroup& g : groups) {
+        all.first.push_back(rays.size());
+        for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]);
+        rays.tmax.insert(rays.tmax.end(), g.rays.tmax.begin(), g.rays.tmax.end());
+        all.rays.solids.insert(all.rays.solids.end(), g.rays.size(), g.solids[0]);
+    }
+    rays.width = static_cast<int>(rays.size());
+    rays.y1 = 1;
+    return all;
+}
+
+/// Rows on the rays of one group, into the summaries of the same places.
+void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
+                   const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
+                   const std::vector<MapSummary*>& summaries) {
+    if (rows.empty()) return;
+    Band band(std::move(rays), limit);
+    if (needs_of(metrics) & metric::needs_condition) band.find_condition();
+    std::map<std::string, FormatInputs> inputs;
+    for (const auto& [name, needs] : needs_by_format(rows, metrics))
+        inputs.emplace(name, band.inputs(*find_format(name), needs));
+    const columns::BandColumns columns = columns_of(band, rows);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        measure_row({rows[r], metrics, nullptr, group}, {band, inputs.at(rows[r].format.name), columns}, *summaries[r]);
+}
+
+}  // namespace
+
 std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
                                        const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
-    for (MapSummary& s : summaries) s.views = groups.size();
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        Band band(std::move(groups[g]), limit);
-        if (needs_of(metrics) & metric::needs_condition) band.find_condition();
-        std::map<std::string, FormatInputs> inputs;
-        for (const auto& [name, needs] : needs_by_format(rows, metrics))
-            inputs.emplace(name, band.inputs(*find_format(name), needs));
-        const columns::BandColumns columns = columns_of(band, rows);
-        for (std::size_t r = 0; r < rows.size(); ++r)
-            measure_row({rows[r], metrics, nullptr, static_cast<int>(g)},
-                        {band, inputs.at(rows[r].format.name), columns}, summaries[r]);
+    // A field of distances is of all solids of a group, whichever ray is asked about.
+    const std::optional<Joined> joined = join(groups);
+    std::vector<MapRow> at_once, one_by_one;
+    std::vector<MapSummary*> of_once, of_each;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const bool once = joined && is_solid(rows[r].form->shape);
+        (once ? at_once : one_by_one).push_back(rows[r]);
+        (once ? of_once : of_each).push_back(&summaries[r]);
     }
+    if (joined) {
+        measure_group(joined->rays, 0, at_once, metrics, limit, of_once);
+        for (MapSummary* const s : of_once) {
+            joined->name(s->worst, groups);
+            for (const auto& fault : s->faults)
+                if (fault) joined->name(*fault, groups);
+        }
+    }
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        measure_group(groups[g], static_cast<int>(g), one_by_one, metrics, limit, of_each);
     for (MapSummary& s : summaries) {
+        s.views = groups.size();
         for (metric::Distribution& d : s.metrics) d.seal();
     }
     return summaries;

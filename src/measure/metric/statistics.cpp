@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -52,9 +53,10 @@ void Quantiles::add(std::span<const double> values) {
 std::uint64_t Quantiles::in_bucket(std::uint32_t place) const {
     const auto& binade = binades_[place / buckets_per_binade];
     if (!binade) return 0;
+    const std::uint64_t low = (*binade)[place % buckets_per_binade];
+    if (carries_.empty()) return low;
     const auto carry = carries_.find(place);
-    const std::uint64_t high = carry == carries_.end() ? 0 : carry->second;
-    return high << 32 | (*binade)[place % buckets_per_binade];
+    return carry == carries_.end() ? low : std::uint64_t{carry->second} << 32 | low;
 }
 
 void Quantiles::set_bucket(std::uint32_t place, std::uint64_t samples) {
@@ -95,6 +97,13 @@ double Quantiles::at(double q, const Sums& sums) const {
     if (rank <= seen) return 0;
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         if (!binades_[b]) continue;
+        if (b > 0 && carries_.empty()) {
+            const std::uint64_t all = std::accumulate(binades_[b]->begin(), binades_[b]->end(), std::uint64_t{0});
+            if (rank > seen + all) {
+                seen += all;
+                continue;
+            }
+        }
         for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
             const std::uint32_t place = b * buckets_per_binade + i;
             seen += in_bucket(place) - (place == 0 ? sums.zeros() : 0);
