@@ -54,6 +54,18 @@ struct Twice {
         return {hit.hit, hit.near * T(2), hit.far * T(2), hit.t * T(2)};
     }
 };
+/// Gives up early by a bound of its own.
+struct GivesUp {
+    static constexpr intersect::Info info{.name = "own.gives_up"};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        const Vec<T> f = ray.origin - sphere.centre;
+        const T h = dot(f, ray.direction), c = dot(f, f) - sphere.radius * sphere.radius;
+        const T disc = named("disc", h * h - c);
+        const T root = sqrt(disc);
+        return {!(disc < T(1) / T(1000) || root < h), -h - root, root - h, -h - root};
+    }
+};
 struct Crashes {
     static constexpr intersect::Info info{.name = "own.crashes"};
     template <Number T>
@@ -81,4 +93,4 @@ struct Hangs {
 
 }  // namespace
 
-LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, SizeOfNear, Twice, Crashes, Throws, Hangs)
+LOSTBITS_FORMULAS(Unified, DoubleInside, Inclusive, SecantRefined, SizeOfNear, Twice, GivesUp, Crashes, Throws, Hangs)

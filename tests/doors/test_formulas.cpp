@@ -72,6 +72,17 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
     }
 }
 
+TEST_CASE("formulas: the comparison by which a form is wrong without rounding is named", "[doors]") {
+    const Outcome o = run("explain --sphere 0,0,5,1 --ray 0.9999,0,0,0,0,1 -f f64 -i own.gives_up" + own);
+    INFO(o.out << o.err);
+    REQUIRE(o.code == 0);
+    CHECK(has(o.out, "the form misses even without rounding."));
+    CHECK(has(o.out, "Without rounding disc < 1/1000 holds, where disc is 0.000199989"));
+    CHECK_FALSE(has(o.out, "root < h"));
+    const Outcome right = run("explain --sphere 0,0,5,1 --ray 0.5,0,0,0,0,1 -f f64 -i own.gives_up" + own);
+    CHECK_FALSE(has(right.out, "Without rounding disc"));
+}
+
 TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation that also rounds", "[doors]") {
     const Outcome o = run("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
     INFO(o.out << o.err);

@@ -132,17 +132,48 @@ std::string table(const Explanation& x, const OperationWords& words, bool all) {
     return text;
 }
 
-std::string model_sentence(const Explanation& x) {
+/// The comparisons without which a decision would be another: of what holds if either does, those that do.
+void add_deciding(const Explanation& x, const OperationWords& words, NodeId i, std::vector<NodeId>& found) {
+    const TapeNode& n = x.tape[i];
+    if (is_comparison(n.op)) {
+        if (std::ranges::find(found, i) == found.end()) found.push_back(i);
+        return;
+    }
+    const auto holds = [&words](NodeId k) { return words.of(k).exact != 0; };
+    for (const NodeId k : n.operands) {
+        if (k == no_node || !is_decision(x.tape[k].op)) continue;
+        if (n.operands[1] == no_node || holds(k) == holds(i)) add_deciding(x, words, k, found);
+    }
+}
+
+/// `disc < 1/1000: disc is 0.000147696701, ...`, each side that is not a plain constant, without rounding.
+std::string comparison_text(const Explanation& x, const OperationWords& words, NodeId i) {
+    std::vector<std::string> sides;
+    for (const NodeId s : x.tape[i].operands) {
+        if (s != no_node && x.tape[s].op != TapeOp::constant)
+            sides.push_back(fmt::format("{} is {}", words.text().operand(s), file::decimal(words.of(s).exact)));
+    }
+    return fmt::format("{} {}, where {}", words.text().expression(i),
+                       words.of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
+}
+
+std::string model_sentence(const Explanation& x, const OperationWords& words) {
     if (x.missed) return "";  // what the truth says is of another solid
     if (x.attribution.cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
     const bool truly = x.truth == measure::truth::Truth::Decision::hit;
     if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
-    return fmt::format(
+    std::string text = fmt::format(
         "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth because "
-        "of what it assumes, or because the inputs were rounded.\n",
-        x.attribution.exact_hit ? "hits" : "misses");
+        "of what it assumes{}.\n",
+        x.attribution.exact_hit ? "hits" : "misses", x.rounded_inputs ? ", or because the inputs were rounded" : "");
+    std::vector<NodeId> deciding;
+    if (x.tape.outputs.hit != no_node) add_deciding(x, words, x.tape.outputs.hit, deciding);
+    std::vector<std::string> told;
+    for (const NodeId i : deciding) told.push_back(comparison_text(x, words, i));
+    if (!told.empty()) text += fmt::format("Without rounding {}.\n", fmt::join(told, "; "));
+    return text;
 }
 
 std::string sums_sentence(const Explanation& x, const OperationWords& words) {
@@ -253,7 +284,7 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
             "each rounded once. own: its rounding, in ulps of its own result.\n",
             names_culprit(x) ? "* marks the culprit, " : "");
     const std::string sums =
-        sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x);
+        sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);
     return text + (sums.empty() ? "" : "\n" + sums);
 }
 
