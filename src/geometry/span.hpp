@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <type_traits>
 
 #include "geometry/vec.hpp"
 #include "number/tri.hpp"
@@ -15,6 +16,12 @@ namespace lostbits {
 inline constexpr bool is_certain(bool mask) { return mask; }
 inline constexpr bool is_certain(Tri mask) { return mask.is_yes(); }
 
+/// `act(i)` for each axis, with i a constant: the packs of a loop would go through memory.
+template <class Act>
+constexpr void for_each_axis(const Act& act) {
+    act(std::integral_constant<int, 0>{}), act(std::integral_constant<int, 1>{}), act(std::integral_constant<int, 2>{});
+}
+
 /// Those t at which a t² + 2 h t + c ≤ 0: between (−h ∓ √q)/a, with q = h² − a c in the form that subtracts least. What
 /// is met is the surface, c(o) = 0. `a` is positive.
 template <class T>
@@ -23,23 +30,104 @@ struct QuadraticSpan {
     T d2;  ///< d·d
 };
 
-/// n/m with m > 0 for certain. Fractions are compared by n₁ m₂ against n₂ m₁: of equal fractions these become the same
-/// number at some precision, which the quotients need not.
+/// a b against c d. Numbers that know a shorter way have their own.
+template <Number T>
+Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& d) {
+    const T x = a * b, y = c * d;
+    return {x < y, x <= y};
+}
+
+/// n/m, m ≥ 0. Fractions are compared by n₁ m₂ against n₂ m₁: of equal fractions these become the same number at some
+/// precision, which the quotients need not.
 template <class T>
 struct Fraction {
     T n;
     T m;
+
+    friend Order<mask_t<T>> order_of(const Fraction& a, const Fraction& b) {
+        return order_of_products(a.n, b.m, b.n, a.m);
+    }
+    friend Fraction select(const mask_t<T>& mask, const Fraction& a, const Fraction& b) {
+        return {select(mask, a.n, b.n), select(mask, a.m, b.m)};
+    }
 };
 
-/// What slabs leave of the line: those t that are at least every `entry` and at most every `exit`, one of each for
-/// every slab that the line crosses. And what no t changes, for the closed and the open solid.
+/// What slabs leave of the line: those t that are at least every `entry` and at most every `exit`. A slab that the line
+/// does not cross has −1/0 and 1/0 there. And what no t changes, for the closed and the open solid.
 template <class T>
 struct SlabSpan {
-    std::array<std::optional<Fraction<T>>, 3> entry, exit;
+    std::array<Fraction<T>, 3> entry, exit;
+    std::array<mask_t<T>, 3> crossed;
     mask_t<T> closed;  ///< o lies in each slab that the line does not cross
     mask_t<T> open;    ///< o lies in the open one, and no slab is without thickness
     T d2;              ///< d·d
 };
+
+/// Whether some t in [0, tmax] lies in the closed and in the open solid. With a the largest entry and b the smallest
+/// exit, the line is in the closed solid for a ≤ t ≤ b and in the open one for a < t < b, so that for tmax ≥ 0
+///     closed:  a ≤ b,  0 ≤ b,  a ≤ tmax          open:  a < b,  0 < b,  a < tmax
+/// (where a < 0 = tmax the origin is inside). Each inequality between a largest and a smallest is the conjunction of
+/// those between all, so neither needs to be known; entry and exit of one axis are in the order of lo and hi.
+template <class T>
+struct InSlabs {
+    mask_t<T> closed, open;
+};
+
+/// Of a ray without end.
+template <class T>
+InSlabs<T> in_slabs(const SlabSpan<T>& s) {
+    const T zero(0);
+    InSlabs<T> in{s.closed, s.open};
+    for_each_axis([&](auto i) {
+        in.closed = in.closed && zero <= s.exit[i].n;
+        in.open = in.open && zero < s.exit[i].n;
+        for_each_axis([&](auto j) {
+            if constexpr (i != j) {
+                const auto order = order_of(s.entry[i], s.exit[j]);
+                const auto still = !(s.crossed[i] || s.crossed[j]);
+                in.closed = in.closed && (still || order.at_most);
+                in.open = in.open && (still || order.less);
+            }
+        });
+    });
+    in.open = in.closed && in.open;
+    return in;
+}
+
+/// Of one that ends at `tmax`.
+template <class T>
+InSlabs<T> in_slabs(const SlabSpan<T>& s, const T& tmax) {
+    InSlabs<T> in = in_slabs(s);
+    for_each_axis([&](auto i) {
+        const auto order = order_of(s.entry[i], Fraction<T>{tmax, T(1)});
+        in.closed = in.closed && order.at_most;
+        in.open = in.open && order.less;
+    });
+    in.closed = in.closed && tmax >= T(0);
+    in.open = in.closed && in.open;
+    return in;
+}
+
+/// The largest entry, or 0/1 where none is positive; of equal ones the first.
+template <class T>
+Fraction<T> first_entry(const SlabSpan<T>& s) {
+    const T zero(0);
+    const auto positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
+    Fraction<T> first = select(positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
+    const auto next = [&](const Fraction<T>& entry) {
+        first = select(positive(entry) && order_of(first, entry).less, entry, first);
+    };
+    next(s.entry[1]), next(s.entry[2]);
+    return first;
+}
+
+/// The smallest exit; of equal ones the first.
+template <Number T>
+Fraction<T> first_exit(const SlabSpan<T>& s) {
+    Fraction<T> first = s.exit[0];
+    for (const Fraction<T>& exit : s.exit) first = select(order_of(exit, first).less, exit, first);
+    return first;
+}
 
 /// Where a line enters and leaves: near ≤ far where it meets the solid.
 template <class T>
@@ -53,13 +141,15 @@ std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
     return Ends<T>{(-s.h - root) / s.a, (root - s.h) / s.a};
 }
 
-/// The largest entry and the smallest exit, of two that cannot be told apart both; nothing where no slab is crossed.
+/// The largest entry and the smallest exit, of two that cannot be told apart both; nothing where no slab is crossed,
+/// or where the line is not known to be in each of the others.
 template <Number T>
 std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     std::optional<Ends<T>> ends;
+    if (!is_certain(s.closed)) return ends;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
-        if (!s.entry[i]) continue;
-        const T in = s.entry[i]->n / s.entry[i]->m, out = s.exit[i]->n / s.exit[i]->m;
+        if (is_certain(!s.crossed[i])) continue;
+        const T in = s.entry[i].n / s.entry[i].m, out = s.exit[i].n / s.exit[i].m;
         ends = ends ? Ends<T>{max(ends->near, in), min(ends->far, out)} : Ends<T>{in, out};
     }
     return ends;

@@ -27,6 +27,34 @@ private:
     Value value_;
 };
 
+/// The same in each lane of a pack: what is certainly so, and what is certainly not. M is the mask of the pack.
+template <class M>
+class Tris : public NotABool {
+public:
+    Tris() = default;
+    Tris(const M& yes, const M& no) : yes_(yes), no_(no) {}
+
+    [[nodiscard]] const M& yes() const { return yes_; }
+    [[nodiscard]] const M& no() const { return no_; }
+
+    friend Tris operator&&(const Tris& a, const Tris& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
+    friend Tris operator||(const Tris& a, const Tris& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }
+    friend Tris operator!(const Tris& a) { return {a.no_, a.yes_}; }
+    friend bool any_of(const Tris& a) { return any_of(!a.no_); }
+    friend Tris select(const M& mask, const Tris& a, const Tris& b) {
+        return {(mask && a.yes_) || (!mask && b.yes_), (mask && a.no_) || (!mask && b.no_)};
+    }
+
+private:
+    M yes_, no_;
+};
+
+/// Whether a number is less, and at most, another.
+template <class Mask>
+struct Order {
+    Mask less, at_most;
+};
+
 /// Follows a decision, or both of its sides while it is open; `select` joins what they give.
 template <class F>
 auto decide(Tri mask, const F& f) {

@@ -157,6 +157,12 @@ decltype(auto) visit(const Solid<S>& solid, const Act& act) {
     return Solids::visit(solid, act);
 }
 
+/// `act` on where the ray's line is inside of the solid.
+template <class S, class Act>
+auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
+    return visit(solid, [&](const auto& shape) { return act(shape.span(ray)); });
+}
+
 /// A solid of this shape around a point, as far as `half` from it on each axis.
 template <class S>
 Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {

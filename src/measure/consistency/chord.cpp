@@ -11,11 +11,8 @@ namespace {
 
 template <class E>
 std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
-    const Ray<E> exact = truth::lift_ray<E>(ray);
-    return visit(truth::lift_solid<E>(solid), [&exact](const auto& shape) -> std::optional<Ends<E>> {
-        const auto span = shape.span(exact);
-        return span ? ends_of(*span) : std::nullopt;
-    });
+    return with_span(truth::lift_ray<E>(ray), truth::lift_solid<E>(solid),
+                     [](const auto& span) { return ends_of(span); });
 }
 
 /// A number as a double that is off by no more than `error`.

@@ -12,15 +12,10 @@ namespace {
 
 using Line = Ends<double>;
 
-/// In double: good to many more bits than are asked about. Of a line beside a slab that it does not cross, the middle
-/// lies outside.
+/// In double: good to many more bits than are asked about.
 std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
-    return visit(solid, [&ray](const auto& shape) -> std::optional<Line> {
-        const auto line = ends_of(*shape.span(ray));
-        if (!line || !(line->near <= line->far)) return std::nullopt;
-        const Vec<double> middle = ray.origin + (line->near / 2 + line->far / 2) * ray.direction;
-        return shape.off_surface(middle) > 0x1p-20 ? std::nullopt : line;
-    });
+    const auto line = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
+    return line && line->near <= line->far ? line : std::nullopt;
 }
 
 bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }

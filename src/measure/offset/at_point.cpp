@@ -33,7 +33,7 @@ double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<
 
 /// Half of the way to the far side, in doubles: what tells a root at the start from the one at the end.
 double half_exit(const Ray<double>& ray, const Solid<double>& solid) {
-    const auto ends = visit(solid, [&ray](const auto& shape) { return ends_of(*shape.span(ray)); });
+    const auto ends = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? ends->far / 2 : 0;
 }
 

@@ -33,9 +33,8 @@ template <class E>
 std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     Tri inside = s.open, outside = !s.closed;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
-        if (!s.entry[i]) continue;
-        inside = inside && s.entry[i]->n < E(0) && s.exit[i]->n > E(0);
-        outside = outside || s.entry[i]->n > E(0) || s.exit[i]->n < E(0);
+        inside = inside && s.entry[i].n < E(0) && s.exit[i].n > E(0);
+        outside = outside || s.entry[i].n > E(0) || s.exit[i].n < E(0);
     }
     const Tri meets = truth::enclose<E>(s, nullptr, intersect::Touching::miss).hit;
     if (inside.is_unknown() || outside.is_unknown() || meets.is_unknown()) return std::nullopt;
@@ -46,11 +45,7 @@ template <class E>
 std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
     Ray<E> from = truth::lift_ray<E>(line.ray);
     if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
-    const Solid<E> exact = truth::lift_solid<E>(solid);
-    return visit(exact, [&from](const auto& shape) -> std::optional<Meeting> {
-        const auto span = shape.span(from);
-        return span ? enclosed<E>(*span) : std::nullopt;
-    });
+    return with_span(from, truth::lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
 }
 
 /// What `find` finds: every sign is told by some precision, most by a running error.
@@ -93,11 +88,8 @@ bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<doub
     if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, solid).inside;
     return escalate([&]<class E>() {
         const Vec<E> from = truth::lift_vec<E>(a), to = truth::lift_vec<E>(b);
-        const Solid<E> exact = truth::lift_solid<E>(solid);
-        return visit(exact, [&](const auto& shape) -> std::optional<bool> {
-            const auto span = shape.span({from, to - from});
-            return span ? passes<E>(*span) : std::nullopt;
-        });
+        return with_span(Ray<E>{from, to - from}, truth::lift_solid<E>(solid),
+                         [](const auto& span) { return passes<E>(span); });
     });
 }
 

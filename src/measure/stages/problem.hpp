@@ -1,4 +1,4 @@
-// One problem, or a pack of them, and what a stage says of it.
+// What a stage says of a problem, or of a pack of them.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 
 namespace lostbits::measure::stages {
 
-using number::wide::ordered_sum;
 using number::wide::product_of;
 using number::wide::sum_of;
 using number::wide::sum_of_three;
@@ -21,16 +20,11 @@ TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P
     return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
 }
 
-/// A ray and a solid as words: o, d, and the solid's numbers (centre and radius, or lo and hi). Where the inputs are
-/// numbers of 256 bits each has two words, and lies within `input_error` of itself of their sum; all others are their
-/// one word.
-template <class P>
-struct ProblemInWords {
-    P ray[6], solid[6];
-    P ray_low[6], solid_low[6];  ///< of two words
-    P tmax;                      ///< where the ray ends; boxes alone
-};
+/// How closely a stage of one word and one of two know t*: of itself. The latter as `truth::certified_tightness`.
+inline constexpr double narrow_tightness = 0x1p-33, wide_tightness = 0x1p-72;
 
+/// Where the inputs are numbers of 256 bits each has two words, and lies within this much of itself of their sum; all
+/// others are their one word.
 inline constexpr double input_error = 0x1p-104;
 
 /// |x − (middle.hi + middle.lo)| ≤ bound.
@@ -47,11 +41,9 @@ struct Finding {
     Enclosure<P> t, distance;
 };
 
-/// The numbers that a stage answers for: every length at most this, so that no product of four and no quotient
-/// overflows; what a product of them can lose to underflow is covered by `smallest`.
+/// The components of directions that are made unit: no product and no quotient of them over- or underflows.
 inline constexpr double largest_length = 0x1p+200, least_length = 0x1p-200;
-inline constexpr double smallest = 0x1p-960;
-/// The results between which residuals are exact (number/error_free.hpp).
+/// The lengths that columns hold.
 inline constexpr double least_result = 0x1p-900, largest_result = 0x1p+900;
 
 template <class P>

@@ -27,14 +27,13 @@ struct RawProblems {
     RawColumn<S> ray_low[6], solid_low[6];  ///< second words, where there are any
     RawColumn<S> tmax;
     RawFindings out;
-    double scale;  ///< of the errors that the lemmas allow for: 1, unless a test asks where they stop being true
     std::size_t size;
 };
 
 /// As many problems, their columns still to be named.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
-    return {{}, {}, {}, {}, {}, out, 1, size};
+    return {{}, {}, {}, {}, {}, out, size};
 }
 
 /// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
@@ -46,7 +45,7 @@ struct RawDirections {
     double* out[3];
     std::uint8_t* settled;  ///< 0 or 1
     bool binary32;          ///< rounded to binary32; else to binary64
-    double scale;           ///< as of `RawProblems`
+    double scale;           ///< of the errors that the lemma allows for: 1, but where a test widens them
     std::size_t size;
 };
 
@@ -58,7 +57,7 @@ struct RawStages {
     void (*unit_directions)(const RawDirections&);         ///< the same for every shape
 };
 
-/// One function a register width, each in an object of its own: spheres, then boxes.
+/// One function a register width, each in an object of its own: those of every shape, in the order of the list.
 void fill_stages_w128(RawStages* of_shape);
 void fill_stages_w256(RawStages* of_shape);
 void fill_stages_w512(RawStages* of_shape);

@@ -4,10 +4,8 @@
 
 #include <cstring>
 
-#include "measure/stages/box_stages.hpp"
 #include "measure/stages/raw_stages.hpp"
-#include "measure/stages/sphere_binary64.hpp"
-#include "measure/stages/sphere_double_double.hpp"
+#include "measure/stages/span_stages.hpp"
 #include "measure/stages/unit_stage.hpp"
 #include "number/pack.hpp"
 
@@ -39,34 +37,26 @@ struct Lanes<double> {
     static void store(bool x, std::uint8_t* to) { *to = x; }
 };
 
-enum class Subject { sphere, box };
-
-template <Subject subject, class S, Wanted wanted, bool two_words, class P>
+/// Of is the shape; the numbers of W, of one word or two, are those of S, or of two of S.
+template <template <class> class Of, class S, Wanted wanted, bool two_words, class W>
 [[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
+    using E = Running<W>;
+    using P = typename E::P;
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
-    constexpr std::size_t numbers = subject == Subject::sphere ? 4 : 6;
-    const P scale(p.scale);
+    constexpr std::size_t numbers = row_of(Of<float>::shape).numbers;
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
         const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
-        ProblemInWords<P> in;
-        for (std::size_t k = 0; k < 6; ++k) {
-            in.ray[k] = at(p.ray[k]);
-            if constexpr (two_words) in.ray_low[k] = at(p.ray_low[k]);
-        }
-        for (std::size_t k = 0; k < numbers; ++k) {
-            in.solid[k] = at(p.solid[k]);
-            if constexpr (two_words) in.solid_low[k] = at(p.solid_low[k]);
-        }
-        const Finding<P> found = [&] {
-            if constexpr (subject == Subject::box) {
-                in.tmax = at(p.tmax);
-                return settle_box<sizeof(S) == sizeof(double), wanted, two_words>(in, scale);
-            } else if constexpr (sizeof(S) == sizeof(double)) {
-                return settle_sphere_double_double<wanted, two_words>(in, scale);
-            } else {
-                return settle_sphere_binary64<wanted>(in, scale);
-            }
-        }();
+        const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
+            using lostbits::abs;
+            const P x = at(first);
+            if constexpr (two_words) return E(W(x, at(second)), P(input_error) * abs(x));
+            else return E(W(x), P(0));
+        };
+        const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
+        std::array<E, most_numbers> solid;
+        for (std::size_t k = 0; k < numbers; ++k) solid[k] = number(p.solid[k], p.solid_low[k]);
+        const Finding<P> found =
+            settle_shape<wanted, Of<E>>({{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}}, solid, at(p.tmax));
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
@@ -94,22 +84,24 @@ template <class P>
     }
 }
 
-template <Subject subject, class P>
+template <template <class> class Of, class P>
 RawStages stages_for() {
     using enum Wanted;
-    return {{settle_all<subject, float, parameter, false, P>, settle_all<subject, float, distance, false, P>,
-             settle_all<subject, float, both, false, P>},
-            {settle_all<subject, double, parameter, false, P>, settle_all<subject, double, distance, false, P>,
-             settle_all<subject, double, both, false, P>},
-            {settle_all<subject, double, parameter, true, P>, settle_all<subject, double, distance, true, P>,
-             settle_all<subject, double, both, true, P>},
+    using W = TwoWords<P>;
+    return {{settle_all<Of, float, parameter, false, P>, settle_all<Of, float, distance, false, P>,
+             settle_all<Of, float, both, false, P>},
+            {settle_all<Of, double, parameter, false, W>, settle_all<Of, double, distance, false, W>,
+             settle_all<Of, double, both, false, W>},
+            {settle_all<Of, double, parameter, true, W>, settle_all<Of, double, distance, true, W>,
+             settle_all<Of, double, both, true, W>},
             settle_unit_directions<P>};
 }
 
 template <class P>
 void fill_stages(RawStages* of_shape) {
-    of_shape[0] = stages_for<Subject::sphere, P>();
-    of_shape[1] = stages_for<Subject::box, P>();
+    Solids::each([&]<template <class> class Of>() {
+        of_shape[static_cast<std::size_t>(Of<float>::shape)] = stages_for<Of, P>();
+    });
 }
 
 }  // namespace lostbits::measure::stages

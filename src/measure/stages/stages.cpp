@@ -10,13 +10,15 @@ using intersect::simd::Isa;
 
 namespace {
 
-using OfShapes = std::array<Stages, 2>;
+using OfShapes = std::array<Stages, shape_rows.size()>;
 
 /// The function that fills the table was compiled for the width too, so a width that the machine has not is not filled.
 OfShapes filled_by(void (*fill)(RawStages*), std::size_t lanes) {
-    RawStages raw[2] = {};
+    RawStages raw[shape_rows.size()] = {};
     fill(raw);
-    return {Stages{raw[0], lanes}, Stages{raw[1], lanes}};
+    OfShapes all;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = {raw[k], lanes};
+    return all;
 }
 
 const OfShapes& stages_at(Isa isa) {

@@ -14,7 +14,7 @@ struct Stages {
     std::size_t lanes;
 };
 
-/// For spheres and boxes, at an instruction set that is available.
+/// At an instruction set that is available.
 const Stages& stages_of(Shape shape, intersect::simd::Isa isa);
 
 }  // namespace lostbits::measure::stages

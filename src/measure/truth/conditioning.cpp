@@ -122,10 +122,11 @@ double reach_in(const Problem<E, N>& problem, const SlabSpan<Dual<E, N>>& s, dou
     if (t != 0) return linear;
     E most(0);
     for (const auto* side : {&s.entry, &s.exit}) {
-        for (const auto& face : *side) {
-            if (!face) continue;
-            const E aside = E(relative) * moved(problem, face->n);
-            if (abs(face->n.value()) <= aside) most = max(most, E(aside / face->m.value()));
+        for (std::size_t i = 0; i < side->size(); ++i) {
+            if (!s.crossed[i]) continue;
+            const auto& [n, m] = (*side)[i];
+            const E aside = E(relative) * moved(problem, n);
+            if (abs(n.value()) <= aside) most = max(most, E(aside / m.value()));
         }
     }
     return as_double(most);
@@ -136,7 +137,7 @@ double reach_with(const Ray<S>& ray, const Solid<S>& solid, double t, double lin
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
         constexpr std::size_t N = 6 + row_of(Of<S>::shape).numbers;
         const Problem<E, N> problem(ray, solid);
-        return reach_in<E, N>(problem, *problem.solid.template as<Of>().span(problem.ray), t, linear, relative);
+        return reach_in<E, N>(problem, problem.solid.template as<Of>().span(problem.ray), t, linear, relative);
     });
 }
 

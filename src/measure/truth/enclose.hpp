@@ -73,64 +73,6 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const E* = nullptr, intersect::Co
     return {Tri::yes, t, t * sqrt(s.d2), through.is_no()};
 }
 
-/// Whether some t in [0, tmax] lies in the closed and in the open solid. With a the largest entry and b the smallest
-/// exit, the line is in the closed solid for a ≤ t ≤ b and in the open one for a < t < b, so that for tmax ≥ 0
-///     closed:  a ≤ b,  0 ≤ b,  a ≤ tmax          open:  a < b,  0 < b,  a < tmax
-/// (where a < 0 = tmax the origin is inside). Each inequality between a largest and a smallest is the conjunction of
-/// those between all, so neither needs to be known; entry and exit of one axis are in the order of lo and hi.
-struct InSlabs {
-    Tri closed;
-    Tri open;
-};
-
-template <class E>
-InSlabs in_slabs(const SlabSpan<E>& slabs, const E* tmax) {
-    InSlabs in{slabs.closed, slabs.open};
-    const auto in_order = [&in](const E& a, const E& b) {
-        in.closed = in.closed && a <= b;
-        in.open = in.open && a < b;
-    };
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (!slabs.entry[i]) continue;
-        const Fraction<E>&entry = *slabs.entry[i], &exit = *slabs.exit[i];
-        in_order(E(0), exit.n);
-        if (tmax) in_order(entry.n, *tmax * entry.m);
-        for (std::size_t j = 0; j < 3; ++j) {
-            if (j != i && slabs.exit[j]) in_order(entry.n * slabs.exit[j]->m, slabs.exit[j]->n * entry.m);
-        }
-    }
-    if (tmax) in.closed = in.closed && *tmax >= E(0);
-    return {in.closed, in.closed && in.open};
-}
-
-/// The largest entry, or 0/1 where none is positive; of equal ones the first. Nothing where this precision does not
-/// tell.
-template <class E>
-std::optional<Fraction<E>> first_entry(const SlabSpan<E>& slabs) {
-    const E zero(0);
-    std::optional<Fraction<E>> first;
-    for (const auto& entry : slabs.entry) {
-        if (!entry) continue;
-        const Tri later = entry->n > zero && (first ? first->n * entry->m < entry->n * first->m : Tri(Tri::yes));
-        if (later.is_unknown()) return std::nullopt;
-        if (later.is_yes()) first = *entry;
-    }
-    return first ? *first : Fraction<E>{zero, E(1)};
-}
-
-/// The smallest exit; of equal ones the first. Nothing where this precision does not tell.
-template <class E>
-std::optional<Fraction<E>> first_exit(const SlabSpan<E>& slabs) {
-    std::optional<Fraction<E>> first;
-    for (const auto& exit : slabs.exit) {
-        if (!exit) continue;
-        const Tri sooner = first ? exit->n * first->m < first->n * exit->m : Tri(Tri::yes);
-        if (sooner.is_unknown()) return std::nullopt;
-        if (sooner.is_yes()) first = *exit;
-    }
-    return first;
-}
-
 /// What a convention says of a ray that starts in the closed box (largest entry a ≤ 0 ≤ smallest exit b). With a < 0 <
 /// b it is inside; a = 0 is an entry at the origin, and b = 0 an exit there. An exit beyond tmax is none.
 template <class E>
@@ -139,20 +81,19 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const E* tmax, interse
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero}, at_once{Tri::yes, zero, zero}, none{Tri::no, zero, zero};
     Tri entered = Tri::yes;
-    for (const auto& entry : slabs.entry)
-        if (entry) entered = entered && entry->n < zero;
-    const auto exit = first_exit(slabs);
-    if (entered.is_unknown() || !exit) return unknown;
-    const Tri leaving = exit->n <= zero;
+    for (const auto& entry : slabs.entry) entered = entered && entry.n < zero;
+    const Fraction<E> exit = first_exit(slabs);
+    const Tri leaving = exit.n <= zero;
+    if (entered.is_unknown()) return unknown;
     if (leaving.is_unknown()) return unknown;
     if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once;
     if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once;
     if (asked.inside != Inside::exit) return none;
     if (tmax) {
-        const Tri in_reach = exit->n <= *tmax * exit->m;
+        const Tri in_reach = exit.n <= *tmax * exit.m;
         if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
     }
-    const E t = exit->n / exit->m;
+    const E t = exit.n / exit.m;
     return {Tri::yes, t, t * sqrt(slabs.d2)};
 }
 
@@ -174,40 +115,33 @@ template <class E>
 Enclosed<E> enclose(const SlabSpan<E>& slabs, const E* tmax, intersect::Convention convention) {
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
-    const InSlabs in = in_slabs(slabs, tmax);
+    const InSlabs<E> in = tmax ? in_slabs(slabs, *tmax) : in_slabs(slabs);
     if (in.closed.is_no()) return {Tri::no, zero, zero};
     if (in.closed.is_unknown() || in.open.is_unknown()) return unknown;
     const bool touching = in.open.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
 
-    const auto first = first_entry(slabs);
-    if (!first) return unknown;
-    if ((first->n <= zero).is_yes()) {
+    const Fraction<E> first = first_entry(slabs);
+    const Tri at_once = first.n <= zero;
+    if (at_once.is_unknown()) return unknown;
+    if (at_once.is_yes()) {
         const bool usual =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
         Enclosed<E> found = usual ? Enclosed<E>{Tri::yes, zero, zero} : enclose_from_inside(slabs, tmax, convention);
         found.touching = touching;
         return found;
     }
-    const E t = first->n / first->m;
+    const E t = first.n / first.m;
     return {Tri::yes, t, t * sqrt(slabs.d2), touching};
 }
 
-/// The closed solid, whatever its shape. `tmax` (null: nowhere) ends the ray where the shape's forms are told its end.
-template <class E, template <class> class S>
-requires requires { S<E>::keys; }
-Enclosed<E> enclose(const Ray<E>& ray, const S<E>& shape, const E* tmax = nullptr,
-                    const intersect::Convention& convention = {}) {
-    const auto span = shape.span(ray);
-    return span ? enclose(*span, tmax, convention) : Enclosed<E>{Tri::unknown, E(0), E(0)};
-}
-
-/// What the convention says of touching is left to whoever asks.
+/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `tmax` (null:
+/// nowhere) ends the ray where the shape's forms are told its end.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr,
                     intersect::Convention convention = {}) {
     convention.touching = intersect::Touching::hit;
-    return visit(solid, [&](const auto& shape) { return enclose(ray, shape, tmax, convention); });
+    return with_span(ray, solid, [&](const auto& span) { return enclose(span, tmax, convention); });
 }
 
 template <class E, class S>
@@ -243,6 +177,7 @@ Solid<E> lift_solid(const Solid<S>& solid) {
 /// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
 /// number to 2^-104 of itself, as `lift` has it.
 inline double word_of(double x) { return x; }
+inline double low_word_of(double) { return 0; }
 inline double word_of(const Real& x) { return x.convert_to<double>(); }
 inline double low_word_of(const Real& x) {
     const double hi = word_of(x);

@@ -8,8 +8,8 @@
 
 #include "intersect/process/floating_point.hpp"
 #include "intersect/process/parallel.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/gathered.hpp"
-#include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 
 namespace lostbits::measure::truth {
@@ -17,19 +17,6 @@ namespace lostbits::measure::truth {
 using scene::rays::BasicRayBlock;
 
 namespace {
-
-/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
-/// number to 2^-104 of itself, as `lift` has it.
-double word_of(double x) { return x; }
-double low_word_of(double) { return 0; }
-double word_of(const Real& x) { return x.convert_to<double>(); }
-double low_word_of(const Real& x) {
-    const double hi = word_of(x);
-    if (!std::isfinite(hi)) return missing;
-    const Real rest = x - Real(hi);
-    if (rest == 0) return 0;
-    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
-}
 
 using Spans = std::array<std::span<const double>, 6>;
 

@@ -63,21 +63,17 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
 /// against m, or n² d·d against (m d)².
 template <class E>
 std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, intersect::Inside inside) {
-    auto first = first_entry(s);
-    if (first && inside == intersect::Inside::exit && (first->n <= E(0)).is_yes()) first = first_exit(s);
-    if (!first) return std::nullopt;
-    const E there = m * first->m;
-    if (length == Length::parameter) return sign<E>(first->n - there);
-    return sign<E>(square(first->n) * s.d2 - square(there));
+    Fraction<E> first = first_entry(s);
+    if (inside == intersect::Inside::exit && (first.n <= E(0)).is_yes()) first = first_exit(s);
+    const E there = m * first.m;
+    if (length == Length::parameter) return sign<E>(first.n - there);
+    return sign<E>(square(first.n) * s.d2 - square(there));
 }
 
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
                            intersect::Inside inside = intersect::Inside::usual) {
-    return visit(solid, [&](const auto& shape) -> std::optional<int> {
-        const auto span = shape.span(ray);
-        return span ? side_of(*span, m, length, inside) : std::nullopt;
-    });
+    return with_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, inside); });
 }
 
 }  // namespace lostbits::measure::truth

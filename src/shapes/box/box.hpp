@@ -58,29 +58,31 @@ struct Box {
     }
 
     /// entry = (lo − o)/d and exit = (hi − o)/d where d > 0, the other way round where d < 0, both scaled to a
-    /// denominator of |d|. Nothing where this precision does not tell a sign of d (a double's is always told).
-    [[nodiscard]] std::optional<SlabSpan<T>> span(const Ray<T>& ray) const {
-        const T zero(0);
-        const mask_t<T> always(true);
-        SlabSpan<T> slabs{.entry = {}, .exit = {}, .closed = always, .open = always, .d2 = square(ray.direction)};
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            const T &o = ray.origin[axis], &d = ray.direction[axis], &low = lo[axis], &high = hi[axis];
-            const auto ahead = d > zero, back = d < zero;
-            slabs.open = slabs.open && low < high;
-            if (is_certain(ahead)) {
-                slabs.entry[i] = Fraction<T>{low - o, d};
-                slabs.exit[i] = Fraction<T>{high - o, d};
-            } else if (is_certain(back)) {
-                slabs.entry[i] = Fraction<T>{o - high, -d};
-                slabs.exit[i] = Fraction<T>{o - low, -d};
-            } else if (is_certain(!ahead && !back)) {
-                slabs.closed = slabs.closed && low <= o && o <= high;
-                slabs.open = slabs.open && low < o && o < high;
-            } else {
-                return std::nullopt;
-            }
-        }
+    /// denominator of |d|.
+    [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
+        const T zero(0), one(1);
+        const mask_t<T> always = zero <= zero;
+        SlabSpan<T> slabs{.entry = {},
+                          .exit = {},
+                          .crossed = {always, always, always},
+                          .closed = always,
+                          .open = always,
+                          .d2 = square(ray.direction)};
+        for_each_axis([&](auto i) {
+            const T &o = ray.origin[i], &d = ray.direction[i];
+            const T to_low = lo[i] - o, to_high = hi[i] - o;
+            const auto ahead = d > zero, crossed = ahead || d < zero;
+            const T m = select(ahead, d, -d);
+            slabs.entry[i] = {select(ahead, to_low, -to_high), m};
+            slabs.exit[i] = {select(ahead, to_high, -to_low), m};
+            slabs.open = slabs.open && lo[i] < hi[i];
+            if (!any_of(!crossed)) return;
+            slabs.entry[i] = select(crossed, slabs.entry[i], {-one, zero});
+            slabs.exit[i] = select(crossed, slabs.exit[i], {one, zero});
+            slabs.crossed[i] = crossed;
+            slabs.closed = slabs.closed && (crossed || (to_low <= zero && to_high >= zero));
+            slabs.open = slabs.open && (crossed || (to_low < zero && to_high > zero));
+        });
         return slabs;
     }
     /// The largest of lo − p and p − hi over the axes, in units of `unit()`: how far p lies outside by its worst

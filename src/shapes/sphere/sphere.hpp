@@ -57,10 +57,10 @@ struct Sphere {
 
     /// With f = o − G: h = f·d, c = f·f − r², a = d·d, and q = a r² − |f × d|². No step subtracts numbers of like size
     /// that are not exact differences of the inputs.
-    [[nodiscard]] std::optional<QuadraticSpan<T>> span(const Ray<T>& ray) const {
+    [[nodiscard]] QuadraticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T> f = ray.origin - centre;
         const T r2 = square(radius), a = square(ray.direction);
-        return QuadraticSpan<T>{dot(f, ray.direction), square(f) - r2, a, a * r2 - square(cross(f, ray.direction)), a};
+        return {dot(f, ray.direction), square(f) - r2, a, a * r2 - square(cross(f, ray.direction)), a};
     }
     /// How far a point is outside, in units of `unit()`: (|v| − r)/r = (v·v − r²)/(r(|v| + r)) with v = p − G.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {

@@ -39,7 +39,7 @@ struct StageColumns {
         hit.resize(size);
         for (auto* column : {&hi, &lo, &bound}) column->resize(size);
     }
-    RawProblems<S> raw(double scale) {
+    RawProblems<S> raw() {
         auto p = measure::stages::raw_problems<S>(
             hi.size(), {settled.data(), hit.data(), hi.data(), lo.data(), bound.data(), nullptr, nullptr, nullptr});
         for (std::size_t k = 0; k < 6; ++k) {
@@ -49,7 +49,6 @@ struct StageColumns {
             p.solid_low[k] = {second[6 + k].data(), 1};
         }
         p.tmax = {tmax.data(), 1};
-        p.scale = scale;
         return p;
     }
     [[nodiscard]] std::vector<StageFinding> findings(std::size_t count) const {
@@ -61,25 +60,24 @@ struct StageColumns {
 
 template <class S>
 std::vector<StageFinding> run(void (*kernel)(const RawProblems<S>&), const std::vector<StageProblem>& problems,
-                              std::size_t lanes, double scale) {
+                              std::size_t lanes) {
     StageColumns<S> columns(problems, lanes);
-    kernel(columns.raw(scale));
+    kernel(columns.raw());
     return columns.findings(problems.size());
 }
 
 }  // namespace
 
 std::vector<StageFinding> run_stage(StageName stage, bool distance, const std::vector<StageProblem>& problems,
-                                    intersect::simd::Isa isa, double scale) {
+                                    intersect::simd::Isa isa) {
     const auto& stages = measure::stages::stages_of(problems.front().shape, isa);
     const std::size_t which = distance ? 1 : 0;
     switch (stage) {
-        case StageName::binary64: return run<float>(stages.kernels.binary64[which], problems, stages.lanes, scale);
-        case StageName::double_double:
-            return run<double>(stages.kernels.double_double[which], problems, stages.lanes, scale);
+        case StageName::binary64: return run<float>(stages.kernels.binary64[which], problems, stages.lanes);
+        case StageName::double_double: return run<double>(stages.kernels.double_double[which], problems, stages.lanes);
         case StageName::of_two_words: break;
     }
-    return run<double>(stages.kernels.of_two_words[which], problems, stages.lanes, scale);
+    return run<double>(stages.kernels.of_two_words[which], problems, stages.lanes);
 }
 
 std::string contradiction(const StageProblem& problem, const StageFinding& found, bool distance) {

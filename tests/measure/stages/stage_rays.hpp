@@ -37,7 +37,7 @@ enum class StageName { binary64, double_double, of_two_words };
 /// Runs a stage over problems of one shape. Numbers are stored as the stage takes them: rounded to float, to double, or
 /// to two words.
 std::vector<StageFinding> run_stage(StageName stage, bool distance, const std::vector<StageProblem>& problems,
-                                    intersect::simd::Isa isa, double scale = 1);
+                                    intersect::simd::Isa isa);
 
 /// Empty where MPFI says the same: the decision, and the length within its bound. `checked` counts the hits.
 std::string contradiction(const StageProblem& problem, const StageFinding& found, bool distance);

@@ -1,5 +1,4 @@
-// The stages against MPFI: what they say is so, they say nothing outside of their range, and their constants are no
-// larger than they must be by much.
+// The stages against MPFI: what they say is so, they say it of nearly all rays, and nothing of what is not proper.
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -87,7 +86,6 @@ struct Counts {
 struct Run {
     StageName stage;
     bool distance = false;
-    double scale = 1;
     /// Compare the widths with each other, too.
     bool all_widths = false;
 };
@@ -99,7 +97,7 @@ Counts run_family(const Family& family, const Run& run, std::size_t rays, std::s
     while (counts.rays < rays) {
         std::vector<StageProblem> problems;
         for (std::size_t i = 0; i < 997; ++i) problems.push_back(family.draw(rng));
-        const auto found = run_stage(run.stage, run.distance, problems, isas.back(), run.scale);
+        const auto found = run_stage(run.stage, run.distance, problems, isas.back());
         if (run.all_widths) {
             for (const auto isa : isas) REQUIRE(run_stage(run.stage, run.distance, problems, isa) == found);
         }
@@ -116,37 +114,24 @@ Counts run_family(const Family& family, const Run& run, std::size_t rays, std::s
     return counts;
 }
 
-/// How many rays each stage is tried on: LOSTBITS_RAYS_PER_STAGE, which takes ten million some minutes.
+/// How many random rays each stage is tried on, and a tenth as many that are constructed: LOSTBITS_RAYS_PER_STAGE,
+/// which takes ten million some minutes.
 std::size_t rays_per_stage() {
     const char* const asked = std::getenv("LOSTBITS_RAYS_PER_STAGE");
-    return asked ? std::strtoull(asked, nullptr, 10) : test::draws<std::size_t>(150'000);
+    return asked ? std::strtoull(asked, nullptr, 10) : test::draws<std::size_t>(1'000'000);
 }
 
-/// A stage over all families; `least` of the rays of the family "random" must be settled.
+/// A stage over all families, of which the first is random; `least` of its rays must be settled.
 void contains(const std::vector<Family>& families, const Run& run, std::size_t rays, double least) {
     for (const Family& family : families) {
         std::string wrong;
-        const Counts c = run_family(family, run, rays / families.size(), &wrong);
+        const bool random = &family == &families.front();
+        const Counts c = run_family(family, run, random ? rays : rays / 10 / (families.size() - 1), &wrong);
         std::printf("%-18s %zu rays, %zu settled, %zu hits\n", family.name.c_str(), c.rays, c.settled, c.hits);
         INFO(family.name << ": " << wrong);
         CHECK(c.wrong == 0);
-        if (family.name == families.front().name)
-            CHECK(static_cast<double>(c.settled) >= least * static_cast<double>(c.rays));
+        if (random) CHECK(static_cast<double>(c.settled) >= least * static_cast<double>(c.rays));
     }
-}
-
-/// Half the errors that the lemma allows for, and half of that: how many halvings until MPFI contradicts.
-int halvings_until_wrong(const std::vector<Family>& families, Run run) {
-    for (int k = 1; k <= 24; ++k) {
-        run.scale = std::ldexp(1.0, -k);
-        for (const Family& family : families) {
-            std::string wrong;
-            if (run_family(family, run, 4000, &wrong).wrong == 0) continue;
-            std::printf("%s, halved %d times: %s\n", family.name.c_str(), k, wrong.c_str());
-            return k;
-        }
-    }
-    return 99;
 }
 
 }  // namespace
@@ -200,21 +185,7 @@ TEST_CASE("stages: every width finds the same bits") {
     same(all_box_families(binary64), StageName::of_two_words);
 }
 
-TEST_CASE("stages: errors halved too far no longer contain what MPFI says") {
-    const auto sphere32 = sphere_families(binary32), sphere64 = sphere_families(binary64);
-    const auto box32 = all_box_families(binary32), box64 = all_box_families(binary64);
-    const auto told = [](const char* name, int halvings) {
-        std::printf("%s: wrong after %d halvings\n", name, halvings);
-        return halvings;
-    };
-    CHECK(told("sphere, binary64", halvings_until_wrong(sphere32, {.stage = StageName::binary64})) <= 12);
-    CHECK(told("sphere, double-double", halvings_until_wrong(sphere64, {.stage = StageName::double_double})) <= 12);
-    CHECK(told("sphere, two words", halvings_until_wrong(sphere64, {.stage = StageName::of_two_words})) <= 12);
-    CHECK(told("box, binary64", halvings_until_wrong(box32, {.stage = StageName::binary64})) <= 12);
-    CHECK(told("box, double-double", halvings_until_wrong(box64, {.stage = StageName::double_double})) <= 12);
-}
-
-TEST_CASE("stages: nothing is said of what lies outside of their range") {
+TEST_CASE("stages: nothing is said of what is no ray and no solid") {
     constexpr double inf = HUGE_VAL, none = std::numeric_limits<double>::quiet_NaN();
     const Ray<double> ray{{0, 0.125, 4}, {0, 0.0625, -1}};
     const Sphere<double> ball{{0, 0, 0}, 1};
@@ -235,21 +206,17 @@ TEST_CASE("stages: nothing is said of what lies outside of their range") {
             CHECK(says(stage, p));
             for (std::size_t k = 0; k < 6 + solid.used().size(); ++k) {
                 for (const double bad : {none, inf, -inf}) CHECK_FALSE(says(stage, with(p, k, bad)));
-                if (stage != StageName::binary64) CHECK_FALSE(says(stage, with(p, k, 0x1p+201)));
             }
             StageProblem still = p;
-            for (std::size_t k = 3; k < 6; ++k) still.ray[k].first = stage == StageName::binary64 ? 0 : 0x1p-201;
+            for (std::size_t k = 3; k < 6; ++k) still.ray[k].first = 0;
             CHECK_FALSE(says(stage, still));
         }
         CHECK_FALSE(says(stage, with(problem_of(ray, ball), 9, 0)));
         CHECK_FALSE(says(stage, with(problem_of(ray, ball), 9, -1)));
-        CHECK_FALSE(says(stage, with(problem_of(ray, box), 6, 1)));  // no thickness
+        CHECK_FALSE(says(stage, with(problem_of(ray, box), 8, 1)));  // no thickness
         CHECK_FALSE(says(stage, with(problem_of(ray, box), 6, 2)));  // lo > hi
         for (const double end : {none, -1.0, 0.0}) CHECK_FALSE(says(stage, problem_of(ray, box, end)));
     }
-    // o − c is no binary64 number.
-    CHECK_FALSE(says(StageName::binary64, with(with(problem_of(ray, ball), 0, 0x1p-60), 6, 0.5)));
-    CHECK_FALSE(says(StageName::binary64, with(with(problem_of(ray, ball), 0, 0x1p+40), 6, 0x1p-20)));
 }
 
 }  // namespace test_stages

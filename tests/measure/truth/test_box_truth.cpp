@@ -139,7 +139,7 @@ std::string contradiction(const Question& q, intersect::Touching convention, Tal
         const Box<Interval> box{measure::truth::lift_vec<Interval>(s.box.lo),
                                 measure::truth::lift_vec<Interval>(s.box.hi)};
         const Interval end(std::isinf(s.tmax) ? 0.0 : s.tmax);
-        const auto e = measure::truth::enclose(measure::truth::lift_ray<Interval>(s.ray), box,
+        const auto e = measure::truth::enclose(box.span(measure::truth::lift_ray<Interval>(s.ray)),
                                                std::isinf(s.tmax) ? nullptr : &end, convention);
         ++tally.asked_low;
         tally.decided_low += !e.hit.is_unknown();

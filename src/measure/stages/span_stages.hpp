@@ -1,0 +1,176 @@
+// Rays and solids of any shape: decisions, and t* with its bound, from where the line is inside of the solid
+// (geometry/span.hpp). The numbers carry the bounds, so that no lemma is needed.
+#pragma once
+
+#include "geometry/ray.hpp"
+#include "geometry/span.hpp"
+#include "measure/stages/problem.hpp"
+#include "number/wide/running.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::measure::stages {
+
+using number::wide::Running;
+
+/// The first t ≥ 0 at which a ray meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
+/// is proved. Where `at_origin` holds too t* is 0, and `t` is not asked for.
+template <class E>
+struct Met {
+    mask_t<typename E::P> hit, missed, at_origin;
+    E t;
+};
+
+/// As `truth::enclose` has it for the usual convention. Where h is not told from 0, either form of the root will do.
+template <class W>
+Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s) {
+    using E = Running<W>;
+    using P = typename E::P;
+    const E zero(0);
+    const auto outside = s.c > zero;
+    const auto inside = s.c < zero;
+    const auto past = s.h > zero;
+    const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
+    const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
+    if (!any_of(hit)) return {hit, missed, none, zero};
+    const auto by_far = inside.yes() && past.yes(), by_a = inside.yes() && !past.yes();
+    const E size = sqrt(s.q) + select(by_far, s.h, -s.h);
+    return {hit, missed, none, select(by_a, size, select(by_far, -s.c, s.c)) / select(by_a, s.a, size)};
+}
+
+/// A number that is compared by its first word, which is known to be good to 2^-51 of itself: it is enough for nearly
+/// all.
+///
+/// Of such numbers x = a b and y = c d, as they round, are good to 2.3·2^-51 of themselves and 2^-1074, and x − y to
+/// 2^-53 more: a b < c d where x − y < −(2^-49 (|x| + |y|) + 2^-1000), and so on.
+template <class W>
+struct ByFirstWord {
+    using P = typename Running<W>::P;
+    using Mask = Tris<mask_t<P>>;
+
+    Running<W> whole;
+
+    ByFirstWord() = default;
+    explicit ByFirstWord(int x) : whole(x) {}
+    explicit ByFirstWord(const Running<W>& x) : whole(x) {}
+
+    friend Order<Mask> order_of_products(const ByFirstWord& a, const ByFirstWord& b, const ByFirstWord& c,
+                                         const ByFirstWord& d) {
+        return told_apart(a.whole.first() * b.whole.first(), c.whole.first() * d.whole.first(), P(0x1p-1000));
+    }
+    friend Mask operator<(const ByFirstWord& a, const ByFirstWord& b) { return order_of(a, b).less; }
+    friend Mask operator<=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(a, b).at_most; }
+    friend Mask operator>(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).less; }
+    friend Mask operator>=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).at_most; }
+    friend ByFirstWord select(const Mask& mask, const ByFirstWord& a, const ByFirstWord& b) {
+        return ByFirstWord(select(mask, a.whole, b.whole));
+    }
+
+private:
+    static Order<Mask> order_of(const ByFirstWord& a, const ByFirstWord& b) {
+        return told_apart(a.whole.first(), b.whole.first(), P(0));
+    }
+    static Order<Mask> told_apart(const P& x, const P& y, const P& least) {
+        using lostbits::abs;
+        const P d = x - y, e = P(0x1p-49) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
+        return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
+    }
+};
+
+/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-51 of
+/// itself.
+template <class W>
+Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const typename Running<W>::P& tmax) {
+    using E = Running<W>;
+    using P = typename E::P;
+    using lostbits::abs;
+    using Quick = ByFirstWord<W>;
+    const auto endless = tmax >= P(HUGE_VAL);
+    auto told = tmax > P(0);
+    const auto quickly = [&told](const E& x) {
+        told = told && x.radius() <= P(0x1p-52) * abs(x.first());  // and the second word is at most as much
+        return Quick(x);
+    };
+    SlabSpan<Quick> q{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}};
+    for_each_axis([&](auto i) {
+        const Quick m = quickly(s.entry[i].m);
+        q.entry[i] = {quickly(s.entry[i].n), m};
+        q.exit[i] = {quickly(s.exit[i].n), m};
+    });
+    InSlabs<Quick> in = in_slabs(q);
+    if (any_of(!endless)) {
+        const InSlabs<Quick> ended = in_slabs(q, Quick(E(W(tmax), P(0))));
+        in = {select(endless, in.closed, ended.closed), select(endless, in.open, ended.open)};
+    }
+    const Fraction<Quick> first = first_entry(q);
+    const auto at_origin = (first.n <= Quick(0)).yes(), hit = told && in.open.yes(), missed = told && in.closed.no();
+    const E one(1);
+    if (!any_of(hit)) return {hit, missed, at_origin, one};
+    return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
+}
+
+/// Whether a length is known closely enough: to 2^-33 of itself in one word, as `narrow_tightness` has it, to 2^-72 in
+/// two; and in one binade, in range of what follows.
+template <class P>
+mask_t<P> is_close(const Running<P>& x) {
+    return x.radius() <= P(narrow_tightness) * x.words() && in_one_binade(x.words(), x.radius());
+}
+template <class P>
+mask_t<P> is_close(const Running<TwoWords<P>>& x) {
+    return x.radius() <= P(wide_tightness) * x.first() && in_range(x.first()) && in_one_binade(x.words(), x.radius());
+}
+template <class P>
+Enclosure<P> enclosure_of(const Running<P>& x) {
+    return {{x.words(), P(0)}, x.radius()};
+}
+template <class P>
+Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
+    return {x.words(), x.radius()};
+}
+
+/// Whether a solid is one, by the limits of its keys; origins and directions that are not finite are found by `settle`.
+template <class S, class E>
+mask_t<typename E::P> is_proper(const std::array<E, most_numbers>& solid) {
+    using P = typename E::P;
+    auto proper = P(0) <= P(0);
+    std::size_t k = 0;
+    for (const Key& key : S::keys) {
+        for (const std::size_t end = k + key.count(); k < end; ++k) {
+            if (key.limit == Key::Limit::positive) proper = proper && (solid[k] > E(0)).yes();
+            if (key.limit == Key::Limit::at_least_before) proper = proper && (solid[k - key.count()] <= solid[k]).yes();
+        }
+    }
+    return proper;
+}
+
+/// S is the shape over `Running` words.
+template <Wanted wanted, class S, class E>
+Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid,
+                                    const typename E::P& tmax) {
+    using P = typename E::P;
+    using lostbits::abs;
+    const auto span = S::of([&solid](std::size_t k) { return solid[k]; }).span(ray);
+    const auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
+                        sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
+    const auto met = [&] {
+        if constexpr (S::told_end) return first_met(span, tmax);
+        else return first_met(span);
+    }();
+    const auto missed = proper && met.missed;
+    auto hit = proper && met.hit;
+    const P zero(0);
+    Finding<P> found{missed, hit, {{zero, zero}, zero}, {{zero, zero}, zero}};
+    if (!any_of(hit)) return found;
+    const auto take = [&](const E& length, Enclosure<P>& to) {
+        hit = hit && (met.at_origin || is_close(length));
+        to = enclosure_of(length);
+        to.middle = select<P>(met.at_origin, {zero, zero}, to.middle);
+        to.bound = select(met.at_origin, zero, to.bound);
+    };
+    if constexpr (wanted != Wanted::distance) take(met.t, found.t);
+    if constexpr (wanted != Wanted::parameter) take(met.t * sqrt(span.d2), found.distance);
+    found.settled = hit || missed;
+    found.hit = hit;
+    return found;
+}
+
+}  // namespace lostbits::measure::stages

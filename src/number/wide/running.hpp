@@ -1,0 +1,152 @@
+// Running: what is certainly true of many rays at once: a number of one word or two, and how far it can be off.
+#pragma once
+
+#include <cmath>
+
+#include "number/tri.hpp"
+#include "number/wide/two_words.hpp"
+
+namespace lostbits::number::wide {
+
+/// What `Running` must know of its words: W is P, double or a pack of doubles, or `TwoWords<P>`.
+template <class W>
+struct Words {
+    using Word = W;
+    static constexpr double error = 0x1p-53;
+    static const W& first(const W& w) { return w; }
+    static W second(const W&) { return W(0); }
+};
+template <class P>
+struct Words<TwoWords<P>> {
+    using Word = P;
+    static constexpr double error = word_error;
+    static const P& first(const TwoWords<P>& w) { return w.hi; }
+    static const P& second(const TwoWords<P>& w) { return w.lo; }
+};
+
+/// All real x with |x − w| ≤ e (1 + 2^-41). An e that is infinite or NaN says nothing of x, and no comparison with it
+/// is decided. Of two words w has the bits of `Ball`'s middle.
+///
+/// With u = 2^-53, η = 2^-1075, w the words of a result, |w| their first, and ε = u for one word, 2^-102 for two, which
+/// are off by less than ε/1.5 (the bounds are listed at `Ball`), for x and y in a and b:
+///
+///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|. A sum does not underflow: what is too small for ε|w| to be normal
+///     is
+///                  added exactly, or rounded by no more than ε|w| rounded down.
+///     w = a b      |x y − w|   ≤ |a| e_b + |b| e_a + e_a e_b + ε|w| + 4η: each of the four products of two words
+///                  can lose an η to underflow
+///     w = a/b      |x/y − w|   ≤ (e_a + |a/b| e_b + 3η)/(|b| − e_b) + ε|w| + η, with |a/b| ≤ |w|(1 + 2u) + η; the
+///     residual
+///                  loses 3η before it is divided. Nothing is said where |b| ≤ e_b.
+///     w = √a       |√x − w|    ≤ (e_a + η)/√a + ε|w|; nothing is said where a ≤ e_a
+///
+/// Each product in these bounds can lose an η too: `lost`, which is added at each place, is 2^75 η. Each of their
+/// steps, of which none subtracts, loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included:
+/// 2048 of them, one after the other, come to less than the 2^-41 above. Where a word overflows, the first is infinite
+/// or NaN, and so is ε|w|.
+template <class W>
+class Running {
+public:
+    using P = typename Words<W>::Word;
+    using Lanes = mask_t<P>;
+
+    Running() = default;
+    explicit Running(int x) : w_(x), e_(0) {}
+    Running(const W& w, const P& e) : w_(w), e_(e) {}
+
+    [[nodiscard]] const W& words() const { return w_; }
+    [[nodiscard]] const P& first() const { return Words<W>::first(w_); }
+    [[nodiscard]] P second() const { return Words<W>::second(w_); }
+    /// No less than how far x can be from the words.
+    [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
+
+    friend Running operator+(const Running& a, const Running& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
+    friend Running operator-(const Running& a, const Running& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
+    friend Running operator-(const Running& a) { return {-a.w_, a.e_}; }
+    friend Running operator*(const Running& a, const Running& b) {
+        return rounded(a.w_ * b.w_, a.size() * b.e_ + (b.size() * a.e_ + a.e_ * b.e_) + P(lost));
+    }
+    friend Running operator/(const Running& a, const Running& b) {
+        const Running q = rounded(a.w_ / b.w_, P(lost));
+        const P least = b.size() * P(1 - 0x1p-50) - b.radius();
+        const P spread = (a.e_ + (q.size() + P(lost)) * b.e_ + P(lost)) / least;
+        return {q.w_, select(least > P(0), q.e_ + spread, P(HUGE_VAL))};
+    }
+    Running& operator+=(const Running& b) { return *this = *this + b; }
+    Running& operator-=(const Running& b) { return *this = *this - b; }
+    Running& operator*=(const Running& b) { return *this = *this * b; }
+
+    friend Tris<Lanes> operator<(const Running& a, const Running& b) {
+        const Ends d = ends(a, b);
+        return {d.high < P(0), d.low >= P(0)};
+    }
+    friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
+        const Ends d = ends(a, b);
+        return {d.high <= P(0), d.low > P(0)};
+    }
+    friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
+    friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+
+    friend Running sqrt(const Running& a) {
+        using lostbits::sqrt;
+        const Running root = rounded(sqrt(a.w_), P(0));
+        const P spread = (a.e_ + P(lost)) / root.first();
+        const auto positive = a.first() * P(1 - 0x1p-50) > a.radius();
+        return {root.w_, select(positive, root.e_ + spread, P(HUGE_VAL))};
+    }
+    friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
+    friend Running abs(const Running& a) {
+        using lostbits::abs;
+        return {abs(a.w_), a.e_};
+    }
+    friend Running copysign(const Running& a, const Running& b) {
+        const Running x = abs(a), zero(0);
+        return select(Tris<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
+    }
+    friend Running select(const Lanes& mask, const Running& a, const Running& b) {
+        using lostbits::select;
+        return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
+    }
+    /// Nothing is said where the mask is undecided.
+    friend Running select(const Tris<Lanes>& mask, const Running& a, const Running& b) {
+        using lostbits::select;
+        const Running x = select(mask.yes(), a, b);
+        return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};
+    }
+
+private:
+    static constexpr double lost = 0x1p-1000;
+
+    static P size_of(const P& x) {
+        using lostbits::abs;
+        return abs(x);
+    }
+    [[nodiscard]] P size() const { return size_of(first()); }
+    static Running rounded(const W& w, const P& spread) {
+        return {w, spread + P(Words<W>::error) * size_of(Words<W>::first(w))};
+    }
+
+    /// The ends of x − y. Its middle h + l is off by u of h, of l and of their sum, and by nothing where h = l = 0.
+    struct Ends {
+        P low, high;
+    };
+    static Ends ends(const Running& a, const Running& b) {
+        const P h = a.first() - b.first(), l = a.second() - b.second(), d = h + l;
+        const P e = (a.e_ + b.e_) * P(1 + 0x1p-40) + P(0x1p-51) * (size_of(h) + size_of(l));
+        return {d - e, d + e};
+    }
+
+    W w_;
+    P e_;
+};
+
+}  // namespace lostbits::number::wide
+
+namespace lostbits {
+
+template <class W>
+inline constexpr bool stands_for_exact<number::wide::Running<W>> = true;
+
+static_assert(Number<number::wide::Running<double>> && Number<number::wide::Running<number::wide::TwoWords<double>>>);
+
+}  // namespace lostbits
