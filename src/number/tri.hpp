@@ -36,6 +36,11 @@ public:
 
     [[nodiscard]] const M& yes() const { return yes_; }
     [[nodiscard]] const M& no() const { return no_; }
+    /// Of one lane.
+    operator Tri() const requires std::same_as<M, bool> { return yes_ ? Tri::yes : no_ ? Tri::no : Tri::unknown; }
+    [[nodiscard]] bool is_yes() const requires std::same_as<M, bool> { return yes_; }
+    [[nodiscard]] bool is_no() const requires std::same_as<M, bool> { return no_; }
+    [[nodiscard]] bool is_unknown() const requires std::same_as<M, bool> { return !yes_ && !no_; }
 
     friend Tris operator&&(const Tris& a, const Tris& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
     friend Tris operator||(const Tris& a, const Tris& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }

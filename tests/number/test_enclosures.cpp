@@ -2,7 +2,6 @@
 #include "catch.hpp"
 #include "geometry/vec.hpp"
 #include "number/kind.hpp"
-#include "number/running.hpp"
 
 namespace lostbits::test {
 namespace {
@@ -181,94 +180,6 @@ TEST_CASE("a ball out of its range knows nothing", "[number][ball]") {
     CHECK_FALSE((Ball(1) / Ball(1, 0, 2)).is_bounded());
     CHECK((Ball(1, 0, 0.5) < Ball(1, 0, 0.25)).is_unknown());
     CHECK((Ball(1, 0, 0.25) < Ball(2, 0, 0.5)).is_yes());
-}
-
-/// A running error over all exponents of a double, often beside their ends, and an exact value in it.
-Operand<Running> draw_running(Random& random) {
-    const int reach = random.one_in(3) ? 1070 : random.one_in(2) ? 510 : 20;
-    const auto power = [&random](int from, int to) {
-        return std::ldexp(1.0, static_cast<int>(random.between(from, to)));
-    };
-    const double x = random.sign() * draw_significand(random, 53) * power(-reach, std::min(reach, 1022));
-    const double y = random.one_in(2) ? x : x * (1 + random.sign() * power(-53, -2));
-    // The one that a difference leaves has an error and a value that may cancel.
-    const Running made = random.one_in(3) ? Running(x) : Running(x + y) - Running(y);
-    Operand<Running> operand{made, Mpfr(made.value(), 3000)};
-    if (made.error() == 0 || !made.is_bounded()) return operand;
-    Mpfr off(made.error() * (1 - 0x1p-40), 3000);
-    mpfr_mul_si(off, off, random.between(-4, 4), MPFR_RNDN);
-    mpfr_div_ui(off, off, 4, MPFR_RNDN);
-    mpfr_add(operand.point, operand.point, off, MPFR_RNDN);
-    return operand;
-}
-
-TEST_CASE("a running error holds the exact result, over all exponents", "[number][running]") {
-    Random random(1963);
-    int wrong = 0, told = 0;
-    for (int i = 0; i < 400000; ++i) {
-        const Op op = enclosure_ops[random.between(0, 5)];
-        Operand<Running> x[3] = {draw_running(random), draw_running(random), draw_running(random)};
-        if (random.one_in(6)) x[1] = x[0];
-        const Running r = apply(op, x[0].value, x[1].value, x[2].value);
-        Mpfr low(r.value(), 3000), high(r.value(), 3000);
-        mpfr_sub_d(low, low, r.error(), MPFR_RNDD);
-        mpfr_add_d(high, high, r.error(), MPFR_RNDU);
-        const bool holds =
-            !r.is_bounded() || holds_result(op, {&x[0].point, &x[1].point, &x[2].point}, low, high, Undefined::never);
-        wrong += !holds;
-        told += r.is_bounded();
-    }
-    CHECK(wrong == 0);
-    CHECK(told > 200000);
-}
-
-TEST_CASE("comparisons of running errors agree with the exact values", "[number][running]") {
-    Random random(1986);
-    int wrong = 0, decided = 0;
-    for (int i = 0; i < 100000; ++i) {
-        const auto a = draw_running(random), b = random.one_in(3) ? a : draw_running(random);
-        const auto check = [&](Tri mask, bool truth) {
-            wrong += (mask.is_yes() && !truth) || (mask.is_no() && truth);
-            decided += !mask.is_unknown();
-        };
-        check(a.value < b.value, mpfr_less_p(a.point, b.point) != 0);
-        check(a.value <= b.value, mpfr_lessequal_p(a.point, b.point) != 0);
-        check(a.value > b.value, mpfr_greater_p(a.point, b.point) != 0);
-        check(a.value >= b.value, mpfr_greaterequal_p(a.point, b.point) != 0);
-    }
-    CHECK(wrong == 0);
-    CHECK(decided > 200000);
-    CHECK((Running(2) < Running(2)).is_no());
-    CHECK((Running(2) <= Running(2)).is_yes());
-}
-
-TEST_CASE("what overflows or is undefined leaves a running error without an end", "[number][running]") {
-    const Running huge(0x1p+1000), zero(0), one(1);
-    for (const Running& x : {huge * huge, huge * huge - huge * huge, one / zero, zero / zero, sqrt(Running(-1)),
-                             sqrt(Running(-1)) * zero, Running(HUGE_VAL), Running(std::nan(""))}) {
-        CHECK_FALSE(x.is_bounded());
-        CHECK((x < one).is_unknown());
-        CHECK((x >= one).is_unknown());
-        CHECK((x <= x).is_unknown());
-    }
-}
-
-TEST_CASE("a thousand operations one after the other stay within their running error", "[number][running]") {
-    Random random(40);
-    int wrong = 0;
-    for (int i = 0; i < 300; ++i) {
-        Running x(random.unit() + 1);
-        Mpfr exact(x.value(), 20000);
-        for (int k = 0; k < 1000; ++k) {
-            const double y = random.unit() + (k % 2 ? 0.5 : -0.75);
-            x = k % 2 ? x * Running(y) : x + Running(y);
-            if (k % 2) mpfr_mul_d(exact, exact, y, MPFR_RNDN);
-            else mpfr_add_d(exact, exact, y, MPFR_RNDN);
-        }
-        mpfr_sub_d(exact, exact, x.value(), MPFR_RNDN);
-        wrong += mpfr_cmp_d(Mpfr(std::fabs(mpfr_get_d(exact, MPFR_RNDA)), 53), x.error()) > 0;
-    }
-    CHECK(wrong == 0);
 }
 
 }  // namespace lostbits::test

@@ -6,7 +6,7 @@
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
-#include "number/running.hpp"
+#include "number/wide/running.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -51,7 +51,7 @@ std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid
 /// What `find` finds: every sign is told by some precision, most by a running error.
 template <class Find>
 auto escalate(const Find& find) {
-    if (const auto quick = find.template operator()<Running>()) return *quick;
+    if (const auto quick = find.template operator()<number::wide::Running<double>>()) return *quick;
     if (const auto found = truth::by_rising_precision(find)) return *found;
     throw Error(Exit::internal, "no precision was enough to tell on which side of a solid a ray starts");
 }
