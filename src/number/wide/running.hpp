@@ -94,6 +94,9 @@ public:
         return {root.w_, select(positive, root.e_ + spread, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
+    /// It stands for exact numbers, which have no neighbours.
+    friend Running next_up(const Running& a) { return a; }
+    friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
         using lostbits::abs;
         return {abs(a.w_), a.e_};
@@ -139,13 +142,6 @@ private:
     P e_;
 };
 
+static_assert(Number<Running<double>> && Number<Running<TwoWords<double>>>);
+
 }  // namespace lostbits::number::wide
-
-namespace lostbits {
-
-template <class W>
-inline constexpr bool stands_for_exact<number::wide::Running<W>> = true;
-
-static_assert(Number<number::wide::Running<double>> && Number<number::wide::Running<number::wide::TwoWords<double>>>);
-
-}  // namespace lostbits
