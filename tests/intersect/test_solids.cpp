@@ -132,7 +132,9 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
                     CHECK(std::fabs(shape.off_surface(at(t))) <= 0x1p-40 * (1 + std::fabs(t)));
                 }
                 const double middle = (ends->near + ends->far) / 2;
-                CHECK(shape.off_surface(at(middle)) < 0);
+                const double depth = shape.off_surface(at(middle));
+                CHECK(depth <= 0);
+                if (depth == 0) continue;  // along a face
                 CHECK(shape.may_hold(at(middle)));
                 CHECK(shape.off_surface(at(2 * ends->far - ends->near)) > 0);
                 from_inside += shape.off_surface(ray.origin) < 0;

@@ -27,23 +27,22 @@ struct Words<TwoWords<P>> {
 /// All real x with |x − w| ≤ e (1 + 2^-41). An e that is infinite or NaN says nothing of x, and no comparison with it
 /// is decided. Of two words w has the bits of `Ball`'s middle.
 ///
-/// With u = 2^-53, η = 2^-1075, w the words of a result, |w| their first, and ε = u for one word, 2^-102 for two, which
-/// are off by less than ε/1.5 (the bounds are listed at `Ball`), for x and y in a and b:
+/// With u = 2^-53, η = 2^-1075, w the words of a result, |w| their first, and ε = u for one word, 2^-102 for two, of
+/// which every operation loses less than two thirds (the bounds are listed at `Ball`), for x and y in a and b:
 ///
-///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|. A sum does not underflow: what is too small for ε|w| to be normal
-///     is
-///                  added exactly, or rounded by no more than ε|w| rounded down.
-///     w = a b      |x y − w|   ≤ |a| e_b + |b| e_a + e_a e_b + ε|w| + 4η: each of the four products of two words
-///                  can lose an η to underflow
-///     w = a/b      |x/y − w|   ≤ (e_a + |a/b| e_b + 3η)/(|b| − e_b) + ε|w| + η, with |a/b| ≤ |w|(1 + 2u) + η; the
-///     residual
-///                  loses 3η before it is divided. Nothing is said where |b| ≤ e_b.
-///     w = √a       |√x − w|    ≤ (e_a + η)/√a + ε|w|; nothing is said where a ≤ e_a
+///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|
+///     w = a b      |x y − w|   ≤ |a| e_b + |b| e_a + e_a e_b + ε|w| + 4η
+///     w = a/b      |x/y − w|   ≤ (e_a + |a/b| e_b + 3η)/(|b| − e_b) + ε|w| + η, |a/b| ≤ |w|(1 + 2u) + η
+///     w = √a       |√x − w|    ≤ (e_a + η)/√a + ε|w|
+///
+/// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. A sum does not underflow: what is too
+/// small for ε|w| to be normal is added exactly, or is off by no more than ε|w| as it rounds. Each of the four products
+/// that make one of two words can lose an η, and what a quotient leaves over loses three before it is divided.
 ///
 /// Each product in these bounds can lose an η too: `lost`, which is added at each place, is 2^75 η. Each of their
-/// steps, of which none subtracts, loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included:
-/// 2048 of them, one after the other, come to less than the 2^-41 above. Where a word overflows, the first is infinite
-/// or NaN, and so is ε|w|.
+/// steps loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included, and none subtracts but
+/// |b| − e_b, of e_b rounded up: 2048 of them, one after the other, come to less than the 2^-41 above. Where a word
+/// overflows, the first is infinite or NaN, and so is ε|w|.
 template <class W>
 class Running {
 public:
@@ -95,6 +94,9 @@ public:
         return {root.w_, select(positive, root.e_ + spread, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
+    /// It stands for exact numbers, which have no neighbours.
+    friend Running next_up(const Running& a) { return a; }
+    friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
         using lostbits::abs;
         return {abs(a.w_), a.e_};
@@ -140,13 +142,6 @@ private:
     P e_;
 };
 
+static_assert(Number<Running<double>> && Number<Running<TwoWords<double>>>);
+
 }  // namespace lostbits::number::wide
-
-namespace lostbits {
-
-template <class W>
-inline constexpr bool stands_for_exact<number::wide::Running<W>> = true;
-
-static_assert(Number<number::wide::Running<double>> && Number<number::wide::Running<number::wide::TwoWords<double>>>);
-
-}  // namespace lostbits
