@@ -17,7 +17,7 @@ std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), 
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto spheres_over_archetype = instantiate(intersect::SphereForms{});
+extern const auto spheres_over_archetype = instantiate(intersect::sphere::SphereForms{});
 
 template <class... Form>
 std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Box<Archetype>&, const Archetype&), sizeof...(Form)>
@@ -25,7 +25,7 @@ instantiate_boxes(FormList<Form...>) {
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto boxes_over_archetype = instantiate_boxes(intersect::BoxForms{});
+extern const auto boxes_over_archetype = instantiate_boxes(intersect::box::BoxForms{});
 
 using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
 

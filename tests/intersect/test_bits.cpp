@@ -149,7 +149,7 @@ void compare_rows() {
     const auto rows = intersect::table::sphere_intersectors();
     std::size_t i = 0;
     Tally total;
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         const Intersector& row = rows[i++];
         INFO(Form::info.name);
         if (Form::info.formats == intersect::Formats::binary32_only && std::same_as<S, double>) return;

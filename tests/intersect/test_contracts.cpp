@@ -9,7 +9,7 @@
 namespace lostbits::test {
 
 using intersect::Info;
-using intersect::SphereForms;
+using intersect::sphere::SphereForms;
 
 TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
     std::set<std::string_view> names, titles;

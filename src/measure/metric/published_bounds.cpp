@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "intersect/box/slab.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "number/ball.hpp"
+#include "shapes/box/forms/slab.hpp"
 
 namespace lostbits::measure::metric {
 

@@ -14,7 +14,7 @@ namespace lostbits::output::plot {
 namespace {
 
 // Marches stand beside forms for spheres, or for boxes, but those two never stand beside each other.
-constexpr std::size_t first_march = std::max(intersect::SphereForms::size, intersect::BoxForms::size);
+constexpr std::size_t first_march = std::max(intersect::sphere::SphereForms::size, intersect::box::BoxForms::size);
 constexpr std::size_t first_free = first_march + intersect::SdfForms::size;
 static_assert(first_free < look_count, "more colours and markers are needed, some for forms from outside");
 

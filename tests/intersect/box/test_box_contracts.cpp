@@ -13,7 +13,7 @@ TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") 
                            "box.embree_fma", "box.embree_robust", "box.filtered"};
     std::set<std::string_view> titles, open;
     std::size_t i = 0;
-    intersect::BoxForms::for_each([&]<class Form>() {
+    intersect::box::BoxForms::for_each([&]<class Form>() {
         const intersect::Info& info = Form::info;
         INFO(info.name);
         REQUIRE(i < std::size(order));
