@@ -2,6 +2,9 @@
 // (and its include). Everything else follows from these.
 #pragma once
 
+#include <iterator>
+#include <numeric>
+
 #include "intersect/form_list.hpp"
 #include "intersect/sdf/accumulated.hpp"
 #include "intersect/sdf/bisect_refined.hpp"
@@ -10,8 +13,11 @@
 #include "intersect/sdf/relative_eps.hpp"
 #include "intersect/sdf/secant_refined.hpp"
 #include "intersect/sdf/sphere_trace.hpp"
-#include "shapes/box/forms/forms.hpp"
-#include "shapes/sphere/forms/forms.hpp"
+#include "shapes/solid.hpp"
+// clang-format off
+#define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/forms/forms.hpp)
+// clang-format on
+#include "shapes/list.hpp"
 
 namespace lostbits::intersect {
 
@@ -26,11 +32,16 @@ using SdfForms = FormList<  //
     >;
 
 /// Every form of every shape, in the order of the tables.
-inline constexpr std::size_t form_count = sphere::SphereForms::size + box::BoxForms::size + SdfForms::size;
+#define LOSTBITS_LINE(folder, S) folder::S##Forms::size,
+inline constexpr std::size_t form_counts[] = {LOSTBITS_SHAPES(LOSTBITS_LINE) SdfForms::size};
+#undef LOSTBITS_LINE
+inline constexpr std::size_t form_count =
+    std::accumulate(std::begin(form_counts), std::end(form_counts), std::size_t{0});
 template <class Visitor>
 void for_each_form(Visitor&& visit) {
-    sphere::SphereForms::for_each(visit);
-    box::BoxForms::for_each(visit);
+#define LOSTBITS_LINE(folder, S) folder::S##Forms::for_each(visit);
+    LOSTBITS_SHAPES(LOSTBITS_LINE)
+#undef LOSTBITS_LINE
     SdfForms::for_each(visit);
 }
 

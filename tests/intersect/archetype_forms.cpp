@@ -3,7 +3,6 @@
 #include <array>
 
 #include "intersect/catalogue.hpp"
-#include "intersect/sdf/field.hpp"
 #include "number/archetype.hpp"
 
 namespace lostbits::test {
@@ -38,9 +37,8 @@ instantiate_marches(FormList<Form...>) {
 }
 
 extern const auto marches_over_archetype = instantiate_marches(intersect::SdfForms{});
-extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&,
-                                                const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
-extern Archetype (*const box_over_archetype)(const Box<Archetype>&,
-                                             const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
+extern Archetype (Sphere<Archetype>::*const sphere_over_archetype)(const Vec<Archetype>&) const =
+    &Sphere<Archetype>::distance;
+extern Archetype (Box<Archetype>::*const box_over_archetype)(const Vec<Archetype>&) const = &Box<Archetype>::distance;
 
 }  // namespace lostbits::test

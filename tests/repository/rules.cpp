@@ -125,7 +125,7 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
     const std::string code = code_of(catalogue.text);
     std::map<std::string, int> included, listed;
     for (const Include& include : includes_of(catalogue.text)) ++included[include.name];
-    static const std::regex entry(R"(\b(\w+)::([A-Z]\w*)\b)");
+    static const std::regex entry(R"(\b(\w+)::([A-Z]\w+)\b)");
     for (auto m = std::sregex_iterator(code.begin(), code.end(), entry); m != std::sregex_iterator(); ++m)
         ++listed[m->str()];
 

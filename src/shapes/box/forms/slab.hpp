@@ -93,12 +93,4 @@ T max_num(const T& a, const T& b) {
     return select(is_number(b), max(a, b), a);
 }
 
-/// γ(n) = n u/(1 − n u), which bounds the relative error of n roundings (Higham, Accuracy and Stability of Numerical
-/// Algorithms, 2002, lemma 3.1) while n u < 1; computed in T, zero in exact arithmetic.
-template <Number T>
-T gamma_bound(int n) {
-    const T nu = T(n) * unit_roundoff<T>();
-    return nu / (T(1) - nu);
-}
-
 }  // namespace lostbits::intersect::box
