@@ -135,7 +135,7 @@ void register_all() {
     benchmark::RegisterBenchmark("mpfr_256/near", plain_mpfr, near_rays);
     benchmark::RegisterBenchmark("truth/far", truth, far_rays);
     benchmark::RegisterBenchmark("mpfr_256/far", plain_mpfr, far_rays);
-    for (const intersect::table::Intersector& i : intersect::table::sphere_intersectors()) {
+    for (const intersect::table::Intersector& i : intersect::table::intersectors(Shape::sphere)) {
         const std::string name(i.info->name);
         benchmark::RegisterBenchmark((name + "/f32").c_str(),
                                      [&i](benchmark::State& s) { form<float>(s, i.native32); });
@@ -151,7 +151,7 @@ void register_all() {
     }
     for (const intersect::simd::Isa isa : intersect::simd::available_isas())
         for (const intersect::simd::PackedRow& row :
-             intersect::simd::packed_rows(isa).first(intersect::table::sphere_intersectors().size())) {
+             intersect::simd::packed_rows(isa).first(intersect::table::intersectors(Shape::sphere).size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
             benchmark::RegisterBenchmark((name + "/f32").c_str(),
                                          [&row](benchmark::State& s) { form<float>(s, row.f32); });

@@ -16,7 +16,7 @@ namespace {
 using namespace lostbits;
 
 const intersect::table::Intersector& form_named(std::string_view name) {
-    for (const auto& form : intersect::table::sphere_intersectors())
+    for (const auto& form : intersect::table::intersectors(Shape::sphere))
         if (form.info->name == name) return form;
     throw std::logic_error("no such form");
 }

@@ -41,7 +41,7 @@ scene::file::Scene flake_scene(int levels, double distance, const char* fov_deg)
 void print_map_of(const scene::file::Scene& scene, const char* view, const char* form, const char* format) {
     measure::map::MapRequest request{
         .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
-    for (const intersect::table::Intersector& i : intersect::table::sphere_intersectors()) {
+    for (const intersect::table::Intersector& i : intersect::table::intersectors(Shape::sphere)) {
         if (i.info->name == form) request.rows.push_back({&i, *find_format(format)});
     }
     malloc_trim(0);

@@ -1,6 +1,6 @@
 // Compiled once for each register width.
-#include "intersect/sphere/filtered_steps.hpp"
 #include "number/width.hpp"
+#include "shapes/sphere/forms/filtered_steps.hpp"
 #include "two_words.hpp"
 
 namespace bench {

@@ -26,4 +26,12 @@ struct Key {
     [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::point ? 3 : 1; }
 };
 
+/// What texts call a shape and what can be seen of it.
+struct ShapeWords {
+    std::string_view plainest;  ///< the one that reaches 2 from the origin
+    std::string_view touching;  ///< a ray that only touches it
+    std::string_view point;     ///< one that is no larger than a point
+    std::string_view places;    ///< what its points are: the centres
+};
+
 }  // namespace lostbits

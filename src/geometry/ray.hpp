@@ -1,8 +1,6 @@
 // Rays, what they meet, and what is said of that: over any number.
 #pragma once
 
-#include <cstdint>
-
 #include "geometry/vec.hpp"
 
 namespace lostbits {
@@ -13,10 +11,6 @@ struct Ray {
     Vec<T> origin;
     Vec<T> direction;
 };
-
-/// The solids of the laboratory, and what else a form can be asked about: `sdf` stands for all solids together, as one
-/// field of distances. The values are those of the C interface.
-enum class Shape : std::uint8_t { sphere, box, sdf };
 
 /// A form's answer. `hit` is its own decision for "there is an intersection with t ≥ 0", `t` the first such;
 /// `near ≤ far` are the line parameters of both intersections where the form yields them (its `Info` says).

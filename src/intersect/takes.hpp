@@ -23,7 +23,7 @@ template <class Form>
 inline constexpr Shape shape_of = [] {
     Shape found = Shape::sdf;
     Solids::each([&found]<template <class> class S>() {
-        if constexpr (meets<Form, S>) found = S<float>::shape;
+        if constexpr (meets<Form, S>) found = shape_as<S>;
     });
     return found;
 }();

@@ -11,10 +11,29 @@
 #include <type_traits>
 #include <utility>
 
-#include "shapes/box/box.hpp"
-#include "shapes/sphere/sphere.hpp"
+// clang-format off
+#define LOSTBITS_TEXT_OF(path) #path
+#define LOSTBITS_PATH(path) LOSTBITS_TEXT_OF(path)
+#define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/folder.hpp)
+// clang-format on
+#include "shapes/list.hpp"
 
 namespace lostbits {
+
+/// The solids of the laboratory, and what else a form can be asked about: `sdf` stands for all solids together, as one
+/// field of distances. The values are those of the C interface.
+#define LOSTBITS_LINE(folder, S) folder,
+enum class Shape : std::uint8_t { LOSTBITS_SHAPES(LOSTBITS_LINE) sdf };
+#undef LOSTBITS_LINE
+
+/// `Shape::sphere` of `Sphere`; `sdf` of what is no shape.
+template <template <class> class S>
+inline constexpr Shape shape_as = Shape::sdf;
+#define LOSTBITS_LINE(folder, S) \
+    template <>                  \
+    inline constexpr Shape shape_as<S> = Shape::folder;
+LOSTBITS_SHAPES(LOSTBITS_LINE)
+#undef LOSTBITS_LINE
 
 template <template <class> class First, template <class> class... Rest>
 struct ShapeList {
@@ -28,7 +47,7 @@ struct ShapeList {
     /// `act.template operator()<Sphere>()` of the shape alone.
     template <Shape shape, class Act>
     static constexpr decltype(auto) of_shape(const Act& act) {
-        if constexpr (First<float>::shape == shape) return act.template operator()<First>();
+        if constexpr (shape_as<First> == shape) return act.template operator()<First>();
         else return ShapeList<Rest...>::template of_shape<shape>(act);
     }
     template <class Solid, class Act>
@@ -39,10 +58,14 @@ struct ShapeList {
     }
 };
 
-/// The closed list: one line a shape.
-using Solids = ShapeList<  //
-    Sphere,                //
-    Box>;
+namespace detail {
+template <class, template <class> class... S>
+using ListOf = ShapeList<S...>;
+}  // namespace detail
+
+#define LOSTBITS_LINE(folder, S) , S
+using Solids = detail::ListOf<void LOSTBITS_SHAPES(LOSTBITS_LINE)>;
+#undef LOSTBITS_LINE
 
 /// A shape as data.
 struct ShapeRow {
@@ -50,8 +73,12 @@ struct ShapeRow {
     std::string_view name, plural;
     std::span<const Key> keys;
     std::size_t numbers = 0;
-    bool told_end = false;     ///< its forms are told where a ray ends
-    bool zero_inside = false;  ///< from inside the answer is 0, where nothing else is said, and not the exit
+    bool told_end = false;      ///< its forms are told where a ray ends
+    bool zero_inside = false;   ///< from inside the answer is 0, where nothing else is said, and not the exit
+    bool usually_unit = false;  ///< most code that meets it takes directions of length one
+    bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
+    bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
+    ShapeWords words = {};
 };
 
 namespace detail {
@@ -61,9 +88,17 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
     std::size_t row = 0;
     Solids::each([&]<template <class> class S>() {
         ShapeRow& r = rows[row++];
-        r = {S<float>::shape, S<float>::name, S<float>::plural, S<float>::keys};
-        r.told_end = S<float>::told_end;
-        r.zero_inside = S<float>::zero_inside;
+        using One = S<float>;
+        r = {.shape = shape_as<S>,
+             .name = One::name,
+             .plural = One::plural,
+             .keys = One::keys,
+             .told_end = One::told_end,
+             .zero_inside = One::zero_inside,
+             .usually_unit = One::usually_unit,
+             .round = One::round,
+             .edges = One::edges,
+             .words = One::words};
         for (const Key& key : r.keys) r.numbers += key.count();
     });
     return rows;
@@ -118,8 +153,7 @@ struct Solid {
     Solid() = default;
     explicit Solid(Shape of) : shape(of) {}
     template <template <class> class Of>
-    requires requires { Of<S>::shape; }
-    Solid(const Of<S>& solid) : shape(Of<S>::shape) {
+    requires(shape_as<Of> != Shape::sdf) Solid(const Of<S>& solid) : shape(shape_as<Of>) {
         std::size_t k = 0;
         solid.each([&](const S& x) { numbers[k++] = x; });
     }
@@ -129,7 +163,7 @@ struct Solid {
 
     template <template <class> class Of>
     [[nodiscard]] bool is() const {
-        return shape == Of<S>::shape;
+        return shape == shape_as<Of>;
     }
     /// The shape itself; ask for the one that `shape` names.
     template <template <class> class Of>
@@ -139,8 +173,10 @@ struct Solid {
     /// The point whose first coordinate is number `k`.
     [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }
     void set_point(std::size_t k, const Vec<S>& p) { numbers[k] = p.x, numbers[k + 1] = p.y, numbers[k + 2] = p.z; }
-    [[nodiscard]] Sphere<S> sphere() const { return as<Sphere>(); }
-    [[nodiscard]] Box<S> box() const { return as<Box>(); }
+#define LOSTBITS_LINE(folder, S_) \
+    [[nodiscard]] S_<S> folder() const { return as<S_>(); }
+    LOSTBITS_SHAPES(LOSTBITS_LINE)
+#undef LOSTBITS_LINE
 
 private:
     static std::array<S, most_numbers> zeros() {
@@ -161,6 +197,12 @@ decltype(auto) visit(const Solid<S>& solid, const Act& act) {
 template <class S, class Act>
 auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
     return visit(solid, [&](const auto& shape) { return act(shape.span(ray)); });
+}
+
+/// The centre and the radius of a ball that holds it.
+template <class S>
+auto ball_around(const Solid<S>& solid) {
+    return visit(solid, [](const auto& shape) { return shape.ball_around(); });
 }
 
 /// A solid of this shape around a point, as far as `half` from it on each axis.
@@ -206,6 +248,20 @@ void for_each_key(Shape shape, const Act& act) {
         act(key, k);
         k += key.count();
     }
+}
+
+/// A key that is a length, and the place of its number.
+struct LengthKey {
+    const Key* key;
+    std::size_t number;
+};
+/// The first of a shape; nothing where it has none.
+inline std::optional<LengthKey> length_key(Shape shape) {
+    std::optional<LengthKey> found;
+    for_each_key(shape, [&found](const Key& key, std::size_t k) {
+        if (!found && key.kind == Key::Kind::length) found = LengthKey{&key, k};
+    });
+    return found;
 }
 
 }  // namespace lostbits

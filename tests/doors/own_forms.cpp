@@ -4,11 +4,11 @@
 
 #include <stdexcept>
 
-#include "intersect/box/inclusive.hpp"
 #include "intersect/sdf/secant_refined.hpp"
-#include "intersect/sphere/double_inside.hpp"
-#include "intersect/sphere/schoolbook.hpp"
-#include "intersect/sphere/unified.hpp"
+#include "shapes/box/forms/inclusive.hpp"
+#include "shapes/sphere/forms/double_inside.hpp"
+#include "shapes/sphere/forms/schoolbook.hpp"
+#include "shapes/sphere/forms/unified.hpp"
 
 using namespace lostbits;
 

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "intersect/catalogue.hpp"
-#include "intersect/sdf/field.hpp"
 #include "number/archetype.hpp"
 
 namespace lostbits::test {
@@ -17,7 +16,7 @@ std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Sphere<Archetype>&), 
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto spheres_over_archetype = instantiate(intersect::SphereForms{});
+extern const auto spheres_over_archetype = instantiate(intersect::sphere::SphereForms{});
 
 template <class... Form>
 std::array<Hit<Archetype> (*)(const Ray<Archetype>&, const Box<Archetype>&, const Archetype&), sizeof...(Form)>
@@ -25,7 +24,7 @@ instantiate_boxes(FormList<Form...>) {
     return {&Form::template intersect<Archetype>...};
 }
 
-extern const auto boxes_over_archetype = instantiate_boxes(intersect::BoxForms{});
+extern const auto boxes_over_archetype = instantiate_boxes(intersect::box::BoxForms{});
 
 using ArchetypeField = Archetype (*)(const Vec<Archetype>&);
 
@@ -38,9 +37,8 @@ instantiate_marches(FormList<Form...>) {
 }
 
 extern const auto marches_over_archetype = instantiate_marches(intersect::SdfForms{});
-extern Archetype (*const sphere_over_archetype)(const Sphere<Archetype>&,
-                                                const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
-extern Archetype (*const box_over_archetype)(const Box<Archetype>&,
-                                             const Vec<Archetype>&) = &intersect::sdf::distance<Archetype>;
+extern Archetype (Sphere<Archetype>::*const sphere_over_archetype)(const Vec<Archetype>&) const =
+    &Sphere<Archetype>::distance;
+extern Archetype (Box<Archetype>::*const box_over_archetype)(const Vec<Archetype>&) const = &Box<Archetype>::distance;
 
 }  // namespace lostbits::test

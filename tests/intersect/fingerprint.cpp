@@ -142,8 +142,8 @@ void print_every_form() {
         print<Form, float>("f32");
         if constexpr (Form::info.formats == intersect::Formats::all) print<Form, double>("f64");
     };
-    intersect::SphereForms::for_each(print_form);
-    intersect::BoxForms::for_each(print_form);
+    intersect::sphere::SphereForms::for_each(print_form);
+    intersect::box::BoxForms::for_each(print_form);
 }
 
 }  // namespace lostbits::test

@@ -146,10 +146,10 @@ auto native_of(const Intersector& row) {
 template <class S>
 void compare_rows() {
     const auto all = scenes<S>();
-    const auto rows = intersect::table::sphere_intersectors();
+    const auto rows = intersect::table::intersectors(Shape::sphere);
     std::size_t i = 0;
     Tally total;
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         const Intersector& row = rows[i++];
         INFO(Form::info.name);
         if (Form::info.formats == intersect::Formats::binary32_only && std::same_as<S, double>) return;
@@ -209,7 +209,7 @@ TEST_CASE("binary64: the row, the form, Rounded<53> and RoundedAny are the same 
 }
 
 TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]") {
-    const Intersector& row = intersect::table::sphere_intersectors()[0];
+    const Intersector& row = intersect::table::intersectors(Shape::sphere)[0];
     Batch<double> batch;
     batch.add({0.1, 0, -5, 0, 0, 1});
     row.rounded(binary16, batch.rays(), Solid<double>(Sphere<double>{Vec<double>(0, 0, 0), 1.0}), batch.hits());

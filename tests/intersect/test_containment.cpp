@@ -10,7 +10,7 @@
 
 namespace lostbits::test {
 
-using intersect::SphereForms;
+using intersect::sphere::SphereForms;
 
 namespace {
 

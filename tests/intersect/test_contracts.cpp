@@ -9,7 +9,7 @@
 namespace lostbits::test {
 
 using intersect::Info;
-using intersect::SphereForms;
+using intersect::sphere::SphereForms;
 
 TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
     std::set<std::string_view> names, titles;
@@ -28,7 +28,7 @@ TEST_CASE("forms have names, titles and sources", "[intersect][info]") {
 }
 
 TEST_CASE("the table shows every form in the catalogue's order", "[intersect][info]") {
-    const auto rows = intersect::table::sphere_intersectors();
+    const auto rows = intersect::table::intersectors(Shape::sphere);
     REQUIRE(rows.size() == SphereForms::size);
     std::size_t i = 0;
     SphereForms::for_each([&]<class Form>() {
@@ -51,7 +51,7 @@ TEST_CASE("the seeds' forms come first and have the contracts of their words", "
     const char* first[] = {"sphere.schoolbook",  "sphere.schoolbook_strict", "sphere.expanded",
                            "sphere.unit_half_b", "sphere.hearn_baker",       "sphere.press",
                            "sphere.unified",     "sphere.unified_unit",      "sphere.early_exit"};
-    const auto rows = intersect::table::sphere_intersectors();
+    const auto rows = intersect::table::intersectors(Shape::sphere);
     for (std::size_t i = 0; i < std::size(first); ++i) CHECK(rows[i].info->name == first[i]);
 
     const auto names_where = [&](auto property) {

@@ -10,11 +10,11 @@
 #include <sstream>
 
 #include "catch.hpp"
-#include "intersect/box/filtered.hpp"
 #include "intersect/hostile_rays.hpp"
-#include "intersect/sphere/filtered.hpp"
 #include "measure/map/map.hpp"
 #include "number/pack.hpp"
+#include "shapes/box/forms/filtered.hpp"
+#include "shapes/sphere/forms/filtered.hpp"
 
 namespace lostbits::test {
 namespace {

@@ -13,11 +13,11 @@
 #include <sstream>
 
 #include "catch.hpp"
-#include "intersect/box/filtered.hpp"
 #include "intersect/hostile_rays.hpp"
-#include "intersect/sphere/filtered.hpp"
 #include "measure/truth/exact_reference.hpp"
 #include "number/pack.hpp"
+#include "shapes/box/forms/filtered.hpp"
+#include "shapes/sphere/forms/filtered.hpp"
 
 namespace lostbits::test {
 namespace {

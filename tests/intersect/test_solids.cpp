@@ -141,6 +141,12 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
                 CHECK((shape.off_surface(ray.origin) < 0) == (ends->near < 0 && ends->far > 0));
                 if (ends->near <= 0) continue;
                 const Vec<double> p = at(ends->near), n = shape.outward_normal(ray, p);
+                CHECK(std::fabs(shape.distance(p)) <= 0x1p-40 * (1 + ends->near));
+                const auto bounded = shape.bounded_point(ray, ends->near, p);
+                for (int k = 0; k < 3; ++k) {
+                    CHECK(std::fabs(bounded.p[k] - p[k]) <= 2 * bounded.delta[k] + 0x1p-50);
+                    CHECK(bounded.delta[k] <= 0x1p-46 * (1 + ends->near));
+                }
                 CHECK(std::fabs(length(n) - 1) <= 0x1p-50);
                 CHECK(dot(n, ray.direction) < 0);
                 CHECK(std::fabs(shape.off_surface(shape.projected(ray, p))) <= 0x1p-50);
@@ -149,6 +155,34 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
         CHECK(met > 500);
         CHECK(from_inside > 20);
     }
+}
+
+TEST_CASE("a row says what its shape does") {
+    for (const ShapeRow& row : shape_rows) {
+        CAPTURE(row.name);
+        for (const std::string_view words :
+             {row.words.plainest, row.words.touching, row.words.point, row.words.places, row.plural})
+            CHECK_FALSE(words.empty());
+        // The plainest, as the words call it, is met at 3 by a ray that comes from 5 away.
+        const Solid<double> plainest = solid_around<double>(row.shape, {0, 0, 0}, 2);
+        const Ray<double> ray{{0, 0, -5}, {0, 0, 1}};
+        CHECK(visit(plainest, [&](const auto& shape) { return ends_of(*shape.span(ray))->near; }) == 3);
+        CHECK(row.words.plainest.find(row.name) != std::string_view::npos);
+        const auto [centre, radius] = ball_around(plainest);
+        if (row.round) {
+            CHECK(radius == 2);
+            CHECK(Solid<double>(Sphere<double>{centre, radius}).numbers == plainest.numbers);
+        } else {
+            CHECK(radius > 2);
+        }
+        const auto length = length_key(row.shape);
+        REQUIRE(length.has_value() == (row.shape == Shape::sphere));
+        if (length) CHECK(number_names(row.shape)[length->number] == length->key->name);
+        CHECK_FALSE((row.round && row.edges));
+        CHECK(row.zero_inside == row.told_end);
+    }
+    CHECK_FALSE(zero_inside(Shape::sdf));
+    CHECK(length_key(Shape::sphere)->number == 3);
 }
 
 TEST_CASE("the span of a shape holds the span in every wider number") {

@@ -8,7 +8,7 @@ foreach(layer number geometry shapes intersect)
 endforeach()
 
 file(READ ${ROOT}/CONTRIBUTING.md recipes)
-string(REGEX MATCH "`src/(intersect/sphere/[a-z_]+\\.hpp)`" _ "${recipes}")
+string(REGEX MATCH "`src/(shapes/sphere/forms/[a-z_]+\\.hpp)`" _ "${recipes}")
 set(header ${CMAKE_MATCH_1})
 string(REGEX MATCH "to the list of the shape: `([A-Za-z:]+),  //`" _ "${recipes}")
 set(type ${CMAKE_MATCH_1})
@@ -22,7 +22,7 @@ string(FIND "${form}" "```" end)
 string(SUBSTRING "${form}" 0 ${end} form)
 file(WRITE ${WORK}/src/${header} "${form}")
 
-set(catalogue ${WORK}/src/intersect/catalogue.hpp)
+set(catalogue ${WORK}/src/shapes/sphere/forms/forms.hpp)
 file(READ ${catalogue} list)
 string(REPLACE "#pragma once\n" "#pragma once\n#include \"${header}\"\n" list "${list}")
 string(REGEX REPLACE "(using SphereForms = FormList<[^\n]*\n)" "\\1    ${type},  //\n" list "${list}")
@@ -33,7 +33,7 @@ file(WRITE ${WORK}/forms.cpp [=[
 #include "intersect/catalogue.hpp"
 int main() {
     using namespace lostbits;
-    intersect::SphereForms::for_each([]<class Form>() {
+    intersect::sphere::SphereForms::for_each([]<class Form>() {
         const Ray<float> ray{{0, 0, 5}, {0, 0, -1}};
         std::printf("%s %g\n", Form::info.name.data(), double(Form::intersect(ray, Sphere<float>{{0, 0, 0}, 1}).t));
     });

@@ -21,7 +21,7 @@ void find_all(const SourceFile& file, const std::string& code, const std::regex&
 }
 
 bool in_shape_folder(const SourceFile& file) {
-    static const std::regex path(R"(src/intersect/(sphere|box|sdf)/\w+\.hpp)");
+    static const std::regex path(R"(src/(shapes/\w+/forms|intersect/sdf)/\w+\.hpp)");
     return std::regex_match(file.path, path);
 }
 
@@ -125,13 +125,13 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
     const std::string code = code_of(catalogue.text);
     std::map<std::string, int> included, listed;
     for (const Include& include : includes_of(catalogue.text)) ++included[include.name];
-    static const std::regex entry(R"(\b(\w+)::([A-Z]\w*)\b)");
+    static const std::regex entry(R"(\b(\w+)::([A-Z]\w+)\b)");
     for (auto m = std::sregex_iterator(code.begin(), code.end(), entry); m != std::sregex_iterator(); ++m)
         ++listed[m->str()];
 
     for (const SourceFile& file : files) {
         if (!is_form(file)) continue;
-        const std::string shape = file.path.substr(14, file.path.rfind('/') - 14);
+        const std::string shape = first_match(file.path, R"(src/\w+/(\w+)/)");
         const std::string stem =
             file.path.substr(file.path.rfind('/') + 1, file.path.size() - file.path.rfind('/') - 5);
         const std::string header = file.path.substr(4);
@@ -149,10 +149,11 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
         listed.erase(type);
     }
     for (const auto& [name, times] : included)
-        if (times && std::count(name.begin(), name.end(), '/') == 2)
+        if (times && in_shape_folder({"src/" + name, ""}) && !name.ends_with("/forms/forms.hpp"))
             offences.push_back(catalogue.path + ": includes " + name + ", which is no form");
     for (const auto& [type, times] : listed)
-        if (times) offences.push_back(catalogue.path + ": lists " + type + ", which has no file");
+        if (times && !type.ends_with("Forms"))
+            offences.push_back(catalogue.path + ": lists " + type + ", which has no file");
     return offences;
 }
 

@@ -163,7 +163,7 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
                       .shape = signature.shape,
                       .bits = signature.doubles ? 64 : 32};
     using Answers = Signature::Answers;
-    c.direction = signature.shape == Shape::sphere ? Direction::unit : Direction::any;
+    c.direction = row_of(signature.shape).usually_unit ? Direction::unit : Direction::any;
     const bool two = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
     c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
     if (signature.kind != Signature::Kind::intersector) {

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "intersect/info.hpp"
-#include "intersect/sdf/field.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed_raw.hpp"
 #include "intersect/takes.hpp"
@@ -23,8 +22,8 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
         const F* const n = target.numbers + most_numbers * k;
         P found(0);
         Solids::each([&]<template <class> class S>() {
-            if (target.shapes[k] == static_cast<std::uint8_t>(S<P>::shape))
-                found = sdf::distance(S<P>::of([n](int i) { return P(n[i]); }), p);
+            if (target.shapes[k] == static_cast<std::uint8_t>(shape_as<S>))
+                found = S<P>::of([n](int i) { return P(n[i]); }).distance(p);
         });
         return found;
     };

@@ -1,6 +1,8 @@
 #include "intersect/simd/packed_many.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <type_traits>
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
@@ -18,13 +20,12 @@ struct RayNumbers {
 
 /// The solids after the last whole register, in buffers of a register's size.
 template <class F>
-[[gnu::noinline]] void run_tail(void (*kernel)(const RawSolids<F>&), std::size_t lanes, std::size_t columns,
-                                const RawSolids<F>& all) {
+[[gnu::noinline]] void run_tail(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const RawSolids<F>& all) {
     const std::size_t left = all.size % lanes, whole = all.size - left;
-    RegisterColumn<F> numbers[6], t;
+    RegisterColumn<F> numbers[std::extent_v<decltype(RawSolids<F>::numbers)>], t;
     std::uint8_t hit[sizeof t.lanes / sizeof(F)];
     RawSolids<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
-    for (std::size_t c = 0; c < columns; ++c) {
+    for (std::size_t c = 0; c < std::size(numbers) && all.numbers[c]; ++c) {
         numbers[c].fill(all.numbers[c] + whole, left, lanes);
         part.numbers[c] = numbers[c].lanes;
     }
@@ -36,51 +37,24 @@ template <class F>
 
 /// Whole registers, then the rest.
 template <class F>
-void run_all(void (*kernel)(const RawSolids<F>&), std::size_t lanes, std::size_t columns, RawSolids<F> all) {
-    if (all.size % lanes) run_tail<F>(kernel, lanes, columns, all);
+void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ray<F>& ray, const SolidArrays<F>& solids,
+                std::span<F> t, std::span<std::uint8_t> hit) {
+    const RayNumbers<F> r(ray);
+    RawSolids<F> all{r.numbers, {}, t.data(), hit.data(), solids.size()};
+    static_assert(most_numbers <= std::size(decltype(all.numbers){}));
+    std::ranges::transform(solids.numbers, all.numbers, [](const auto& column) { return column.data(); });
+    if (all.size % lanes) run_tail<F>(kernel, lanes, all);
     all.size -= all.size % lanes;
     if (all.size) kernel(all);
 }
 
-template <class F>
-void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ray<F>& ray, const BoxArrays<F>& b,
-                std::span<F> t) {
-    const RayNumbers<F> r(ray);
-    run_all<F>(kernel, lanes, 6,
-               {r.numbers,
-                {b.lo_x.data(), b.lo_y.data(), b.lo_z.data(), b.hi_x.data(), b.hi_y.data(), b.hi_z.data()},
-                t.data(),
-                nullptr,
-                b.size()});
-}
-
-template <class F>
-void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ray<F>& ray, const SphereArrays<F>& s,
-                std::span<F> t, std::span<std::uint8_t> hit) {
-    const RayNumbers<F> r(ray);
-    run_all<F>(kernel, lanes, 4,
-               {r.numbers,
-                {s.x.data(), s.y.data(), s.z.data(), s.radius.data(), nullptr, nullptr},
-                t.data(),
-                hit.data(),
-                s.size()});
-}
-
 template <class Form, class F>
-void scalar_boxes(const Ray<F>& ray, const BoxArrays<F>& b, std::span<F> t) {
-    for (std::size_t i = 0; i < b.size(); ++i) {
-        const Box<F> box{{b.lo_x[i], b.lo_y[i], b.lo_z[i]}, {b.hi_x[i], b.hi_y[i], b.hi_z[i]}};
-        const Hit<F> hit = Form::intersect(ray, box, t[i]);
-        t[i] = hit.hit ? hit.t : t[i];
-    }
-}
-
-template <class Form, class F>
-void scalar_spheres(const Ray<F>& ray, const SphereArrays<F>& s, std::span<F> t, std::span<std::uint8_t> hit) {
-    for (std::size_t i = 0; i < s.size(); ++i) {
-        const Hit<F> h = Form::intersect(ray, Sphere<F>{{s.x[i], s.y[i], s.z[i]}, s.radius[i]});
-        t[i] = h.t;
-        hit[i] = h.hit;
+void run_plain(const Ray<F>& ray, const SolidArrays<F>& solids, std::span<F> t, std::span<std::uint8_t> hit) {
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+        const auto number = [&solids, i](std::size_t k) { return solids.numbers[k][i]; };
+        const Hit<F> h = intersect_numbers<Form>(ray, number, t[i]);
+        if constexpr (told_end(shape_of<Form>)) t[i] = h.hit ? h.t : t[i];
+        else t[i] = h.t, hit[i] = h.hit;
     }
 }
 
@@ -91,13 +65,10 @@ std::span<const ManyRow> scalar_rows() {
         for_each_form([&]<class Form>() {
             ManyRow& row = filled[i++];
             row.info = &Form::info;
-            constexpr bool has64 = Form::info.formats == Formats::all;
-            if constexpr (shape_of<Form> == Shape::sphere) {
-                row.spheres32 = scalar_spheres<Form, float>;
-                if constexpr (has64) row.spheres64 = scalar_spheres<Form, double>;
-            } else if constexpr (shape_of<Form> == Shape::box) {
-                row.boxes32 = scalar_boxes<Form, float>;
-                if constexpr (has64) row.boxes64 = scalar_boxes<Form, double>;
+            row.told_end = told_end(shape_of<Form>);
+            if constexpr (!marches<Form>) {
+                row.f32 = run_plain<Form, float>;
+                if constexpr (Form::info.formats == Formats::all) row.f64 = run_plain<Form, double>;
             }
         });
         return filled;
@@ -111,28 +82,24 @@ std::array<ManyRow, form_count> rows_of(std::size_t bytes, void (*fill)(RawManyR
     fill(raw.data());
     std::array<ManyRow, form_count> rows{};
     for (std::size_t i = 0; i < form_count; ++i) {
-        const ManyRow& scalar = scalar_rows()[i];
-        rows[i].info = scalar.info;
-        if (scalar.boxes32) rows[i].boxes32 = {raw[i].f32, bytes / sizeof(float)};
-        if (scalar.boxes64) rows[i].boxes64 = {raw[i].f64, bytes / sizeof(double)};
-        if (scalar.spheres32) rows[i].spheres32 = {raw[i].f32, bytes / sizeof(float)};
-        if (scalar.spheres64) rows[i].spheres64 = {raw[i].f64, bytes / sizeof(double)};
+        rows[i] = scalar_rows()[i];
+        if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes / sizeof(float)};
+        if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes / sizeof(double)};
     }
     return rows;
 }
 
 }  // namespace
 
-template <class S, class Solids, class... Answers>
-void ManyKernel<S, Solids, Answers...>::operator()(const Ray<S>& ray, const Solids& solids, Answers... answers) const {
-    if (plain_) plain_(ray, solids, answers...);
-    else run_packed<S>(packed_, lanes_, ray, solids, answers...);
+template <class S>
+void ManyKernel<S>::operator()(const Ray<S>& ray, const SolidArrays<S>& solids, std::span<S> t,
+                               std::span<std::uint8_t> hit) const {
+    if (plain_) plain_(ray, solids, t, hit);
+    else run_packed<S>(packed_, lanes_, ray, solids, t, hit);
 }
 
-template class ManyKernel<float, BoxArrays<float>, std::span<float>>;
-template class ManyKernel<double, BoxArrays<double>, std::span<double>>;
-template class ManyKernel<float, SphereArrays<float>, std::span<float>, std::span<std::uint8_t>>;
-template class ManyKernel<double, SphereArrays<double>, std::span<double>, std::span<std::uint8_t>>;
+template class ManyKernel<float>;
+template class ManyKernel<double>;
 
 ManyRow many_kernels(const table::Intersector& form) {
     const auto table = table::catalogue();

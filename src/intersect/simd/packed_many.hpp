@@ -6,33 +6,29 @@
 
 namespace lostbits::intersect::simd {
 
-/// n boxes; S is float or double.
+/// n solids of one shape, a column for each of its numbers in the order of `Solid`; S is float or double.
 template <class S>
-struct BoxArrays {
-    std::span<const S> lo_x, lo_y, lo_z, hi_x, hi_y, hi_z;
-    [[nodiscard]] std::size_t size() const { return lo_x.size(); }
+struct SolidArrays {
+    std::array<std::span<const S>, most_numbers> numbers;
+    [[nodiscard]] std::size_t size() const { return numbers[0].size(); }
 };
 
-/// n spheres.
+/// One ray against an array of solids: solid by solid, or over packs. Empty where there is none. t[i] and hit[i] (0 or
+/// 1) become the form's answers for solid i. Of a form that is told where a ray ends, t[i] is that end on the way in,
+/// the closest hit found so far or infinity; it stays where there is no hit, and `hit` is not looked at. (That is the
+/// interface of Barnes's article, part 3.)
 template <class S>
-struct SphereArrays {
-    std::span<const S> x, y, z, radius;
-    [[nodiscard]] std::size_t size() const { return x.size(); }
-};
-
-/// One ray against an array of solids, `Solids` by `Solids`: solid by solid, or over packs. Empty where there is none.
-template <class S, class Solids, class... Answers>
 class ManyKernel {
 public:
-    using Plain = void (*)(const Ray<S>&, const Solids&, Answers...);
+    using Plain = void (*)(const Ray<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>);
     using Packed = void (*)(const RawSolids<S>&);
 
     constexpr ManyKernel(Plain plain = nullptr) : plain_(plain) {}
     constexpr ManyKernel(Packed packed, std::size_t lanes) : packed_(packed), lanes_(lanes) {}
 
-    void operator()(const Ray<S>& ray, const Solids& solids, Answers... answers) const;
+    void operator()(const Ray<S>& ray, const SolidArrays<S>& solids, std::span<S> t,
+                    std::span<std::uint8_t> hit = {}) const;
     explicit constexpr operator bool() const { return plain_ != nullptr || packed_ != nullptr; }
-    friend constexpr bool operator==(const ManyKernel&, const ManyKernel&) = default;
 
 private:
     Plain plain_ = nullptr;
@@ -40,23 +36,13 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// t[i] is where the ray ends for box i: the closest hit found so far, or infinity. On a hit it becomes the form's t,
-/// where the ray enters the box; otherwise it stays. (The interface is that of Barnes's article, part 3.)
-template <class S>
-using ManyBoxes = ManyKernel<S, BoxArrays<S>, std::span<S>>;
-
-/// t[i] and hit[i] (0 or 1) are the form's answers for sphere i.
-template <class S>
-using ManySpheres = ManyKernel<S, SphereArrays<S>, std::span<S>, std::span<std::uint8_t>>;
-
-/// A form's kernels; null for the other shape and where the form does not exist (see `Info::formats`). Any number of
-/// solids; nothing is read or written beyond the spans, nothing allocated.
+/// A form's kernels; null where it marches and where it does not exist (see `Info::formats`). Any number of solids;
+/// nothing is read or written beyond the spans, nothing allocated.
 struct ManyRow {
     const Info* info = nullptr;
-    ManyBoxes<float> boxes32;
-    ManyBoxes<double> boxes64;
-    ManySpheres<float> spheres32;
-    ManySpheres<double> spheres64;
+    bool told_end = false;
+    ManyKernel<float> f32;
+    ManyKernel<double> f64;
 };
 
 /// Every form, in the order of `catalogue()`; `scalar` goes solid by solid. Empty where `isa` is not available.

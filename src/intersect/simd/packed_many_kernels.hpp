@@ -48,14 +48,15 @@ template <class Form, class F, class Width>
 }
 
 template <class Form, class F, class Width>
-[[gnu::flatten]] void one_ray_many_spheres(const RawSolids<F>& batch) {
+[[gnu::flatten]] void one_ray_many(const RawSolids<F>& batch) {
     using P = Pack<F, Width>;
+    static_assert(!told_end(shape_of<Form>));
     const RawSolids<F> b = batch;
     const auto number = [&b](int k) { return P(b.ray[k]); };
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < b.size; i += P::lanes) {
-        const auto at = [&](int column) { return P::load(b.numbers[column] + i); };
-        const Hit<P> hit = Form::intersect(ray, Sphere<P>{{at(0), at(1), at(2)}, at(3)});
+        const auto at = [&](std::size_t column) { return P::load(b.numbers[column] + i); };
+        const Hit<P> hit = intersect_numbers<Form>(ray, at, P(0));
         hit.t.store(b.t + i);
         bool decision[P::lanes];
         hit.hit.store(decision);
@@ -63,10 +64,11 @@ template <class Form, class F, class Width>
     }
 }
 
+/// The loop for boxes has their planes in order.
 template <class Form, class F, class Width>
 constexpr auto many_kernel() {
-    if constexpr (shape_of<Form> == Shape::sphere) return one_ray_many_spheres<Form, F, Width>;
-    else if constexpr (shape_of<Form> == Shape::box) return one_ray_many_boxes<Form, F, Width>;
+    if constexpr (meets<Form, Box>) return one_ray_many_boxes<Form, F, Width>;
+    else if constexpr (!marches<Form>) return one_ray_many<Form, F, Width>;
     else return static_cast<void (*)(const RawSolids<F>&)>(nullptr);
 }
 

@@ -14,10 +14,10 @@ std::span<const PlainRow> plain_rows() {
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {
-        std::vector<PlainRow> filled(BoxForms::size);
+        std::vector<PlainRow> filled(box::BoxForms::size);
         fill_plain_w256(filled.data());
         std::size_t i = 0;
-        BoxForms::for_each([&]<class Form>() { filled[i++].info = &Form::info; });
+        box::BoxForms::for_each([&]<class Form>() { filled[i++].info = &Form::info; });
         std::erase_if(filled, [](const PlainRow& row) { return !row.columns; });
         return filled;
     }();

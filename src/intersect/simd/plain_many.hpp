@@ -15,7 +15,7 @@ struct PlainBox {
     float numbers[6];
 };
 
-/// A box form in binary32; ray: ox, oy, oz, dx, dy, dz; t as in `ManyBoxes`. Any n.
+/// A box form in binary32; ray: ox, oy, oz, dx, dy, dz; t as in `ManyKernel`. Any n.
 struct PlainRow {
     const Info* info;
     void (*columns)(const float* ray, const float* const* columns, float* t, std::size_t n);

@@ -39,7 +39,7 @@ constexpr bool calls_longer_arithmetic = requires(Ray<float> ray, Box<float> box
 }  // namespace
 
 void fill_plain_w256(PlainRow* row) {
-    BoxForms::for_each([&row]<class Form>() {
+    box::BoxForms::for_each([&row]<class Form>() {
         if constexpr (!calls_longer_arithmetic<Form>) {
             row->columns = by_columns<Form>;
             row->structs = by_structs<Form>;

@@ -118,6 +118,5 @@ std::span<const Intersector> intersectors(Shape shape);
 /// Adds rows from outside of the catalogue, whose `info` lives as long as the program. InputError for a name that is
 /// taken. Before any row is asked for: rows move in memory.
 void enroll(const std::vector<Intersector>& rows);
-inline std::span<const Intersector> sphere_intersectors() { return intersectors(Shape::sphere); }
 
 }  // namespace lostbits::intersect::table

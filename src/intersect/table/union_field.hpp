@@ -3,14 +3,13 @@
 
 #include <span>
 
-#include "intersect/sdf/field.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::intersect::table {
 
 template <Number T>
 T distance(const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&p](const auto& shape) { return sdf::distance(shape, p); });
+    return visit(solid, [&p](const auto& shape) { return shape.distance(p); });
 }
 
 /// The union of solids: the least of their distances, taken in their order.

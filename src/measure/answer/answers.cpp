@@ -20,7 +20,7 @@
 namespace lostbits::measure::answer {
 
 using intersect::Target;
-using intersect::simd::SphereArrays;
+using intersect::simd::SolidArrays;
 using intersect::table::HitBatch;
 using scene::rays::RayBlock;
 using truth::FormatInputs;
@@ -77,7 +77,7 @@ void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
 
 /// One ray against many spheres in the format's own arithmetic: into `t` and `hit`, one for each sphere.
 template <class S>
-using OneToMany = std::function<void(const Ray<S>&, const SphereArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
+using OneToMany = std::function<void(const Ray<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
 
 /// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare: eight bytes are looked at together.
 template <class Take>
@@ -131,7 +131,7 @@ public:
     }
 
 private:
-    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const SphereArrays<S>& spheres) {
+    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const SolidArrays<S>& spheres) {
         const auto cast = [](const Vec<double>& v) {
             return Vec<S>(static_cast<S>(v.x), static_cast<S>(v.y), static_cast<S>(v.z));
         };
@@ -169,15 +169,16 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
     });
 }
 
-/// A kernel of many rays and one sphere, asked sphere by sphere.
+/// A kernel of many rays and one solid, asked solid by solid.
 template <class S, class Kernel>
-OneToMany<S> one_by_one(const Kernel& kernel) {
-    return [kernel](const Ray<S>& ray, const SphereArrays<S>& spheres, std::span<S> t, std::span<std::uint8_t> hit) {
+OneToMany<S> one_by_one(Shape shape, const Kernel& kernel) {
+    return [shape, kernel](const Ray<S>& ray, const SolidArrays<S>& all, std::span<S> t, std::span<std::uint8_t> hit) {
         const auto one = [](const S& x) { return std::span(&x, 1); };
         const Vec<S>&o = ray.origin, &d = ray.direction;
         S near{}, far{};
-        for (std::size_t i = 0; i < spheres.size(); ++i) {
-            const Solid<S> solid(Sphere<S>{{spheres.x[i], spheres.y[i], spheres.z[i]}, spheres.radius[i]});
+        Solid<S> solid(shape);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = all.numbers[k][i];
             kernel(
                 intersect::table::RayBatch<S>{
                     .ox = one(o.x), .oy = one(o.y), .oz = one(o.z), .dx = one(d.x), .dy = one(d.y), .dz = one(d.z)},
@@ -194,16 +195,16 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
     switch (in.format.engine) {
         case Format::Engine::native32:
             return nearest_among<float>(
-                many.spheres32 ? OneToMany<float>(many.spheres32) : one_by_one<float>(form.native32), rays, in,
+                many.f32 ? OneToMany<float>(many.f32) : one_by_one<float>(form.shape, form.native32), rays, in,
                 answers);
         case Format::Engine::native64:
             return nearest_among<double>(
-                many.spheres64 ? OneToMany<double>(many.spheres64) : one_by_one<double>(form.native64), rays, in,
+                many.f64 ? OneToMany<double>(many.f64) : one_by_one<double>(form.shape, form.native64), rays, in,
                 answers);
         case Format::Engine::rounded: break;
     }
-    nearest_among<double>(one_by_one<double>([&](const auto&... a) { form.rounded(in.format.shape, a...); }), rays, in,
-                          answers);
+    const auto rounded = [&](const auto&... a) { form.rounded(in.format.shape, a...); };
+    nearest_among<double>(one_by_one<double>(form.shape, rounded), rays, in, answers);
 }
 
 /// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was

@@ -84,7 +84,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
 }
 
 Format computes_in(const MapRow& row) {
-    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || row.form->shape == Shape::sdf)
+    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || !is_solid(row.form->shape))
         return row.format;
     const Solid<float> solid = solid_around<float>(row.form->shape, {0, 0, 0}, 1);
     const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(solid),

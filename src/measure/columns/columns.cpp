@@ -159,12 +159,13 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape; };
     const bool same = std::ranges::all_of(points.solids.listed(), same_shape) &&
                       (!points.solids.flake() || shape == scene::file::Sphereflake::shape);
-    if (!run || points.engine == Format::Engine::rounded || !same) {
+    void (*const residuals)(RawResiduals&) = run ? run->residuals[static_cast<std::size_t>(shape)] : nullptr;
+    if (!residuals || points.engine == Format::Engine::rounded || !same) {
         leave_all(answers, {out}, left);
         return;
     }
     const std::size_t used = first.used().size();
-    std::array<std::array<double, block>, 6> numbers;
+    std::array<std::array<double, block>, most_numbers> numbers;
     const auto fill = [&](std::size_t i, std::size_t solid) {
         const Solid<double> there = points.solids[solid];
         for (std::size_t k = 0; k < used; ++k) numbers[k][i] = there.numbers[k];
@@ -179,7 +180,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i) {
             const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
             if (object < listed.size()) {
-                for (std::size_t k = 0; k < 6; ++k) numbers[k][i] = listed[object].numbers[k];
+                for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[object].numbers[k];
             } else {
                 fill(i, object);
             }
@@ -188,12 +189,12 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         RawResiduals batch{
             .size = size,
             .in = {answers.data() + begin, rays.ox.data() + begin, rays.oy.data() + begin, rays.oz.data() + begin,
-                   rays.dx.data() + begin, rays.dy.data() + begin, rays.dz.data() + begin, numbers[0].data(),
-                   numbers[1].data(), numbers[2].data(), numbers[3].data(), numbers[4].data(), numbers[5].data()},
+                   rays.dx.data() + begin, rays.dy.data() + begin, rays.dz.data() + begin},
             .out = out + begin,
             .binary32 = points.engine == Format::Engine::native32,
             .left = places.raw()};
-        (shape == Shape::sphere ? run->sphere_residuals : run->box_residuals)(batch);
+        for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::solid + k] = numbers[k].data();
+        residuals(batch);
         places.append(batch.left, begin, left);
     }
 }

@@ -6,12 +6,13 @@
 namespace lostbits::measure::columns {
 
 RawKernels LOSTBITS_NAME_OF_WIDTH(column_kernels)() {
-    return {.errors = errors_of<Width>,
-            .sphere_residuals = sphere_residuals<Width>,
-            .box_residuals = box_residuals<Width>,
-            .sizes = add_sizes<Width>,
-            .hits32 = keep_nearest<float, Width>,
-            .hits64 = keep_nearest<double, Width>};
+    RawKernels kernels{.errors = errors_of<Width>,
+                       .residuals = {},
+                       .sizes = add_sizes<Width>,
+                       .hits32 = keep_nearest<float, Width>,
+                       .hits64 = keep_nearest<double, Width>};
+    fill_residuals<Width>(kernels);
+    return kernels;
 }
 
 }  // namespace lostbits::measure::columns

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "shapes/solid.hpp"
+
 namespace lostbits::measure::columns {
 
 /// The widest registers hold so many doubles.
@@ -30,9 +32,9 @@ struct RawErrors {
     RawLeft left;
 };
 
-/// How far hit points lie off spheres.
+/// How far hit points lie off solids of one shape.
 struct RawResiduals {
-    enum In { answer, ox, oy, oz, dx, dy, dz, solid, columns_in = solid + 6 };
+    enum In { answer, ox, oy, oz, dx, dy, dz, solid, columns_in = solid + most_numbers };
 
     std::size_t size;
     const double* in[columns_in];  ///< from `solid` on as in `Solid::numbers`
@@ -64,8 +66,7 @@ struct RawHits {
 
 struct RawKernels {
     void (*errors)(RawErrors&);
-    void (*sphere_residuals)(RawResiduals&);
-    void (*box_residuals)(RawResiduals&);
+    void (*residuals[shape_rows.size()])(RawResiduals&);  ///< of each shape; null where the scalar function answers
     void (*sizes)(RawSizes&);
     void (*hits32)(const RawHits<float>&);
     void (*hits64)(const RawHits<double>&);

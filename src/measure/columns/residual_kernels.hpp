@@ -55,7 +55,7 @@ template <bool binary32, class Width, class Residual>
 /// And none of the steps leaves [2^-900, 2^900] where |P|, |G|, r ≤ 2^200 and each component of v, |v|² − r² and q are
 /// at least 2^-400 (a component may be 0).
 template <bool binary32, class Width>
-[[gnu::flatten]] void sphere_residuals_in(RawResiduals& batch) {
+[[gnu::flatten]] void residuals_in(RawResiduals& batch, const Sphere<double>* /*shape*/) {
     using P = Pack<double, Width>;
     residuals_of<binary32, Width>(
         batch, [](const P* p, const auto& solid, P& value) __attribute__((always_inline)) {
@@ -77,12 +77,6 @@ template <bool binary32, class Width>
         });
 }
 
-template <class Width>
-void sphere_residuals(RawResiduals& batch) {
-    if (batch.binary32) sphere_residuals_in<true, Width>(batch);
-    else sphere_residuals_in<false, Width>(batch);
-}
-
 /// The larger of two differences of doubles, each exactly hi + lo and hi nearest to that: they stand in the order of
 /// their his, and where those are equal, of their los.
 template <class P>
@@ -96,7 +90,7 @@ template <class P>
 /// quotient has a radius: 2^-100 of itself. In range where |P|, |lo|, |hi| ≤ 2^200 and the differences are 0 or at
 /// least 2^-400; the longest side is not 0. A point in a face has the residual 0.
 template <bool binary32, class Width>
-[[gnu::flatten]] void box_residuals_in(RawResiduals& batch) {
+[[gnu::flatten]] void residuals_in(RawResiduals& batch, const Box<double>* /*shape*/) {
     using P = Pack<double, Width>;
     residuals_of<binary32, Width>(batch, [](const P* p, const auto& solid, P& value) {
         const P most(0x1p+200), least(0x1p-400);
@@ -120,10 +114,20 @@ template <bool binary32, class Width>
     });
 }
 
+/// Those of a shape that has none by hand stay null.
 template <class Width>
-void box_residuals(RawResiduals& batch) {
-    if (batch.binary32) box_residuals_in<true, Width>(batch);
-    else box_residuals_in<false, Width>(batch);
+void fill_residuals(RawKernels& kernels) {
+    auto* residuals = kernels.residuals;
+    Solids::each([&residuals]<template <class> class S>() {
+        constexpr const S<double>* shape = nullptr;
+        RawResiduals* batch = nullptr;
+        if constexpr (requires { residuals_in<true, Width>(*batch, shape); })
+            *residuals = [](RawResiduals& all) {
+                if (all.binary32) residuals_in<true, Width>(all, shape);
+                else residuals_in<false, Width>(all, shape);
+            };
+        ++residuals;
+    });
 }
 
 }  // namespace lostbits::measure::columns

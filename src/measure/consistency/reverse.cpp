@@ -21,7 +21,7 @@ struct Around {
     double aside;         ///< how far the line passes from the centre, in radii, squared
 
     Around(const Ray<double>& ray, const Solid<double>& solid) {
-        const auto [centre, radius] = visit(solid, [](const auto& shape) { return shape.ball_around(); });
+        const auto [centre, radius] = ball_around(solid);
         const Vec<double> f = centre - ray.origin;
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;

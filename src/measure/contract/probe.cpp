@@ -51,9 +51,7 @@ std::vector<Question> many(Shape shape) {
     return questions;
 }
 
-std::string solid_words(Shape shape) {
-    return shape == Shape::sphere ? "a sphere of radius 2 around the origin" : "a box from -2 to 2 in each component";
-}
+std::string solid_words(Shape shape) { return std::string(row_of(shape).words.plainest); }
 
 void try_hit_is_written(Trial& trial) {
     const auto all = ask(trial.form, many(trial.shape));
@@ -116,12 +114,18 @@ void try_t(Trial& trial) {
     if (is_answer(plain.near, 3)) return trial.kept("the plainest ray is met at t = 3, as it is");
     const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words(trial.shape) +
                        ": 3 is right, it says " + text_of(plain.near) + ")";
-    const bool sphere = trial.shape == Shape::sphere;
-    if (sphere && is_answer(plain.near, 5 - std::sqrt(2.0)))
-        return trial.broken("the radius is taken for its square" + where + "; hand over radius * radius");
-    if (sphere && is_answer(plain.near, 1)) return trial.broken("the radius is squared once too often" + where);
-    if (sphere && is_answer(plain.near, 4))
-        return trial.broken("the radius is taken for a diameter" + where + "; hand over 2 * radius");
+    if (const auto length = length_key(trial.shape)) {
+        const auto is_as_of = [&](double size) {
+            Question q = along(trial.shape, -5, 1);
+            q.solid[length->number] = size;
+            return is_answer(plain.near, ends_of(q, trial.shape).near);
+        };
+        const std::string key(length->key->name), the = "the " + key + " is ";
+        if (is_as_of(std::sqrt(2.0)))
+            return trial.broken(the + "taken for its square" + where + "; hand over " + key + " * " + key);
+        if (is_as_of(4)) return trial.broken(the + "squared once too often" + where);
+        if (is_as_of(1)) return trial.broken(the + "taken for a diameter" + where + "; hand over 2 * " + key);
+    }
     if (is_answer(plain.near, 7)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
@@ -183,16 +187,19 @@ void try_end(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.end = 2;
     const bool before = trial.ask(q).hit == 1;
-    if (trial.shape == Shape::sphere) {
-        if (!before) trial.told("a ray that ends before the sphere misses; maps and sweeps give spheres no ends");
+    const ShapeRow& row = row_of(trial.shape);
+    const std::string ends = "a ray that ends before the " + std::string(row.name);
+    if (!row.told_end) {
+        if (!before) trial.told(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
     if (trial.says(LB_NO_END))
         return trial.kept(trial.tells_t ? "the ends of rays are looked at by the table, not by the form"
                                         : "the rays that it is asked about have no ends");
-    trial.hold(!before, "a ray that ends before the box misses",
-               "a ray that ends before the box hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not "
-               "looked at (of a shader: float tmax)");
+    trial.hold(!before, ends + " misses",
+               ends +
+                   " hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not "
+                   "looked at (of a shader: float tmax)");
 }
 
 /// One that must only be lived through.
@@ -220,8 +227,7 @@ void try_odd_numbers(Trial& trial) {
     }
     try_odd(trial, "nan-origin", "an origin of NaN", along(shape, nan, 1));
     try_odd(trial, "infinite-origin", "an origin at infinity", along(shape, -infinity, 1));
-    try_odd(trial, "point", shape == Shape::sphere ? "a radius of 0" : "a box that is a point",
-            along(shape, -5, 1, 0, 0));
+    try_odd(trial, "point", std::string(row_of(shape).words.point), along(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares are no " + format + " numbers",
@@ -233,7 +239,7 @@ void try_odd_numbers(Trial& trial) {
 /// Every probe of one form.
 std::vector<Observation> try_all(const ForeignForm& form) {
     Trial trial(form);
-    const bool both = trial.contract.roots == Roots::both, sphere = trial.shape == Shape::sphere;
+    const bool both = trial.contract.roots == Roots::both;
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
     trial.probe("batches", try_batches);
@@ -255,7 +261,8 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("aside", try_aside);
     trial.probe("touching", try_touching);
     const Inside inside = intersect::doors::inside_of(trial.contract);
-    if (sphere || inside == Inside::exit || inside == Inside::miss) trial.probe("at-origin", try_at_origin);
+    if (!zero_inside(trial.shape) || inside == Inside::exit || inside == Inside::miss)
+        trial.probe("at-origin", try_at_origin);
     if (trial.tells_t) trial.probe("close", try_close);
     trial.probe("end", try_end);
     try_odd_numbers(trial);

@@ -44,7 +44,7 @@ struct FromInside {
 void try_interval(Trial& trial, const FromInside& inside) {
     const Answer answer = inside.answer();
     const bool clipped = trial.says(LB_CLIPPED), right = inside.far_is_right();
-    const bool zero_is_right = trial.shape == Shape::box && trial.contract.inside != Inside::exit;
+    const bool zero_is_right = zero_inside(trial.shape) && trial.contract.inside != Inside::exit;
     if (answer == Answer::miss) {
         trial.hold(trial.contract.inside == Inside::miss, "a ray from inside misses",
                    "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
@@ -86,7 +86,7 @@ Answer promised_inside(const intersect::doors::Contract& c) {
         case Inside::usual: break;
     }
     if (c.roots == Roots::near_only) return Answer::miss;
-    return c.shape == Shape::box ? Answer::zero : Answer::exit;
+    return zero_inside(c.shape) ? Answer::zero : Answer::exit;
 }
 
 constexpr std::array<const char*, 6> answer_words{"misses",
@@ -125,10 +125,10 @@ void try_touching(Trial& trial) {
     const Reply touch = trial.ask(q);
     q.ray[0] = -2;
     const Reply other = trial.ask(q);
-    const bool sphere = trial.shape == Shape::sphere, promised = trial.contract.touching == Touching::hit;
-    const std::string what = sphere ? "a ray that touches" : "a ray in the plane of a face";
+    const bool promised = trial.contract.touching == Touching::hit;
+    const std::string what(row_of(trial.shape).words.touching);
     // A march stops short of a tangent by the root of its epsilon.
-    const double right = sphere ? 5 : 3;
+    const double right = ends_of(q, trial.shape).near;
     for (const Reply& r : {touch, other}) {
         if (trial.tells_t && r.hit == 1 && !(std::fabs(r.near - right) <= 0.5))
             return trial.broken(what + " is answered with t = " + text_of(r.near) + "; " + text_of(right) +
@@ -146,7 +146,7 @@ void try_at_origin(Trial& trial) {
     const Reply in = trial.ask(along(trial.shape, -2, 1)), out = trial.ask(along(trial.shape, -2, -1));
     if (c.roots == Roots::both) {  // the table takes the one that counts
         if (in.hit != 1) trial.broken("a ray that starts on the surface and goes in misses");
-        else if (trial.says(LB_CLIPPED) && trial.shape == Shape::sphere)
+        else if (trial.says(LB_CLIPPED) && !zero_inside(trial.shape))
             trial.hold(out.hit == 1 || c.at_origin == AtOrigin::miss, "an entry at the origin is passed over",
                        "a ray that starts on the surface and goes out misses; say LB_MISS (origin_misses, "
                        "at_origin=miss)");
@@ -157,7 +157,7 @@ void try_at_origin(Trial& trial) {
         trial.hold(
             (in.hit == 1) == enters, enters ? "a ray that starts on the surface and goes in hits" : "it misses",
             enters ? "a ray that starts on the surface and goes in misses" : "a ray that starts on the surface hits");
-        if (trial.shape != Shape::sphere) return;
+        if (zero_inside(trial.shape)) return;
         const bool exits = leaves && c.at_origin != AtOrigin::miss;
         return trial.hold((out.hit == 1) == exits, exits ? "one that goes out hits" : "one that goes out misses",
                           exits ? "one that goes out misses; say LB_MISS (origin_misses, at_origin=miss)"
@@ -172,7 +172,7 @@ void try_at_origin(Trial& trial) {
                         : "a ray that starts on the surface and goes in is answered with t = " + text_of(in.near) +
                               "; 0 or " + (leaves ? "4" : "a miss") + " would be right");
     // Where exits do not count, one at the origin does not either.
-    const bool told_out = trial.shape == Shape::sphere && leaves;
+    const bool told_out = !zero_inside(trial.shape) && leaves;
     const AtOrigin does = zero ? AtOrigin::hit : told_out && out_is_zero ? AtOrigin::exit : AtOrigin::miss;
     if (zero && told_out && !out_is_zero)
         return trial.broken(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <optional>
 
 namespace lostbits::measure::contract {
@@ -33,13 +34,14 @@ bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
 }
 
-/// The answer for a sphere of another radius. A radius that would be the same explains what is right.
-bool fits_radius(const Judged& j, double radius) {
-    if (j.solid.shape != Shape::sphere) return false;
-    if (is_about(radius, j.solid.sphere().radius)) return is_right(j);
-    Sphere<double> other = j.solid.sphere();
-    other.radius = radius;
-    return fits(j, j.ray, Solid<double>(other));
+/// The answer for a solid of another length. A length that would be the same explains what is right.
+bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double)) {
+    if (j.solid.shape != row.shape) return false;
+    Solid<double> other = j.solid;
+    double& length = other.numbers[length_key(row.shape)->number];
+    const double is = length;
+    length = change(is);
+    return is_about(length, is) ? is_right(j) : fits(j, j.ray, other);
 }
 
 /// The answer for a solid whose numbers are so many times as large.
@@ -90,6 +92,33 @@ constexpr Units known_units[] = {{1000, "millimetres for metres"}, {0.001, "metr
                                  {0.3048, "metres for feet"},      {1 / 0.3048, "feet for metres"},
                                  {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
 
+/// What is made of a shape's length, of a radius: {0} is the key, {1} its letter, {2} the shape, {3} several.
+struct LengthMistake {
+    const char *words, *to_library, *to_file;
+    double (*change)(double);
+};
+constexpr LengthMistake length_mistakes[] = {
+    {"the {0} seems to be taken for its square", "hand over {0} * {0}",
+     "the answers are for {3} of {0} sqrt({1}); write that {0}", [](double x) { return std::sqrt(x); }},
+    {"the {0} seems to be squared once too often", "hand over {0}",
+     "the answers are for {3} of {0} {1} * {1}; write that {0}", [](double x) { return x * x; }},
+    {"the {0} seems to be taken for a diameter", "hand over 2 * {0}",
+     "the answers are for {3} of half the {0}; write that {0} (--{2})", [](double x) { return x / 2; }},
+    {"a diameter seems to be handed over for the {0}", "hand over {0}",
+     "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
+
+void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
+    const auto length = length_key(row.shape);
+    if (!length) return;
+    const auto text = [&](const char* words) {
+        return fmt::format(fmt::runtime(words), length->key->name, length->key->letter, row.name, row.plural);
+    };
+    for (const LengthMistake& m : length_mistakes)
+        all.push_back({text(m.words), text(m.to_library), text(m.to_file),
+                       [&row, change = m.change](const Judged& j) { return fits_length(j, row, change); },
+                       Reason::About::all});
+}
+
 std::vector<Reason> all_reasons() {
     using About = Reason::About;
     std::vector<Reason> all{
@@ -99,18 +128,9 @@ std::vector<Reason> all_reasons() {
         {"t is the ray's parameter, not a distance",
          "leave out what says that directions have unit length (unit_direction, direction=unit)",
          "leave --direction unit out", [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
-        {"the radius seems to be taken for its square", "hand over radius * radius",
-         "the answers are for spheres of radius sqrt(r); write that radius",
-         [](const Judged& j) { return fits_radius(j, std::sqrt(j.solid.numbers[3])); }, About::all},
-        {"the radius seems to be squared once too often", "hand over radius",
-         "the answers are for spheres of radius r * r; write that radius",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * j.solid.numbers[3]); }, About::all},
-        {"the radius seems to be taken for a diameter", "hand over 2 * radius",
-         "the answers are for spheres of half the radius; write that radius (--sphere)",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] / 2); }, About::all},
-        {"a diameter seems to be handed over for the radius", "hand over radius",
-         "the answers are for spheres of twice the radius; write that radius (--sphere)",
-         [](const Judged& j) { return fits_radius(j, j.solid.numbers[3] * 2); }, About::all},
+    };
+    for (const ShapeRow& row : shape_rows) add_lengths(row, all);
+    const Reason more[] = {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const Judged& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
         {"from inside it answers with the exit, where 0 is right", "say so (inside_exit, inside=exit)",
@@ -172,6 +192,7 @@ std::vector<Reason> all_reasons() {
          },
          About::all, true},
     };
+    all.insert(all.end(), std::begin(more), std::end(more));
     for (const Units& units : known_units)
         all.push_back({fmt::format("the solid seems to be in other units than the rays, {:.4g} times as large ({}?)",
                                    units.factor, units.words),

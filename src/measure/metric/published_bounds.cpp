@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "intersect/box/slab.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "number/ball.hpp"
+#include "shapes/box/forms/slab.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -38,9 +38,9 @@ Vec<F> stored(const Vec<double>& v) {
 /// In object space, where the centre is the origin, as pbrt has it: p = o + t d, then p r/|p|.
 template <class F>
 double projected(const Sample& s) {
-    const Sphere<double> sphere = s.solid->sphere();
-    const auto r = static_cast<F>(sphere.radius), t = static_cast<F>(s.t);
-    const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(sphere.centre), d = stored<F>(s.ray->direction);
+    const auto [centre, radius] = ball_around(*s.solid);
+    const auto r = static_cast<F>(radius), t = static_cast<F>(s.t);
+    const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(centre), d = stored<F>(s.ray->direction);
     const Vec<F> p = o + Vec<F>(t * d.x, t * d.y, t * d.z);
     const F scale = r / length(p);
     const Ball exact = Ball(double{r}) / length(Vec<Ball>(Ball(double{p.x}), Ball(double{p.y}), Ball(double{p.z})));
@@ -54,6 +54,7 @@ double projected(const Sample& s) {
     return worst / roundoff<F>;
 }
 
+/// Of the clipping of slabs alone, which is the box's.
 template <class F>
 double padding_in(const Sample& s) {
     const Box<double> box = s.solid->box();
@@ -82,12 +83,12 @@ double point_error(const Sample& s) {
 }
 
 double projected_error(const Sample& s) {
-    if (s.solid->shape != Shape::sphere) return missing;
+    if (!row_of(s.solid->shape).round) return missing;
     return in_format(s, [&]<class F>() { return projected<F>(s); });
 }
 
 double padding(const Sample& s) {
-    if (!s.truth || !s.solid || s.solid->shape != Shape::box) return missing;
+    if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
     return in_format(s, [&]<class F>() { return padding_in<F>(s); });
 }
 

@@ -132,7 +132,7 @@ private:
 
     /// Whether a place is nearer to the far side of the solid, as the normal goes.
     [[nodiscard]] bool is_past_middle(const Vec<double>& place) const {
-        const Vec<double> middle = visit(own(), [](const auto& shape) { return shape.ball_around().centre; });
+        const Vec<double> middle = ball_around(own()).centre;
         return dot(Vec<double>(place - middle), n_) < 0;
     }
 

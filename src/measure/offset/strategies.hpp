@@ -42,13 +42,6 @@ inline int whole_of(const Counted<float>& x) {
     return static_cast<int>(x.value());
 }
 
-/// γ(n) = nu/(1 − nu).
-template <Number T>
-T gamma(int n) {
-    const T nu = T(n) * unit_roundoff<T>();
-    return nu / (T(1) - nu);
-}
-
 /// n, turned to the side of w.
 template <Number T>
 Vec<T> facing(const Leaving<T>& l) {
@@ -152,44 +145,12 @@ struct Relative {
     }
 };
 
-/// The point that the bound is about, and the bound δ of each of its components.
-template <class T>
-struct BoundedPoint {
-    Vec<T> p, delta;
-};
-
-/// The point of a sphere is put back onto it in object space, f' = f r/|f| with f = p − G, where each component is off
-/// by at most γ(5)|f'|; taken to the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
-template <Number T>
-BoundedPoint<T> bounded_point(const Leaving<T>& l, const Sphere<T>& sphere) {
-    const Vec<T> f = l.p - sphere.centre;
-    const T scale = sphere.radius / length(f);
-    BoundedPoint<T> b{l.p, l.p};
-    for (int i = 0; i < 3; ++i) {
-        const T on = f[i] * scale, size = abs(on);
-        b.p[i] = on + sphere.centre[i];
-        b.delta[i] = (gamma<T>(3) + T(1)) * (gamma<T>(5) * size) + gamma<T>(3) * (size + abs(sphere.centre[i]));
-    }
-    return b;
-}
-
-/// A box is met at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Of p = o + t·d each component is off by at
-/// most δ = (γ(3) + 1)γ(3)|t d| + γ(3)|t d| + u|o + t d|.
-template <Number T>
-BoundedPoint<T> bounded_point(const Leaving<T>& l, const Box<T>&) {
-    BoundedPoint<T> b{l.p, l.p};
-    for (int i = 0; i < 3; ++i) {
-        const T far = abs(l.t * l.ray.direction[i]);
-        b.delta[i] = (gamma<T>(3) + T(1)) * (gamma<T>(3) * far) + gamma<T>(3) * far + unit_roundoff<T>() * abs(l.p[i]);
-    }
-    return b;
-}
-
 /// d = |n|·δ along n, then each component one float further away.
 struct Bound {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        const BoundedPoint<T> b = visit(l.solid, [&l](const auto& shape) { return bounded_point<T>(l, shape); });
+        const BoundedPoint<T> b =
+            visit(l.solid, [&l](const auto& shape) { return shape.bounded_point(l.ray, l.t, l.p); });
         const Vec<T> n = facing<T>(l);
         const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
         Vec<T> o = moved<T>(b.p, d, n);

@@ -16,7 +16,7 @@ const Row* row_of(std::span<const Row> rows, std::string_view form) {
 }
 
 template <class S>
-TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyBoxes<S> kernel, bool warm) {
+TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warm) {
     return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warm};
 }
 
@@ -100,8 +100,8 @@ std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
                          f32()->t.size(), warm};
     const auto isa = intersect::simd::isa_named(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
-    if (row && row->boxes32 && k.format == "f32") return by_packs(f32(), row->boxes32, warm);
-    if (row && row->boxes64 && k.format == "f64") return by_packs(f64(), row->boxes64, warm);
+    if (row && row->told_end && row->f32 && k.format == "f32") return by_packs(f32(), row->f32, warm);
+    if (row && row->told_end && row->f64 && k.format == "f64") return by_packs(f64(), row->f64, warm);
     return std::nullopt;
 }
 

@@ -31,7 +31,7 @@ public:
     std::array<std::span<S>, 6> columns;  ///< lo x, y, z, hi x, y, z
     std::span<S> t;
 
-    [[nodiscard]] intersect::simd::BoxArrays<S> arrays() const {
+    [[nodiscard]] intersect::simd::SolidArrays<S> arrays() const {
         return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
     }
     [[nodiscard]] std::array<const S*, 6> pointers() const;

@@ -1,10 +1,13 @@
 #include "measure/speed/trade_rays.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <random>
 
 #include "measure/truth/unit_direction.hpp"
+#include "number/error.hpp"
 
 namespace lostbits::measure::speed {
 namespace {
@@ -59,29 +62,40 @@ RayPool pool_of(const std::vector<RayGroup>& hits, const std::vector<RayGroup>& 
     return {hits.front().solids.front(), unit_rays(hits.front()), unit_rays(misses.front())};
 }
 
-}  // namespace
-
-std::span<const RaySet> ray_sets(Shape shape) {
-    if (shape == Shape::sphere) return sphere_sets;
-    return box_sets;
+/// The first draw of a family is its solid: the same seed gives both halves the same one.
+RayPool sphere_pool() {
+    return pool_of(
+        scene::rays::family_rays({.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
+        scene::rays::family_rays(
+            {.distance = 4, .impact_from = 1.1, .impact_to = 1.5, .views = 1, .rays = pool_rays, .seed = pool_seed}));
 }
-
-RayPool ray_pool(Shape shape) {
-    // The first draw of a family is its solid: the same seed gives both halves the same one.
-    if (shape == Shape::sphere) {
-        return pool_of(scene::rays::family_rays(
-                           {.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-                       scene::rays::family_rays({.distance = 4,
-                                                 .impact_from = 1.1,
-                                                 .impact_to = 1.5,
-                                                 .views = 1,
-                                                 .rays = pool_rays,
-                                                 .seed = pool_seed}));
-    }
+RayPool box_pool() {
     return pool_of(
         scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
         scene::rays::box_family_rays(
             {.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
+}
+
+/// What is drawn for a shape.
+constexpr struct {
+    Shape shape;
+    std::span<const RaySet> sets;
+    RayPool (*pool)();
+} drawn[] = {{Shape::sphere, sphere_sets, sphere_pool}, {Shape::box, box_sets, box_pool}};
+
+}  // namespace
+
+std::span<const RaySet> ray_sets(Shape shape) {
+    for (const auto& of : drawn)
+        if (of.shape == shape) return of.sets;
+    return {};
+}
+
+RayPool ray_pool(Shape shape) {
+    for (const auto& of : drawn)
+        if (of.shape == shape) return of.pool();
+    throw InputError(fmt::format("no random rays are drawn for {}; time their forms on a scene: lostbits trade SCENE",
+                                 row_of(shape).plural));
 }
 
 template <class S>

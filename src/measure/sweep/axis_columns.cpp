@@ -108,15 +108,16 @@ void AxisColumns::answer(const MapRow& row, std::span<float> t, std::span<std::u
         HitBatch<float>{t, std::span(near_).first(n), std::span(far_).first(n), hit});
 }
 
-/// One ray against many spheres has a kernel of packs with the same bits. The one for boxes does not tell a miss from a
-/// hit at the end of the ray.
+/// One ray against many solids has a kernel of packs with the same bits. One that is told where the ray ends does not
+/// tell a miss from a hit there.
 void AxisColumns::answer_solids(const MapRow& row, std::span<float> t, std::span<std::uint8_t> hit) {
-    const auto many = intersect::simd::many_kernels(*row.form).spheres32;
-    if (many == nullptr || !file_.ray_places.empty()) return answer_one_by_one(row, t, hit);
-    const auto column = [&](std::size_t k) {
-        return solid_varies_[k] ? values_ : std::span<const float>(solid_columns_[k]).first(values_.size());
-    };
-    many(ray_for(row, 0), {column(0), column(1), column(2), column(3)}, t, hit);
+    const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
+    if (!many.f32 || many.told_end || !file_.ray_places.empty()) return answer_one_by_one(row, t, hit);
+    intersect::simd::SolidArrays<float> solids;
+    for (std::size_t k = 0; k < file_.solid.used().size(); ++k)
+        solids.numbers[k] =
+            solid_varies_[k] ? values_ : std::span<const float>(solid_columns_[k]).first(values_.size());
+    many.f32(ray_for(row, 0), solids, t, hit);
 }
 
 void AxisColumns::answer_one_by_one(const MapRow& row, std::span<float> t, std::span<std::uint8_t> hit) {

@@ -72,7 +72,7 @@ public:
 private:
     /// The score of a wrong decision: above that of every right one.
     [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
-        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid.sphere()))
+        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid))
                              : std::numeric_limits<double>::infinity();
     }
 
@@ -188,7 +188,7 @@ private:
     void approach(Place& p) {
         const double radius = p.x[9], low = std::max(1.0, file_.distance_radii.low),
                      high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
-        const Vec<double> origin = p.ray().origin, f = p.solid(file_.shape).sphere().centre - origin;
+        const Vec<double> origin = p.ray().origin, f = ball_around(p.solid(file_.shape)).centre - origin;
         const Real distance = Real(low) * pow(Real(high) / Real(low), Real(random_.unit()));
         const double scale = radius * static_cast<double>(distance) / length(f);
         for (std::size_t i = 0; i < 3; ++i) p.x[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
@@ -269,9 +269,8 @@ private:
                  .solid = place.solid(file_.shape),
                  .t = judge.t,
                  .truth = judge.truth,
-                 .distance = file_.is_round()
-                                 ? scene::sweep::distance_in_radii(place.ray(), place.solid(file_.shape).sphere())
-                                 : truth::missing};
+                 .distance = file_.is_round() ? scene::sweep::distance_in_radii(place.ray(), place.solid(file_.shape))
+                                              : truth::missing};
     }
 
     const WorstRequest& request_;

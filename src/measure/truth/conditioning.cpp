@@ -87,8 +87,8 @@ double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention conve
 
 template <class S>
 double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
-    return visit(solid, [&](const auto& shape) {
-        return find_condition<6 + row_of(std::decay_t<decltype(shape)>::shape).numbers>(ray, solid, convention);
+    return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
+        return find_condition<6 + row_of(shape_as<Of>).numbers>(ray, solid, convention);
     });
 }
 
@@ -135,7 +135,7 @@ double reach_in(const Problem<E, N>& problem, const SlabSpan<Dual<E, N>>& s, dou
 template <class E, class S>
 double reach_with(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double relative) {
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
-        constexpr std::size_t N = 6 + row_of(Of<S>::shape).numbers;
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
         const Problem<E, N> problem(ray, solid);
         return reach_in<E, N>(problem, problem.solid.template as<Of>().span(problem.ray), t, linear, relative);
     });

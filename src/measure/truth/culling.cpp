@@ -28,8 +28,8 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
     double reach = 0;
     for (std::size_t i = 0; i < solids.size(); ++i) {
         const Solid<double> solid = solids[i];
-        if (solid.shape != Shape::sphere) return std::nullopt;
-        const Sphere<double> s = solid.sphere();
+        if (!row_of(solid.shape).round) return std::nullopt;  // the bound is of forms for round solids
+        const auto s = ball_around(solid);
         const double one = size_of(s.centre) + s.radius;
         if (!(s.radius > 0) || !std::isfinite(one)) return std::nullopt;
         reach = std::max(reach, one);
@@ -145,9 +145,8 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& so
     return index;
 }
 
-double SphereIndex::reach(const Sphere<double>& s) const {
-    return std::sqrt(s.radius * s.radius + rounding_ * sum_of(origin_, size_of(s.centre) + s.radius)) * (1 + 0x1p-20) +
-           margin_;
+double SphereIndex::reach(const Vec<double>& centre, double radius) const {
+    return std::sqrt(radius * radius + rounding_ * sum_of(origin_, size_of(centre) + radius)) * (1 + 0x1p-20) + margin_;
 }
 
 void SphereIndex::make_balls() {
@@ -155,14 +154,14 @@ void SphereIndex::make_balls() {
         const std::size_t end = std::min(solids_.size(), begin + block);
         Around around;
         for (std::size_t i = begin; i < end; ++i) {
-            const Sphere<double> s = solids_[i].sphere();
-            around.add(s.centre, s.radius);
+            const auto [centre, radius] = ball_around(solids_[i]);
+            around.add(centre, radius);
         }
         const Vec<double> middle = around.middle();
         double most = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const Sphere<double> s = solids_[i].sphere();
-            most = std::max(most, size_of(s.centre - middle) + reach(s));
+            const auto [centre, radius] = ball_around(solids_[i]);
+            most = std::max(most, size_of(centre - middle) + reach(centre, radius));
         }
         blocks_.add(middle, most + margin_);
     }
@@ -203,8 +202,8 @@ void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std
         const std::size_t begin = b * block, end = std::min(begin + block, solids_.size());
         if (grain == Grain::blocks) take(begin, end);
         for (std::size_t i = begin; grain == Grain::spheres && i < end; ++i) {
-            const Sphere<double> s = solids_[i].sphere();
-            if (meets(line, s.centre, reach(s))) take(i, i + 1);
+            const auto [centre, radius] = ball_around(solids_[i]);
+            if (meets(line, centre, reach(centre, radius))) take(i, i + 1);
         }
     }
 }

@@ -43,7 +43,7 @@ public:
     static constexpr std::size_t block = 64, page = 8192;
 
     /// Nothing where no index can be trusted (squares of the picture's numbers overflow or vanish in the format), or
-    /// where there are fewer than 64 solids or one that is not a sphere: ask every solid then. `format` null: for the
+    /// where there are fewer than 64 solids or one that is not round: ask every solid then. `format` null: for the
     /// truth.
     static std::shared_ptr<const SphereIndex> make(const scene::rays::SolidList<double>& solids,
                                                    const RayBounds& bounds, const FloatFormat* format);
@@ -77,7 +77,7 @@ private:
         }
     };
     SphereIndex() = default;
-    [[nodiscard]] double reach(const Sphere<double>& sphere) const;
+    [[nodiscard]] double reach(const Vec<double>& centre, double radius) const;
     void make_balls();
     [[nodiscard]] bool meets(const UnitRay& line, const Vec<double>& centre, double reach) const;
 

@@ -29,20 +29,20 @@ std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
 }
 
 /// `the centres and the radii`.
-std::string inputs_in_words(const InputTrial& trial, bool boxes) {
-    std::vector<const char*> names;
+std::string inputs_in_words(const InputTrial& trial, std::string_view places) {
+    std::vector<std::string> names;
     for (const Input input : measure::choice::input_kinds) {
         if (!trial.has(input)) continue;
         switch (input) {
-            case Input::origin: names.push_back("the ray origins"); break;
-            case Input::direction: names.push_back("the directions"); break;
-            case Input::place: names.push_back(boxes ? "the corners" : "the centres"); break;
-            case Input::radius: names.push_back("the radii"); break;
+            case Input::origin: names.emplace_back("the ray origins"); break;
+            case Input::direction: names.emplace_back("the directions"); break;
+            case Input::place: names.push_back(fmt::format("the {}", places)); break;
+            case Input::radius: names.emplace_back("the radii"); break;
         }
     }
     std::string words;
     for (std::size_t k = 0; k < names.size(); ++k)
-        words += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + std::string(names[k]);
+        words += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
     return words;
 }
 
@@ -50,7 +50,8 @@ std::string inputs_in_words(const InputTrial& trial, bool boxes) {
 std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Wish& wish = chosen.request.wish;
-    const bool boxes = near.row.form->shape == Shape::box;
+    const Shape shape = near.row.form->shape;
+    const std::string_view places = is_solid(shape) ? row_of(shape).words.places : "centres";
     const auto form_in_f64 = [&near, &wish](const InputTrial& trial) {
         return trial.form
                    ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name, kept_and_wrong(*trial.form, wish))
@@ -67,8 +68,9 @@ std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
     return fmt::format(
         "  What costs it is the rounding of {}: with {} in {} (of {} bits at least){}, exact "
         "arithmetic keeps {}{}.\n",
-        all ? "all inputs" : inputs_in_words(trial, boxes), all ? "all of them" : "these", wider, found.least_precision,
-        all ? "" : " and the others as they are", kept_and_wrong(trial.exact, wish), form_in_f64(trial));
+        all ? "all inputs" : inputs_in_words(trial, places), all ? "all of them" : "these", wider,
+        found.least_precision, all ? "" : " and the others as they are", kept_and_wrong(trial.exact, wish),
+        form_in_f64(trial));
 }
 
 /// The scene that is stored in binary32, held against the one that is written.

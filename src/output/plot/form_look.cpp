@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include "intersect/catalogue.hpp"
@@ -13,8 +14,8 @@ namespace lostbits::output::plot {
 
 namespace {
 
-// Marches stand beside forms for spheres, or for boxes, but those two never stand beside each other.
-constexpr std::size_t first_march = std::max(intersect::SphereForms::size, intersect::BoxForms::size);
+// Marches stand beside the forms for a shape, but those for two shapes never stand beside each other.
+constexpr std::size_t first_march = std::ranges::max(std::span(intersect::form_counts).first<shape_rows.size()>());
 constexpr std::size_t first_free = first_march + intersect::SdfForms::size;
 static_assert(first_free < look_count, "more colours and markers are needed, some for forms from outside");
 
@@ -28,7 +29,7 @@ std::uint64_t hash_of(std::string_view name) {
 
 std::size_t form_look(const intersect::table::Intersector& form) {
     const auto all = intersect::table::intersectors(), own = intersect::table::catalogue();
-    std::size_t place = form.shape == Shape::sdf ? first_march : 0;
+    std::size_t place = is_solid(form.shape) ? 0 : first_march;
     for (const auto& row : own) {
         if (row.info == form.info) return place;
         place += row.shape == form.shape;

@@ -17,11 +17,9 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
     const auto groups = sweep.rays({value});
     if (groups.empty() || groups.front().solids.size() != 1 || groups.front().rays.size() == 0) return false;
     const Solid<double>& solid = groups.front().solids.front();
-    if (solid.shape != Shape::sphere) return false;
-    const Ray<double> ray = groups.front().rays[0];
-    const Vec<double> to{solid.numbers[0] - ray.origin.x, solid.numbers[1] - ray.origin.y,
-                         solid.numbers[2] - ray.origin.z};
-    const double radius = solid.numbers[3];
+    if (!row_of(solid.shape).round) return false;
+    const auto [centre, radius] = ball_around(solid);
+    const Vec<double> to = centre - groups.front().rays[0].origin;
     // Of an eye inside of the sphere, too, the nearest point is |distance of the centre − r| away.
     const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);
     if (!(distance > 0) || !std::isfinite(distance)) return false;

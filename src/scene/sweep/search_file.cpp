@@ -17,8 +17,9 @@ Range read_range(TableReader& table, std::string_view key) {
 
 }  // namespace
 
-double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere) {
-    return length(ray.origin - sphere.centre) / sphere.radius;
+double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid) {
+    const auto [centre, radius] = ball_around(solid);
+    return length(ray.origin - centre) / radius;
 }
 
 SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set) {
@@ -51,7 +52,7 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
         }
     }
     at_edge = table.optional_boolean("at_edge").value_or(false);
-    if (at_edge && shape != Shape::box) table.reject("at_edge", "needs a box: it is an edge that rays are aimed at");
+    if (at_edge && !row_of(shape).edges) table.reject("at_edge", "needs a box: it is an edge that rays are aimed at");
     metric = table.optional_string("metric").value_or("lost_bits");
     seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
     starts = static_cast<int>(table.optional_integer("starts", 1, 4096).value_or(starts));
@@ -77,10 +78,10 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
         if (!ranges[i++].holds(x)) return false;
     }
     if (!is_round()) return !broken_limit(solid) && ray.direction != Vec<double>(0, 0, 0);
-    const Sphere<double> sphere = solid.sphere();
-    const Vec<double> f = ray.origin - sphere.centre;
+    const auto [centre, radius] = ball_around(solid);
+    const Vec<double> f = ray.origin - centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);
-    return distance_radii.holds(distance_in_radii(ray, sphere)) && impact_radii.holds(impact / sphere.radius);
+    return distance_radii.holds(distance_in_radii(ray, solid)) && impact_radii.holds(impact / radius);
 }
 
 }  // namespace lostbits::scene::sweep

@@ -19,8 +19,8 @@ struct Range {
     [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
 };
 
-/// From the origin of a ray to the centre of a sphere.
-double distance_in_radii(const Ray<double>& ray, const Sphere<double>& sphere);
+/// From the origin of a ray to the centre of a round solid.
+double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid);
 
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile : public SweepHead {
@@ -30,8 +30,8 @@ public:
     explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set = {});
 
     Shape shape{};
-    /// Whether it is about spheres, which have a distance and an impact in radii.
-    [[nodiscard]] bool is_round() const { return shape == Shape::sphere; }
+    /// Whether its solids are round, and so have a distance and an impact in radii.
+    [[nodiscard]] bool is_round() const { return row_of(shape).round; }
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
     std::vector<Range> ranges;
     /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
 #include "scene/file/beside.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/box_family.hpp"
+#include "scene/rays/family.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/float_order.hpp"
 #include "scene/toml/nearby_file.hpp"
@@ -23,6 +26,31 @@ using toml::to_12_bits;
 namespace {
 
 constexpr long long most_steps = 100000;
+
+/// Draws the rays of a family's table, by the seed that many after its own.
+using Drawer = std::function<std::vector<RayGroup>(std::uint64_t further)>;
+
+template <auto read, auto draw>
+Drawer drawer(TableReader table) {
+    return [family = read(table)](std::uint64_t further) mutable {
+        family.seed += further;
+        return draw(family);
+    };
+}
+
+struct FamilyRow {
+    std::string_view table;
+    Drawer (*read)(TableReader);
+};
+constexpr FamilyRow families[] = {{"family", drawer<rays::read_family, rays::family_rays>},
+                                  {"box_family", drawer<rays::read_box_family, rays::box_family_rays>}};
+
+/// The one that a file names; null where it names none.
+const FamilyRow* family_of(const toml::Node& root) {
+    for (const FamilyRow& row : families)
+        if (TableReader(root).has(row.table)) return &row;
+    return nullptr;
+}
 
 void fill(Axis& axis, TableReader& table) {
     using S = Axis::Spacing;
@@ -151,7 +179,7 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
 
 /// Puts into the file what belongs there, and keeps for later what belongs to its scene.
 void SweepFile::change(const SweepChanges& changes) {
-    const bool scene = TableReader(root_).has("scene"), boxes = TableReader(root_).has("box_family");
+    const bool scene = TableReader(root_).has("scene");
     const std::string name = root_.where.source;
     if (changes.size && !scene)
         throw InputError(name +
@@ -164,7 +192,8 @@ void SweepFile::change(const SweepChanges& changes) {
             changes_.push_back(std::move(change));
             continue;
         }
-        const std::string table = boxes ? "box_family." : "family.";
+        const FamilyRow* const family = family_of(root_);
+        const std::string table = std::string((family ? *family : families[0]).table) + '.';
         if (!in_file && !change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root_, change);
     }
@@ -205,12 +234,11 @@ void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
 /// What the sweep is over, and its axes, whose paths are those of the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
-    auto family = file.optional_table("family");
-    auto boxes = file.optional_table("box_family");
-    if (int{scene.has_value()} + int{family.has_value()} + int{boxes.has_value()} != 1) {
+    const auto named = std::ranges::count_if(families, [&](const FamilyRow& row) { return file.has(row.table); });
+    if (named + int{scene.has_value()} != 1)
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
-    }
+    const FamilyRow* const family = family_of(root_);
     if (scene) {
         const file::SceneName name = file::find_scene(file::beside(file.where().source, *scene), data_dir);
         scene_.emplace(name.path);
@@ -218,14 +246,12 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
         if (!variant_ && scene_->variants().size() > 1)
             file.fail_at("scene",
                          "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
-    } else if (family) {
-        rays::read_family(*family);
     } else {
-        rays::read_box_family(*boxes);
+        family->read(file.table(family->table));
     }
     if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
-    const char* const prefix = scene ? "" : family ? "family." : "box_family.";
+    const std::string prefix = scene ? "" : std::string(family->table) + '.';
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
 }
 
@@ -243,16 +269,6 @@ void SweepFile::try_both_ends() {
     }
 }
 
-std::vector<RayGroup> SweepFile::drawn(rays::Family family) const {
-    family.seed += further_;
-    return rays::family_rays(family);
-}
-
-std::vector<RayGroup> SweepFile::drawn(rays::BoxFamily family) const {
-    family.seed += further_;
-    return rays::box_family_rays(family);
-}
-
 std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -265,9 +281,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         toml::Node root = root_;
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
-        auto family = file.optional_table("family");
-        std::vector<RayGroup> groups =
-            family ? drawn(rays::read_family(*family)) : drawn(rays::read_box_family(file.table("box_family")));
+        const FamilyRow* const family = family_of(root);
+        std::vector<RayGroup> groups = family->read(file.table(family->table))(further_);
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;

@@ -8,8 +8,7 @@
 
 #include "intersect/info.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/rays/box_family.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 #include "scene/sweep/sweep_head.hpp"
 
 namespace lostbits::scene::sweep {
@@ -81,8 +80,6 @@ private:
     void refuse_what_axes_set(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
     void try_both_ends();
-    [[nodiscard]] std::vector<rays::RayGroup> drawn(rays::Family family) const;
-    [[nodiscard]] std::vector<rays::RayGroup> drawn(rays::BoxFamily family) const;
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;

@@ -18,9 +18,12 @@ struct Box {
     Vec<T> lo;
     Vec<T> hi;
 
-    static constexpr Shape shape = Shape::box;
     static constexpr std::string_view name = "box", plural = "boxes";
-    static constexpr bool told_end = true, zero_inside = true;
+    static constexpr bool told_end = true, zero_inside = true, usually_unit = false, round = false, edges = true;
+    static constexpr ShapeWords words{.plainest = "a box from -2 to 2 in each component",
+                                      .touching = "a ray in the plane of a face",
+                                      .point = "a box that is a point",
+                                      .places = "corners"};
     static constexpr std::array<Key, 2> keys{
         {{.name = "lo", .letter = "lo"}, {.name = "hi", .letter = "hi", .limit = Key::Limit::at_least_before}}};
 
@@ -97,6 +100,16 @@ struct Box {
         const Vec<T> side = hi - lo;
         return max(max(side.x, side.y), side.z);
     }
+    /// With q = max(lo − p, p − hi) in each component, how far p lies beyond the nearer plane of each pair:
+    /// |max(q, 0)| + min(max(q.x, max(q.y, q.z)), 0). Outside one of the two terms is zero, inside the other. Source:
+    /// SDF Sphere Marching (lesson P0-C1).
+    [[nodiscard]] T distance(const Vec<T>& p) const {
+        const T zero(0);
+        const auto beyond = [](const T& low, const T& high, const T& x) { return max(low - x, x - high); };
+        const Vec<T> q(beyond(lo.x, hi.x, p.x), beyond(lo.y, hi.y, p.y), beyond(lo.z, hi.z, p.z));
+        const T outside = length(Vec<T>(max(q.x, zero), max(q.y, zero), max(q.z, zero)));
+        return outside + min(max(q.x, max(q.y, q.z)), zero);
+    }
     [[nodiscard]] bool may_hold(const Vec<T>& p) const {
         return !(p.x < lo.x || p.x > hi.x || p.y < lo.y || p.y > hi.y || p.z < lo.z || p.z > hi.z);
     }
@@ -133,6 +146,17 @@ struct Box {
         Vec<T> on = p;
         on[face.axis] = face.high ? hi[face.axis] : lo[face.axis];
         return on;
+    }
+    /// It is met at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Of p = o + t·d each component is off by at
+    /// most δ = (γ(3) + 1)γ(3)|t d| + γ(3)|t d| + u|o + t d|.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {
+        BoundedPoint<T> b{p, p};
+        for (int i = 0; i < 3; ++i) {
+            const T far = abs(t * ray.direction[i]);
+            b.delta[i] = (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(3) * far) + gamma_bound<T>(3) * far +
+                         unit_roundoff<T>() * abs(p[i]);
+        }
+        return b;
     }
 };
 

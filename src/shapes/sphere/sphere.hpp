@@ -7,6 +7,7 @@
 
 #include "geometry/key.hpp"
 #include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
 #include "geometry/span.hpp"
 
 namespace lostbits {
@@ -17,9 +18,12 @@ struct Sphere {
     Vec<T> centre;
     T radius;
 
-    static constexpr Shape shape = Shape::sphere;
     static constexpr std::string_view name = "sphere", plural = "spheres";
-    static constexpr bool told_end = false, zero_inside = false;
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = true, edges = false;
+    static constexpr ShapeWords words{.plainest = "a sphere of radius 2 around the origin",
+                                      .touching = "a ray that touches",
+                                      .point = "a radius of 0",
+                                      .places = "centres"};
     static constexpr std::array<Key, 2> keys{
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
@@ -69,6 +73,8 @@ struct Sphere {
         return (v2 - square(radius)) / (radius * (sqrt(v2) + radius));
     }
     [[nodiscard]] T unit() const { return radius; }
+    /// How far a point is from the surface, negative inside: |p − G| − r.
+    [[nodiscard]] T distance(const Vec<T>& p) const { return length(p - centre) - radius; }
     /// Whether it holds a point, in double: |f|² is good to 2^-50 of itself unless it underflows, so that what is in it
     /// or on it is never denied.
     [[nodiscard]] bool may_hold(const Vec<T>& p) const {
@@ -86,6 +92,20 @@ struct Sphere {
         const Vec<T> f = p - centre;
         const T k = radius / length(f);
         return {centre.x + k * f.x, centre.y + k * f.y, centre.z + k * f.z};
+    }
+    /// The point of a ray at t put back onto it in object space, f' = f r/|f| with f = p − G, where each component is
+    /// off by at most γ(5)|f'|; taken to the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const Vec<T> f = p - centre;
+        const T scale = radius / length(f);
+        BoundedPoint<T> b{p, p};
+        for (int i = 0; i < 3; ++i) {
+            const T on = f[i] * scale, size = abs(on);
+            b.p[i] = on + centre[i];
+            b.delta[i] =
+                (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(5) * size) + gamma_bound<T>(3) * (size + abs(centre[i]));
+        }
+        return b;
     }
 };
 

@@ -13,7 +13,7 @@ std::vector<Intersector> named(FormList<Form...> /*list*/) {
 }  // namespace
 
 std::span<const Intersector> intersectors() {
-    static const std::vector<Intersector> rows = named(SphereForms());
+    static const std::vector<Intersector> rows = named(sphere::SphereForms());
     return rows;
 }
 

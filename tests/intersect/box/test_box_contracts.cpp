@@ -13,7 +13,7 @@ TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") 
                            "box.embree_fma", "box.embree_robust", "box.filtered"};
     std::set<std::string_view> titles, open;
     std::size_t i = 0;
-    intersect::BoxForms::for_each([&]<class Form>() {
+    intersect::box::BoxForms::for_each([&]<class Form>() {
         const intersect::Info& info = Form::info;
         INFO(info.name);
         REQUIRE(i < std::size(order));
@@ -46,10 +46,10 @@ TEST_CASE("the unit roundoff is that of the format, and none in exact arithmetic
 }
 
 TEST_CASE("gamma(n) is n u/(1 - n u)", "[intersect][box][known]") {
-    CHECK(intersect::box::gamma_bound<float>(3) == 3 * 0x1p-24f / (1 - 3 * 0x1p-24f));
-    CHECK(intersect::box::gamma_bound<double>(3) == 3 * 0x1p-53 / (1 - 3 * 0x1p-53));
-    CHECK(intersect::box::gamma_bound<Rounded<5>>(3).value() == 0.1015625);  // (3/32)/(29/32) = 26.48/256, in five bits
-    CHECK(intersect::box::gamma_bound<Real>(3) == 0);
+    CHECK(gamma_bound<float>(3) == 3 * 0x1p-24f / (1 - 3 * 0x1p-24f));
+    CHECK(gamma_bound<double>(3) == 3 * 0x1p-53 / (1 - 3 * 0x1p-53));
+    CHECK(gamma_bound<Rounded<5>>(3).value() == 0.1015625);  // (3/32)/(29/32) = 26.48/256, in five bits
+    CHECK(gamma_bound<Real>(3) == 0);
 }
 
 }  // namespace lostbits::test::test_box_contracts

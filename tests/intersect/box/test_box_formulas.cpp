@@ -12,7 +12,7 @@
 
 namespace lostbits::test::test_box_formulas {
 
-using intersect::BoxForms;
+using intersect::box::BoxForms;
 
 namespace {
 

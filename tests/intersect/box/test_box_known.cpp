@@ -9,7 +9,7 @@
 
 namespace lostbits::test::test_box_known {
 
-using intersect::BoxForms;
+using intersect::box::BoxForms;
 
 namespace {
 

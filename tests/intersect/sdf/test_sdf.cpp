@@ -112,14 +112,14 @@ TEST_CASE("forms that march have names, unit directions and one intersection", "
 TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
     const Sphere<double> unit{{0, 0, 0}, 1};
     const double at[] = {0, 0.5, 1, 2, 5}, is[] = {-1, -0.5, 0, 1, 4};
-    for (std::size_t i = 0; i < 5; ++i) CHECK(intersect::sdf::distance(unit, Vec<double>(at[i], 0, 0)) == is[i]);
+    for (std::size_t i = 0; i < 5; ++i) CHECK(unit.distance({at[i], 0, 0}) == is[i]);
     const Box<double> box{{-1, -2, -3}, {1, 2, 3}};
-    CHECK(intersect::sdf::distance(box, Vec<double>(0, 0, 0)) == -1);
-    CHECK(intersect::sdf::distance(box, Vec<double>(0.75, 0, 0)) == -0.25);
-    CHECK(intersect::sdf::distance(box, Vec<double>(1, 2, 3)) == 0);
-    CHECK(intersect::sdf::distance(box, Vec<double>(-4, 0, 0)) == 3);
-    CHECK(intersect::sdf::distance(box, Vec<double>(4, 6, 0)) == 5);    // 3-4-5 beside an edge
-    CHECK(intersect::sdf::distance(box, Vec<double>(-3, 5, -9)) == 7);  // 2-3-6-7 off a corner
+    CHECK(box.distance({0, 0, 0}) == -1);
+    CHECK(box.distance({0.75, 0, 0}) == -0.25);
+    CHECK(box.distance({1, 2, 3}) == 0);
+    CHECK(box.distance({-4, 0, 0}) == 3);
+    CHECK(box.distance({4, 6, 0}) == 5);    // 3-4-5 beside an edge
+    CHECK(box.distance({-3, 5, -9}) == 7);  // 2-3-6-7 off a corner
     const Solid<double> both[] = {Solid<double>(unit), Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
     const intersect::table::Union<double> field{std::span<const Solid<double>>(both)};
     CHECK(field({1.25, 0, 0}) == 0.25);

@@ -95,15 +95,13 @@ Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Draw
     const auto first = [&](std::size_t c) { return Cornered<S>(std::span(d.solids.column[c]).first(n)); };
     const Cornered<S> c0 = first(0), c1 = first(1), c2 = first(2), c3 = first(3), c4 = first(4), c5 = first(5);
     Expected<S> e{d.solids.t, std::vector<std::uint8_t>(d.solids.t.size(), 77)};
-    const auto call = [&](auto boxes, auto spheres) {
-        if (shape == Shape::box)
-            boxes(d.ray, {c0.span(), c1.span(), c2.span(), c3.span(), c4.span(), c5.span()}, std::span(e.t).first(n));
-        else
-            spheres(d.ray, {c0.span(), c1.span(), c2.span(), c3.span()}, std::span(e.t).first(n),
-                    std::span(e.hit).first(n));
+    const auto call = [&](const auto& kernel) {
+        REQUIRE(row.told_end == (shape == Shape::box));
+        kernel(d.ray, {c0.span(), c1.span(), c2.span(), c3.span(), c4.span(), c5.span()}, std::span(e.t).first(n),
+               std::span(e.hit).first(shape == Shape::box ? 0 : n));
     };
-    if constexpr (std::same_as<S, float>) call(row.boxes32, row.spheres32);
-    else call(row.boxes64, row.spheres64);
+    if constexpr (std::same_as<S, float>) call(row.f32);
+    else call(row.f64);
     bool margin = true;
     for (std::size_t i = n; i < e.t.size(); ++i) margin = margin && same(e.t[i], d.solids.t[i]) && e.hit[i] == 77;
     CHECK(margin);
@@ -160,13 +158,11 @@ TEST_CASE("the rows for many solids are the catalogue's, each with the kernels o
         INFO(name_of(isa));
         CHECK(many.size() == intersect::simd::packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
-            const bool box = rows[i].shape == Shape::box, sphere = rows[i].shape == Shape::sphere,
-                       has64 = rows[i].native64 != nullptr;
+            const bool solid = is_solid(rows[i].shape), has64 = rows[i].native64 != nullptr;
             CHECK(many[i].info == rows[i].info);
-            CHECK(static_cast<bool>(many[i].boxes32) == box);
-            CHECK(static_cast<bool>(many[i].boxes64) == (box && has64));
-            CHECK(static_cast<bool>(many[i].spheres32) == sphere);
-            CHECK(static_cast<bool>(many[i].spheres64) == (sphere && has64));
+            CHECK(static_cast<bool>(many[i].f32) == solid);
+            CHECK(static_cast<bool>(many[i].f64) == (solid && has64));
+            CHECK(many[i].told_end == (rows[i].shape == Shape::box));
         }
     }
 }

@@ -15,7 +15,7 @@ using Means = std::map<std::string_view, double>;
 template <class T>
 Means mean_errors(Setup setup, int precision) {
     Means means;
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         Random random(0xacc);
         double sum = 0;
         int hits = 0;
@@ -42,7 +42,7 @@ Means mean_errors(Setup setup, int precision) {
 
 TEST_CASE("on ordinary rays no form loses more than a few bits", "[intersect][accuracy]") {
     const auto near = mean_errors<float>(Setup::near, 24);
-    CHECK(near.size() == intersect::SphereForms::size);
+    CHECK(near.size() == intersect::sphere::SphereForms::size);
     for (const auto& [name, mean] : near) {
         INFO(name << " is off by " << mean << " units of 2^-24");
         CHECK(mean > 0);

@@ -7,7 +7,7 @@
 
 namespace lostbits::test {
 
-using intersect::SphereForms;
+using intersect::sphere::SphereForms;
 
 namespace {
 

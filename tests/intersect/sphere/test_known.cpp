@@ -91,7 +91,7 @@ void ask(const Known& k, double slack, const char* number) {
 
 template <class T>
 void ask_every_form(double ulps, int precision, const char* number) {
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all || std::same_as<T, float>)
             for (const Known& k : known) {
                 // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are
@@ -113,7 +113,7 @@ TEST_CASE("cases worked out by hand", "[intersect][known]") {
 }
 
 TEST_CASE("the sign of a zero b' does not turn the roots", "[intersect][known]") {
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if (Form::info.roots == Roots::near_only) return;
         INFO(Form::info.name);
         const Sphere<float> sphere{Vec<float>(0, 0, 0), 5};

@@ -2,9 +2,9 @@
 #include <tuple>
 
 #include "catch.hpp"
-#include "intersect/sphere/outward.hpp"
 #include "number/draw.hpp"
 #include "number/rounded.hpp"
+#include "shapes/sphere/forms/outward.hpp"
 
 namespace lostbits::test {
 namespace {

@@ -146,7 +146,7 @@ TEST_CASE("the quick exact arithmetic and the deep one agree", "[attribution]") 
 TEST_CASE("the derivative by an input is that of forward differentiation", "[attribution]") {
     int compared = 0;
     const Format f64 = format_named("f64");
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all) {
             using T = Dual<double, 10>;
             const Intersector& form = *std::ranges::find_if(

@@ -26,7 +26,7 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
     };
     CHECK(measure::claim::differs_with_closest({&shy, *find_format("f32")}, 8, 1, {}) > 0.5);
     CHECK_THROWS_AS(measure::claim::differs_with_closest(
-                        {&intersect::table::sphere_intersectors().front(), *find_format("f32")}, 8, 1, {}),
+                        {&intersect::table::intersectors(Shape::sphere).front(), *find_format("f32")}, 8, 1, {}),
                     InputError);
 }
 

@@ -26,7 +26,7 @@ scene::file::Scene load(const char* name, int width, int height) {
 
 std::vector<measure::map::MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
     std::vector<measure::map::MapRow> rows;
-    for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
+    for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
         for (const auto& name : formats)
             if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name)))
                 rows.push_back({&f, *find_format(name)});
@@ -217,7 +217,7 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
     for (const char* name : {"raycast-course.pixels", "raycast-acne.none", "raycast-acne.ulp4", "raycast-far.at2p12"}) {
         const scene::file::Scene s = load(name, 32, 24);
         for (const auto& [native, emulated] : {std::pair{"f64", "p53"}, std::pair{"f32", "p24"}}) {
-            for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
+            for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
                 if (f.info->formats != intersect::Formats::all) continue;
                 CAPTURE(name, f.info->name, native);
                 const std::vector<measure::map::MapRow> rows{{&f, *find_format(native)}, {&f, *find_format(emulated)}};

@@ -150,7 +150,7 @@ TEST_CASE(
     ray({6, 0, 0}, {3, 0, 0}, 1);    // through its own
     ray({0, 9, 0}, {5, 9, 0}, -1);   // past all
     ray({5.5, 0, 0}, {3, 0, 0}, 1);  // from below its own surface
-    for (const intersect::table::Intersector& f : intersect::table::sphere_intersectors()) {
+    for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
         if (f.info->direction == intersect::Direction::unit) continue;
         for (const char* name : {"f32", "f64", "bf16"}) {
             const Format format = *find_format(name);

@@ -114,7 +114,7 @@ TEST_CASE("every sphere form without rounding decides eyes on the surface as its
     REQUIRE(directions.size() == 18);
     std::map<std::string_view, std::array<int, 3>> seen;  // looking in, along, out
     std::set<std::string_view> undecided;
-    intersect::SphereForms::for_each([&]<class Form>() {
+    intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all) {
             for (const OnSphere& x : on_sphere) {
                 for (const Vec<double>& d : directions) {
@@ -157,7 +157,7 @@ TEST_CASE("every box form without rounding meets a box that the eye lies on at t
     const Solid<double> box(Box<double>{{-1, -2, -3}, {1, 2, 3}});
     const Vec<double> eyes[] = {{1, 0.5, 1}, {-1, 0.5, -2}, {0.25, 2, 1}, {0.5, 1, -3}, {1, 2, 0.5}, {-1, -2, -3}};
     int hits = 0, misses = 0;
-    intersect::BoxForms::for_each([&]<class Form>() {
+    intersect::box::BoxForms::for_each([&]<class Form>() {
         CHECK(Form::info.at_origin == AtOrigin::hit);
         for (const Vec<double>& eye : eyes) {
             for (int signs = 0; signs < 8; ++signs) {

@@ -1,0 +1,22 @@
+// Bounds of roundings, as they are published: for forms and for offsets.
+#pragma once
+
+#include "geometry/vec.hpp"
+
+namespace lostbits {
+
+/// γ(n) = n u/(1 − n u), which bounds the relative error of n roundings (Higham, Accuracy and Stability of Numerical
+/// Algorithms, 2002, lemma 3.1) while n u < 1; computed in T, zero in exact arithmetic.
+template <Number T>
+T gamma_bound(int n) {
+    const T nu = T(n) * unit_roundoff<T>();
+    return nu / (T(1) - nu);
+}
+
+/// A point near a surface, and the bound δ of how far each of its components is off.
+template <class T>
+struct BoundedPoint {
+    Vec<T> p, delta;
+};
+
+}  // namespace lostbits

@@ -1,0 +1,33 @@
+// The slab method as first written: tmin = max(tmin, min(t1, t2)), tmax = min(tmax, max(t1, t2)), a hit where tmin <
+// tmax. The inequality is strict: it aims at the open box. A ray in one of the planes (d = ±0) makes 0·∞ = NaN there. A
+// NaN in t1 drops out and leaves nothing of the ray; one in t2 becomes tmin and tmax, and the next axis then replaces
+// both: what was known of the axes before, of t ≥ 0 and of the ray's end is forgotten.
+#pragma once
+
+#include "shapes/box/forms/slab.hpp"
+
+namespace lostbits::intersect::box {
+
+struct Baseline {
+    static constexpr Info info{
+        .name = "box.baseline",
+        .title = "slabs, NaN not handled",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 1, as recalled in part 3",
+        .touching = Touching::miss,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Box<T>& box, const T& limit) {
+        T tmin(0), tmax = limit;
+        for (int axis = 0; axis < 3; ++axis) {
+            const T inv = named("inv", T(1) / ray.direction[axis]);
+            const T t1 = named("t1", (box.lo[axis] - ray.origin[axis]) * inv);
+            const T t2 = named("t2", (box.hi[axis] - ray.origin[axis]) * inv);
+            tmin = named("tmin", max(tmin, min(t1, t2)));
+            tmax = named("tmax", min(tmax, max(t1, t2)));
+        }
+        return entered<T>(tmin < tmax, {tmin, tmax});
+    }
+};
+
+}  // namespace lostbits::intersect::box

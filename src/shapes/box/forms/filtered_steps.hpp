@@ -1,0 +1,227 @@
+// The steps of `box.filtered`, and the inequalities that let a ray stop at one.
+#pragma once
+
+#include "intersect/way.hpp"
+#include "number/wide/dyadic_slabs.hpp"
+#include "shapes/box/forms/filtered_words.hpp"
+
+namespace lostbits::intersect::box {
+namespace filtered {
+
+/// The first step's decision, and whether its tmin and tmax are good.
+template <Number T>
+struct Decided : SlabDecision<T> {
+    mask_t<T> in_range;
+};
+
+/// By tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three roundings. With
+/// L the least normal number and M = 1/L:
+///
+///     plane − o     no sum underflows
+///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal from |d| > M on, no less than M^-1/4 and
+///                   off by at most 4u of itself: 6.1u of t altogether
+///     the product   uL more where it underflows, which is u of all that is ≥ L, and keeps a sign or gives ±0
+///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
+///                   sign, and so the ray is missed; dmin = −∞ has it, too, and is not looked at. +∞, and NaN of 0·∞,
+///                   show in `way`, the sum of all dmax; or, where d = 0 brings them, in `longest_way`
+///
+/// So where way < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL >
+/// tmax (1 + 6.1u) + uL a miss; 16u and L on one side cover them with the roundings of the test, whatever the sign of
+/// tmax. A slab that the ray is parallel to and outside of has tmin = ∞, inside of −∞ and ∞; in one of its planes 0·∞,
+/// which leaves tmin and tmax as they were. (∞ < ∞ is false: a direction of zeros is left.) And tmin and tmax are right
+/// to 6.1u of themselves, or to the distance of subnormal numbers.
+template <Number T>
+Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
+    const T slack = T(16) * unit_roundoff<T>();
+    // Numbers that tell of operations end in double-double, in range or not.
+    T least(0);
+    mask_t<T> in_range = T(0) <= T(0);
+    if constexpr (!tells_of_operations<T>) {
+        least = number::wide::least_normal<T>();
+        in_range = way < T(1) / T(0);
+    }
+    const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) - least;
+    const mask_t<T> missed = in_range && tmin > tmax * (T(1) + slack) + least;
+    return {{hit || missed, hit}, in_range};
+}
+
+template <Number T, class B>
+OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
+    const auto of = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
+    return {{of(0), of(1), of(2)}};
+}
+
+/// What the first step found, and the ray's end.
+template <Number T>
+struct Found {
+    Segment<T> segment;
+    T limit;
+};
+
+/// The largest dmax |d| and (1/d) d: plane − o and 1 to 7u where nothing overflows, ∞ where a sum or the product or 1/d
+/// did (0·∞ too, by the latter), NaN, which max leaves out, of a slab with d = 0.
+template <Number T>
+T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
+    T way(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const T d = ray.direction[axis], inv = T(1) / d;
+        const T dmax = (slabs.of[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
+        way = max(inv * d, max(dmax * abs(d), way));
+    }
+    return way;
+}
+
+/// Whether every number is 0 or within 2^-450 and 2^500, so that the products of two, and those of their last places,
+/// are doubles. Of floats all are.
+template <Number T>
+mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    mask_t<T> all = T(0) <= T(0);
+    if constexpr (number::wide::has_whole_range<T>) {
+        using B = number::wide::OneWord<T>;
+        const B least = number::wide::power_of_two<B>(-450), most = B(1) / number::wide::power_of_two<B>(-500);
+        const auto add = [&](const T& x) {
+            const B size = abs(number::wide::taken_to<B>(x));
+            all = all && size <= most && (size >= least || size <= B(0));
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            add(ray.origin[axis]);
+            add(ray.direction[axis]);
+            add(slabs.of[static_cast<std::size_t>(axis)].bmin);
+            add(slabs.of[static_cast<std::size_t>(axis)].bmax);
+        }
+        const mask_t<B> endless = number::wide::taken_to<B>(limit) >= far_away<B>();
+        add(select(endless, T(0), limit));
+    }
+    return all;
+}
+
+/// In W, to nearest. v is its unit roundoff: n and f round once, the products once more, so n m and f g are right to
+/// 2.1v of themselves, and n m ≤ f g where n m + 3v(|n m| + |f g|) ≤ f g: where both are zero, too. Infinite planes
+/// leave NaN, which decides nothing.
+///
+/// `static`: what is compiled for wide registers alone must not be what the linker gives to others.
+template <class W, Number T>
+static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    using number::wide::taken_back, number::wide::taken_to;
+    const auto wide = [](const T& x) { return taken_to<W>(x); };
+    std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
+    for (int axis = 0; axis < 3; ++axis) {
+        const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
+        const W sign = copysign(W(1), d);
+        m[static_cast<std::size_t>(axis)] = abs(d);
+        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
+        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
+    }
+    const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
+    // Least over all: positive where every comparison holds for certain, negative where one fails for certain.
+    const auto room = [&](const W& less, const W& more) {
+        const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
+        return select(apart >= slack, W(1), select(apart <= -slack, W(-1), W(0)));
+    };
+    const auto exactly = [](const W& x) { return select(x >= W(0), W(1), W(-1)); };
+    W least = exactly(end);
+    for (int i = 0; i < 3; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        least = min(least, exactly(f[at]));
+        least = min(least, room(n[at], end * m[at]));
+    }
+    least = every_pair<W>(
+        [&](int i, int j) {
+            const auto at = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
+            return room(n[at] * m[to], f[to] * m[at]);
+        },
+        [](const W& a, const W& b) { return min(a, b); }, least);
+    const T told = taken_back<T>(least);
+    return {told > T(0) || told < T(0), told >= T(0)};
+}
+
+/// tmin and tmax in W, where neither over- nor underflows: good to u when they are brought back.
+template <class W, Number T>
+static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    using number::wide::taken_back, number::wide::taken_to;
+    W tmin(0), tmax = taken_to<W>(limit);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
+        const W d = taken_to<W>(ray.direction[axis]), o = taken_to<W>(ray.origin[axis]);
+        const mask_t<W> runs = abs(d) > W(0);
+        tmin = select(runs, max((taken_to<W>(planes.bmin) - o) / d, tmin), tmin);
+        tmax = select(runs, min((taken_to<W>(planes.bmax) - o) / d, tmax), tmax);
+    }
+    return {taken_back<T>(tmin), taken_back<T>(tmax)};
+}
+
+/// `known`, and where it proves nothing the decision in the whole range; and t, where `good` does not say that what was
+/// found is.
+template <Number T>
+Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
+                      const SlabDecision<T>& known, const mask_t<T>& good) {
+    const Vec<T>&o = ray.origin, &d = ray.direction;
+    const auto& [x, y, z] = slabs.of;
+    const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
+                               y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
+    const std::array<T, 3> all = number::wide::asked_lanes<T, 13, 3>(
+        select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
+        number::wide::meet_slabs<T>);
+    const Segment<T>& own = found.segment;
+    return entered<T>(all[0] > T(0), {select(good, own.tmin, all[1]), select(good, own.tmax, all[2])});
+}
+
+/// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
+/// exactly; over numbers that tell of operations in double-double.
+template <Number T, class Watch>
+Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, const Decided<T>& cheap, Watch& watch) {
+    using B = number::wide::OneWord<T>;
+    const Part<T> part("by planes");
+    if constexpr (tells_of_operations<T>) {
+        watch(Way::two_words);
+        using W = number::wide::TwoWords<B>;
+        return entered<T>(joined(cheap, widely<W, T>(ray, slabs, found.limit)).hit, found.segment);
+    } else {
+        Decided<T> first = cheap;
+        if (any_of(!cheap.in_range)) {
+            const Decided<T> again = by_bound<T>(found.segment.tmin, found.segment.tmax, longest_way(ray, slabs));
+            first = {joined(cheap, again), cheap.in_range || again.in_range};
+            if (!any_of(!first.proved)) return entered<T>(first.hit, found.segment);
+        }
+        SlabDecision<T> known = first;
+        const mask_t<T> fit = fits(ray, slabs, found.limit);
+        if constexpr (number::wide::has_wider_word<T>) {
+            watch(Way::wider);
+            SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
+            wide.proved = wide.proved && fit;
+            known = joined(known, wide);
+            if (any_of(!first.in_range)) {
+                const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
+                found.segment = {select(first.in_range, found.segment.tmin, other.tmin),
+                                 select(first.in_range, found.segment.tmax, other.tmax)};
+            }
+            if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
+        }
+        watch(Way::exact);
+        if (any_of(!known.proved && fit)) {
+            const Ways<B> ways = ways_of<T>(ray, slabs, found.limit);
+            SlabDecision<T> products = by_products<T>(ways);
+            products.proved = products.proved && fit;
+            known = joined(known, products);
+            if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
+        }
+        if constexpr (number::wide::has_whole_range<T>)
+            if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known, first.in_range);
+        return entered<T>(known.hit, found.segment);
+    }
+}
+
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap, Watch& watch) {
+    return beyond<T>(ray, slabs, found, cheap, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap,
+                                                 Watch& watch) {
+    return beyond<T>(ray, slabs, found, cheap, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::box

@@ -1,0 +1,158 @@
+// The exact steps of `box.filtered`: the ways to its planes as sums of two words, and comparisons of their products.
+#pragma once
+
+#include "number/wide/exact_sum.hpp"
+#include "number/wide/ladder.hpp"
+#include "shapes/box/forms/slab.hpp"
+
+namespace lostbits::intersect::box {
+namespace filtered {
+
+/// What a step says of a ray: the decision where it is proved, nothing where not.
+template <Number T>
+struct SlabDecision {
+    mask_t<T> proved, hit;
+
+    /// `first` where it is proved, `second` where not.
+    friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
+        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
+    }
+};
+
+/// A box's planes in the order in which the line meets them, and whether the line runs down the axis.
+template <Number T>
+struct OrderedSlabs {
+    std::array<Planes<T>, 3> of;
+};
+
+/// Beyond every t that floats or numbers in the range of `fits` can have.
+template <Number W>
+W far_away() {
+    return W(1) / number::wide::power_of_two<W>(-960);
+}
+
+/// x, or what is as far as infinity where products are made of it: beyond all that `fits`.
+template <Number W>
+W without_infinity(const W& x) {
+    const W most = W(1) / number::wide::power_of_two<W>(-510);
+    return max(-most, min(most, x));
+}
+
+/// n_i/m_i ≤ f_j/m_j for each pair of axes, as n_i m_j ≤ f_j m_i, where n and f are the ways to the first and the
+/// second plane and m = |d|, all with the sign of d taken out: that stays true of m = 0, where it says n_i ≤ 0 ≤ f_i,
+/// so that a ray in a plane is inside. Of one axis n ≤ f holds in any case. And the ray's own ends: f_j ≥ 0, n_i ≤
+/// limit m_i.
+///
+/// `below(n, m, f, g)` answers n m ≤ f g in whatever way; `join` puts answers together.
+template <class V, class Below, class Join>
+V every_pair(const Below& below, const Join& join, V all) {
+    for (int i = 0; i < 3; ++i) {
+        all = join(all, below(i, (i + 1) % 3));
+        all = join(all, below(i, (i + 2) % 3));
+    }
+    return all;
+}
+
+/// n, f and m, the ways exactly as a sum of two words, infinite planes as what is beyond all that `fits`; and the ray's
+/// end, or 0 where it is `endless`.
+template <class B>
+struct Ways {
+    std::array<B, 3> m;
+    std::array<number::wide::TwoWords<B>, 3> n, f;
+    B end;
+    mask_t<B> endless;
+
+    /// n_i, or 0 where an endless ray gets anywhere along the axis.
+    [[nodiscard]] number::wide::TwoWords<B> before_end(std::size_t i) const {
+        return select(endless && m[i] > B(0), number::wide::TwoWords<B>(0), n[i]);
+    }
+};
+
+template <Number T>
+auto ways_of(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    using B = number::wide::OneWord<T>;
+    using number::wide::sum_of, number::wide::TwoWords;
+    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
+    const TwoWords<B> none(0);
+    const B end = word(limit);
+    const mask_t<B> endless = end >= far_away<B>();
+    Ways<B> ways{{B(0), B(0), B(0)}, {none, none, none}, {none, none, none}, select(endless, B(0), end), endless};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::size_t>(axis);
+        const B d = word(ray.direction[axis]), o = word(ray.origin[axis]), sign = copysign(B(1), d);
+        const TwoWords<B> first = sum_of<B>(without_infinity(word(slabs.of[at].bmin)), -o),
+                          second = sum_of<B>(without_infinity(word(slabs.of[at].bmax)), -o);
+        ways.m[at] = abs(d);
+        ways.n[at] = {sign * first.hi, sign * first.lo};
+        ways.f[at] = {sign * second.hi, sign * second.lo};
+    }
+    return ways;
+}
+
+/// By products of two words, where the numbers `fit`: most rays through an edge end here, since plane − o of floats is
+/// a double. With n = (n, n') and f = (f, f'), n m and f g as n m = p + p', f g = q + q' exactly, and v the roundoff:
+///
+///     n' = f' = 0   n m ≤ f g exactly where p < q, or p = q and p' ≤ q', since rounding keeps order
+///     else          f g − n m = (s + e) + ((q' − p') + (f' g − n' m)), where s + e = q − p exactly. Each of the four
+///                   small terms is at most v(1 + v) of p or q, e at most v of both, and what is made of them takes
+///                   five roundings: off by less than 9 v² (|p| + |q|), so that 20 v² prove a sign
+template <Number T>
+static SlabDecision<T> by_products(const Ways<number::wide::OneWord<T>>& ways) {
+    using B = number::wide::OneWord<T>;
+    using number::wide::product_of, number::wide::sum_of, number::wide::TwoWords;
+    const B v = unit_roundoff<B>(), slack = B(20) * v * v;
+    B parts(0);
+    for (std::size_t i = 0; i < 3; ++i) parts = parts + abs(ways.n[i].lo) + abs(ways.f[i].lo);
+    const mask_t<B> whole = parts <= B(0);
+    mask_t<B> hit = B(0) <= ways.end, missed = !hit;
+    const auto compare = [&](const TwoWords<B>& less, const B& m, const TwoWords<B>& more, const B& g) {
+        const TwoWords<B> p = product_of(less.hi, m), q = product_of(more.hi, g), s = sum_of<B>(q.hi, -p.hi);
+        const B apart = s.hi + (s.lo + ((q.lo - p.lo) + (more.lo * g - less.lo * m)));
+        const B least = slack * (abs(p.hi) + abs(q.hi));
+        hit = hit && ((whole && p <= q) || (!whole && apart >= least));
+        missed = missed || (whole && p > q) || (!whole && apart < -least);
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+        hit = hit && ways.f[i].hi >= B(0);
+        missed = missed || ways.f[i].hi < B(0);
+        compare(ways.before_end(i), B(1), TwoWords<B>(ways.end), ways.m[i]);
+        for (std::size_t j = 1; j < 3; ++j) {
+            const std::size_t to = (i + j) % 3;
+            compare(ways.n[i], ways.m[to], ways.f[to], ways.m[i]);
+        }
+    }
+    const T told = number::wide::taken_back<T>(select(hit, B(1), select(missed, B(-1), B(0))));
+    return {told > T(0) || told<T(0), told> T(0)};
+}
+
+/// Exactly where the numbers fit (`fit`), as signs of sums of words: 1 where every comparison holds, −1 where one
+/// fails.
+template <Number T>
+[[gnu::noinline]] static SlabDecision<T> exactly(const Ways<number::wide::OneWord<T>>& ways, const mask_t<T>& fit) {
+    using B = number::wide::OneWord<T>;
+    using number::wide::ExactSum;
+    const auto yes = [](const B& x) { return select(x >= B(0), B(1), B(-1)); };
+    B all = yes(ways.end);
+    for (std::size_t i = 0; i < 3; ++i) {
+        all = min(all, yes(ways.f[i].hi));
+        ExactSum<B, 4> before_end;
+        before_end.add_product(ways.end, ways.m[i]);
+        before_end.add(-ways.before_end(i));
+        all = min(all, yes(before_end.value()));
+    }
+    all = every_pair<B>(
+        [&](int i, int j) {
+            const auto at = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
+            ExactSum<B, 8> apart;
+            apart.add_product(ways.f[to].hi, ways.m[at]);
+            apart.add_product(ways.f[to].lo, ways.m[at]);
+            apart.add_product(-ways.n[at].hi, ways.m[to]);
+            apart.add_product(-ways.n[at].lo, ways.m[to]);
+            return yes(apart.value());
+        },
+        [](const B& a, const B& b) { return min(a, b); }, all);
+    return {fit, number::wide::taken_back<T>(all) > T(0)};
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::box

@@ -1,0 +1,25 @@
+// The sign bit of 1/d says which plane comes first, so that no min and max of t1 and t2 are needed: tmin = max(dmin,
+// tmin), tmax = min(dmax, tmax), a hit where tmin ≤ tmax. (The seed writes tmin < tmax where it introduces the form and
+// tmin ≤ tmax in the batched code that it measures; this is the latter.)
+#pragma once
+
+#include "shapes/box/forms/slab.hpp"
+
+namespace lostbits::intersect::box {
+
+struct Signs {
+    static constexpr Info info{
+        .name = "box.signs",
+        .title = "slabs, planes chosen by the sign of 1/d",
+        .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs",
+    };
+
+    template <Number T, BoxOf<T> B>
+    static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
+        T tmin(0), tmax = limit;
+        clip_by_signs(ray, box, tmin, tmax);
+        return entered<T>(tmin <= tmax, {tmin, tmax});
+    }
+};
+
+}  // namespace lostbits::intersect::box

@@ -1,0 +1,96 @@
+// The slab method: a box is three slabs, each between two planes at right angles to an axis, and a ray lies inside a
+// slab from the t of one plane to the t of the other. What several box forms share.
+#pragma once
+
+#include "intersect/info.hpp"
+#include "shapes/box/box.hpp"
+
+namespace lostbits::intersect::box {
+
+/// What the slabs so far have left of the ray: the t from tmin to tmax; nothing where tmin > tmax.
+template <Number T>
+struct Segment {
+    T tmin;
+    T tmax;
+};
+
+/// `left` says by the form's own last test whether something is left. near = t = tmin ≥ 0, clipped at the origin; far =
+/// tmax.
+template <Number T>
+Hit<T> entered(const mask_t<T>& left, const Segment<T>& segment) {
+    return Hit<T>{left, segment.tmin, segment.tmin, segment.tmax};
+}
+
+/// The coordinates of a slab's two planes in the order in which the line meets them.
+template <Number T>
+struct Planes {
+    T bmin;
+    T bmax;
+};
+
+/// A box from a kernel that knows the ray's signs beforehand: its planes lie in the order in which the line meets them.
+template <class T>
+struct OrderedBox {
+    Vec<T> first;
+    Vec<T> second;
+};
+
+/// What the forms that put planes in order by the sign of 1/d alone may be given.
+template <class B, class T>
+concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
+
+/// lo before hi where the sign bit of inv = 1/d is clear, hi before lo where it is set. A direction of −0 has inv = −∞
+/// and its planes change places, so a ray between them still runs from −∞ to +∞.
+template <Number T>
+Planes<T> planes_by_sign(const Box<T>& box, int axis, const T& inv) {
+    const mask_t<T> sign = copysign(T(1), inv) < T(0);
+    return {select(sign, box.hi[axis], box.lo[axis]), select(sign, box.lo[axis], box.hi[axis])};
+}
+
+/// As the kernel has found them.
+template <Number T>
+Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
+    return {box.first[axis], box.second[axis]};
+}
+
+/// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
+/// ray in one of the planes) leaves both as they were, because min and max answer their second operand. (Two numbers
+/// and no Segment: GCC 12 writes a struct of packs to the stack in every round.)
+///
+/// `each(axis, inv, dmax)` sees them all.
+template <Number T, BoxOf<T> B, class Each>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Each& each) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const T inv = named("inv", T(1) / ray.direction[axis]);
+        const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
+        const T dmin = named("dmin", (planes.bmin - ray.origin[axis]) * inv);
+        const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
+        tmin = named("tmin", max(dmin, tmin));
+        tmax = named("tmax", min(dmax, tmax));
+        each(axis, inv, dmax);
+    }
+}
+template <Number T, BoxOf<T> B>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
+    clip_by_signs(ray, box, tmin, tmax, [](int, const T&, const T&) {});
+}
+
+/// Whether x is a number and not NaN: NaN fails both comparisons.
+template <Number T>
+mask_t<T> is_number(const T& x) {
+    return x < T(0) || x >= T(0);
+}
+
+/// IEEE 754-2008 minNum: of a number and a NaN the number, wherever it stands.
+template <Number T>
+T min_num(const T& a, const T& b) {
+    return select(is_number(b), min(a, b), a);
+}
+
+/// IEEE 754-2008 maxNum: of a number and a NaN the number, wherever it stands.
+template <Number T>
+T max_num(const T& a, const T& b) {
+    return select(is_number(b), max(a, b), a);
+}
+
+}  // namespace lostbits::intersect::box

@@ -1,0 +1,12 @@
+// The closed list of shapes: for each a line, with its folder and its struct, and an include. What is included of the
+// folder is what `LOSTBITS_SHAPE_FILE(folder)` says, so that there is no `#pragma once`.
+// clang-format off
+#define LOSTBITS_SHAPES(line) \
+    line(sphere, Sphere) \
+    line(box, Box)
+// clang-format on
+
+#include LOSTBITS_SHAPE_FILE(sphere)
+#include LOSTBITS_SHAPE_FILE(box)
+
+#undef LOSTBITS_SHAPE_FILE

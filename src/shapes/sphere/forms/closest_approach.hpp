@@ -1,0 +1,34 @@
+// After Mitsuba 3: move the origin to the point of closest approach, t₀ = b'/a, O' = O + t₀d, solve the half-b
+// quadratic with Press et al. roots from there, and add t₀ back. Mitsuba divides by |d| where a = d·d stands here (its
+// directions have unit length; for any other its O' is not the closest point), keeps the factor 2 in b, and computes in
+// double on the CPU, all but t₀ and O', which pass through float. Here the arithmetic is that of the format, whatever
+// it is.
+#pragma once
+
+#include "shapes/sphere/forms/roots.hpp"
+
+namespace lostbits::intersect::sphere {
+
+struct ClosestApproach {
+    static constexpr Info info{
+        .name = "sphere.closest_approach",
+        .title = "origin moved to the closest approach",
+        .source = "after Mitsuba 3, src/shapes/sphere.cpp",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        const Vec<T> f = ray.origin - sphere.centre;
+        const T a = named("a", square(ray.direction));
+        const T t0 = named("t0", -dot(f, ray.direction) / a);
+        const Vec<T> moved = ray.origin + t0 * ray.direction;
+        const Vec<T> g = moved - sphere.centre;
+        const T h = named("h", dot(g, ray.direction));
+        const T c = named("c", square(g) - square(sphere.radius));
+        const T disc = named("disc", square(h) - a * c);
+        const RootPair<T> roots = unified_roots<T>(a, -h, c, sqrt(disc));
+        return first_hit<T>(disc < T(0), RootPair<T>{t0 + roots.near, t0 + roots.far});
+    }
+};
+
+}  // namespace lostbits::intersect::sphere

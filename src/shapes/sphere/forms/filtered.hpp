@@ -1,0 +1,53 @@
+// A cheap way with a bound on what rounding can have done to it; where the bound does not prove the decision, or leaves
+// t less than 18 correct bits of 24 (47 of 53), the ray is done again in wider arithmetic, and where that does not
+// prove it either, in wider still: float, double, double-double, exact sums. In packs one branch a register asks
+// whether any lane needs it. The first intersection alone: near = far = t.
+#pragma once
+
+#include "intersect/way.hpp"
+#include "shapes/sphere/forms/filtered_steps.hpp"
+
+namespace lostbits::intersect::sphere {
+
+struct Filtered {
+    static constexpr Info info{
+        .name = "sphere.filtered",
+        .title = "cheap where its bound proves it, wider where not",
+        .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        NoWatch watch;
+        return intersect(ray, sphere, watch);
+    }
+
+    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    template <Number T, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere, Watch& watch) {
+        if constexpr (stands_for_exact<T>) {
+            return answered(filtered::unrounded<T>(ray, sphere));
+        } else {
+            const filtered::Settled<T> cheap = filtered::cheaply<T>(ray, sphere);
+            if (!any_of(!cheap.proved)) return answered(cheap);
+            if constexpr (number::wide::has_wider_word<T>) {
+                watch(Way::wider);
+                using W = number::wide::OneWord<T>;
+                const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
+                if (!any_of(!wide.proved)) return answered(wide);
+                return answered(filtered::to_the_end<T>(ray, sphere, wide, watch));
+            } else {
+                return answered(filtered::to_the_end<T>(ray, sphere, cheap, watch));
+            }
+        }
+    }
+
+private:
+    template <Number T>
+    static Hit<T> answered(const filtered::Settled<T>& v) {
+        return {v.hit, v.t, v.t, v.t};
+    }
+};
+
+}  // namespace lostbits::intersect::sphere

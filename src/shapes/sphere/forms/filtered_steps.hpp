@@ -1,0 +1,321 @@
+// The steps of `sphere.filtered`, and the inequalities that let a ray stop at one.
+#pragma once
+
+#include "intersect/way.hpp"
+#include "number/wide/dyadic_sphere.hpp"
+#include "number/wide/exact_sum.hpp"
+#include "number/wide/ladder.hpp"
+#include "shapes/sphere/forms/roots.hpp"
+
+namespace lostbits::intersect::sphere {
+namespace filtered {
+
+/// What a step says of a ray: the decision and t where they are proved, nothing where not.
+template <Number T>
+struct Settled {
+    mask_t<T> proved, hit;
+    T t;
+
+    /// `first` where it is proved, `second` where not.
+    friend Settled joined(const Settled& first, const Settled& second) {
+        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
+                select(first.proved, first.t, second.t)};
+    }
+};
+
+/// What `cheaply` computes.
+template <Number T>
+struct Cheap {
+    Vec<T> f;
+    T r, inv, s, delta, root;
+};
+
+/// Its bounds.
+template <Number T>
+Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
+    using number::wide::untold;
+    using P = decltype(untold(t));
+    const P u = unit_roundoff<P>(), none = P(1) / P(0), r = untold(of.r), s = untold(of.s), root = untold(of.root);
+    const P inv = untold(of.inv), delta = untold(of.delta);
+    const Vec<P> f = untold(of.f);
+    const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
+    const P e = w * (P(2) * r + P(32) * w);
+    // In coarser formats nothing is far enough away.
+    const P from = select(P(1024) * u <= P(1), P(2), none);
+    const P least = number::wide::root_of_least_normal<P>() / (P(23) * u);
+    const P most = P(1) / (P(64) * number::wide::least_normal<P>());
+    const mask_t<P> in_range = ff >= max(least, from * square(r)) && inv >= least && max(ff, inv) <= most;
+    // Ahead: where s ≤ 0, the last side is none.
+    const mask_t<P> met = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
+    const mask_t<P> missed = s <= P(0) || delta < -e;
+    const mask_t<T> proved = number::wide::taken_for_granted<T>(in_range && (met || missed));
+    if constexpr (tells_of_operations<T>) return {proved, of.delta > T(0) && of.s > T(0), t};
+    else return {proved, met, t};
+}
+
+/// From outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a); one division, one root.
+///
+/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|; terms of second order are in the last digits
+/// of the constants. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
+///
+///     f, f·d, a        |δf_i| ≤ u|f_i|,   |δ(f·d)| ≤ 4.1u|f||d|,   |δa| ≤ 3.05u a
+///     s                |δs| ≤ 4.2u F + 5.2u|s| ≤ 9.5u F
+///     f + s d          |f + (s + δs)d|² = |l|² + a δs² ≤ |l|² + 91φ²: what s is off by moves l along d, and counts
+///     twice l̂                off from it by 2.05φ + u|l̂| (f, the product, the sum), and its square rounds thrice:
+///                      | |l̂| − |f + (s + δs)d| | ≤ δ + 2.6u|l̂|,  δ = 2.05φ
+///
+/// With w = 2.1u(|f_x| + |f_y| + |f_z|) + 4ur and E = w(2r + 32w), Δ̂ > E implies |l| < r and Δ̂ < −E that |l| > r:
+/// from |l̂|² > r² + E follows (1 − 2.6u)|l̂| > δ + √(r² + 91φ²), for the square of the right side is at most
+/// r² + 4.1φr + 134φ², times 1 + 5.5u. And |Δ̂ − Δ| ≤ E for hits.
+///
+/// Ahead or behind: where Δ̂ ≥ −E, s²a = f·f − l·l ≥ f·f − r² − 2E ≥ 0.47 f·f, so |s| ≥ 0.68F > |δs|: the sign of s is
+/// right. Where Δ̂ < −E it does not matter.
+///
+/// t: from Δ̂ > 4E, |√Δ̂ − √Δ| ≤ E/(√Δ̂ + √(Δ̂ − E)) ≤ E/(1.866√Δ̂); F ≤ 1.42s; the root rounds by 3.6u besides. So
+///     |δt| ≤ 11.2u s + 3.6u root + E/(a·1.866·root) + u t,
+/// which is at most 32u t, 18 correct bits of 24, where E/a ≤ u root (36s − 66root), t being s − root.
+///
+/// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a both lie
+/// within √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L: what is lost of f·d, s, f + s d
+/// and w is a 64th of their bounds; |l|², r² and e lose 5uL ≤ 1.25φ², which the 141φ² in E have to spare over the
+/// 134φ² that it needs; and where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict: both of its
+/// sides may overflow.
+template <Number T>
+Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+    const T r2 = square(sphere.radius);
+    const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation: both s and l are then without a minus
+    const T inv = named("inv", T(1) / square(ray.direction));
+    const T s = named("s", dot(f, ray.direction) * inv);
+    const Vec<T> l = f - s * ray.direction;
+    const T delta = named("delta", r2 - square(l));
+    const T root = named("root", sqrt(delta * inv));
+    return proved_cheaply<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
+}
+
+/// What `widely` computes.
+template <Number T>
+struct Wide {
+    T r, a, h, c, disc, root, q;
+};
+
+/// Its bounds. W: the wider number.
+template <class W, Number T>
+Settled<T> proved_widely(const Wide<T>& of, const T& t) {
+    using number::wide::untold;
+    using P = decltype(untold(t));
+    const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), none = P(1) / P(0);
+    const P a = untold(of.a), h = untold(of.h), c = untold(of.c), disc = untold(of.disc), q = untold(of.q);
+    const P r2 = square(untold(of.r)), all = (c + r2) + r2;
+    const P v = max(untold(number::wide::taken_back<T>(unit_roundoff<W>())), P(2) * u * least);
+    const P e = (P(6) * v) * (P(4) * all * a) + P(64) * least;
+    const P from = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
+    const mask_t<P> sure = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= from && e < none && abs(h) < none &&
+                           !(q >= none) && abs(c) >= all * (v / u);
+    const mask_t<P> missed = c > P(0) && (h > P(0) || disc < -e);
+    const mask_t<P> met = !missed && disc > e && e <= untold(of.root) * (q * (P(16) * u));
+    const mask_t<T> proved = number::wide::taken_for_granted<T>(sure && (met || missed));
+    if constexpr (tells_of_operations<T>) return {proved, !(of.c > T(0) && of.h > T(0)) && of.disc > T(0), t};
+    else return {proved, met, t};
+}
+
+/// From anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and all that follows in T: t = c/q or q/a with
+/// q = |h| + √D. No root and no quotient is taken in W.
+///
+/// v is W's unit roundoff, u T's, at most 1/32. In W, with A = f·f + r² and first order in v,
+///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
+/// so the sign of D is right where |D| > e = 24 v A a, whose quarter to spare covers e's own rounding in T.
+///
+/// `sure`, |c| ≥ (v/u) A, makes c right to 6u of itself, with its sign. Where then D ≥ 0, h² ≥ a|c| from outside, so
+/// |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters; and q² ≥ a|c| everywhere,
+/// so h is right to 4√(uv) of q. (f·f is at most A.)
+///
+/// t: D's part is |√D̂ − √D|/q ≤ e/(√D̂ q), asked to be at most 16u; the rest is 6u of c, and the roundings of h, c, D,
+/// √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
+///
+/// Range, with L the least normal number of T: a product in T, and a number brought back to it, is off by up to uL
+/// more, which 64L in e cover; where |c| and a are at least 64L, q and, where D ≥ 0 outside, |h| are so, too, which
+/// leaves them normal. W has T's range where T has no wider word: there |c| and a are at least L/v, so that what
+/// products lose, 4uL each, is uv of A, of a and of √(Aa). Overflow: e < ∞ is what makes |c| < ∞, a < ∞ and
+/// h², ac ≤ A a < ∞/4, and |h| and q are asked. Comparisons with what overflowed on the way are false.
+template <class W, Number T>
+Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using number::wide::taken_back, number::wide::taken_to;
+    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
+    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
+    const W aw = square(d), hw = dot(f, d), cw = square(f) - square(taken_to<W>(sphere.radius));
+    const W dw = square(hw) - aw * cw;
+
+    const T a = named("a", taken_back<T>(aw)), h = named("h", taken_back<T>(hw)), c = named("c", taken_back<T>(cw));
+    const T disc = named("D", taken_back<T>(dw));
+    const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
+    const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
+    const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
+    return proved_widely<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
+}
+
+/// h, c, a and a r² − |f × d|², which is D, good to 2^-52 of themselves, and zero only where they are: sums of the
+/// products that the words of f = o − c make. Exact while the numbers fit.
+template <Number B>
+struct ExactTerms {
+    B h, c, a, disc;
+
+    ExactTerms(const Ray<B>& ray, const Sphere<B>& sphere) : h(0), c(0), a(0), disc(0) {
+        using number::wide::ExactSum, number::wide::sum_of, number::wide::TwoWords;
+        const Vec<B>& d = ray.direction;
+        const TwoWords<B> f[3] = {sum_of<B>(ray.origin.x, -sphere.centre.x), sum_of<B>(ray.origin.y, -sphere.centre.y),
+                                  sum_of<B>(ray.origin.z, -sphere.centre.z)};
+        const TwoWords<B> r2 = number::wide::product_of(sphere.radius, sphere.radius);
+        ExactSum<B, 12> of_h;
+        ExactSum<B, 20> of_c;
+        ExactSum<B, 6> of_a;
+        ExactSum<B, 240> of_disc;
+        for (int i = 0; i < 3; ++i) {
+            of_h.add_product(f[i].hi, d[i]);
+            of_h.add_product(f[i].lo, d[i]);
+            of_c.add_product(f[i].hi, f[i].hi);
+            of_c.add_product(f[i].hi + f[i].hi, f[i].lo);
+            of_c.add_product(f[i].lo, f[i].lo);
+            of_a.add_product(d[i], d[i]);
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            ExactSum<B, 8> m;
+            m.add_product(f[j].hi, d[k]);
+            m.add_product(f[j].lo, d[k]);
+            m.add_product(-f[k].hi, d[j]);
+            m.add_product(-f[k].lo, d[j]);
+            for (std::size_t x = 0; x < m.words().size(); ++x) {
+                const B& word = m.words()[x];
+                of_disc.add_product(-word, word);
+                for (const B& other : m.words().subspan(x + 1)) of_disc.add_product(word + word, -other);
+            }
+        }
+        of_c.add(-r2);
+        for (const B& word : of_a.words()) {
+            of_disc.add_product(word, r2.hi);
+            of_disc.add_product(word, r2.lo);
+        }
+        h = of_h.value();
+        c = of_c.value();
+        a = of_a.value();
+        disc = of_disc.value();
+    }
+};
+
+/// The decision and t of the terms, without a bound: they are right, or T is exact. A ray that touches hits, and one
+/// that starts on the surface hits at t = 0.
+template <Number T>
+Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
+    const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
+    const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& from_within) {
+        return T(select(from_within, q, abs(c)) / select(from_within, a, q));
+    });
+    const mask_t<T> on_it = c >= T(0) && c <= T(0);
+    return {T(0) <= T(0), !(c > T(0)) || (disc >= T(0) && h < T(0)), select(on_it, T(0), t)};
+}
+
+/// The form in exact arithmetic, where there is nothing to filter.
+template <Number T>
+Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
+    const Vec<T> f = ray.origin - sphere.centre;
+    const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
+    const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
+    return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
+}
+
+/// The end over numbers that tell of operations: `exactly`, with terms as good as double-double makes them.
+template <class W, Number T>
+Settled<T> in_words(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using number::wide::taken_back, number::wide::taken_to;
+    using B = number::wide::OneWord<T>;
+    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
+    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
+    const W a = square(d), r2 = square(taken_to<W>(sphere.radius));
+    const W disc = a * r2 - square(cross(f, d)), h = dot(f, d), c = square(f) - r2;
+    const Settled<B> found = of_terms<B>(h.hi, c.hi, a.hi, disc.hi);
+    return {found.proved, found.hit, taken_back<T>(found.t)};
+}
+
+/// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
+/// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
+template <Number T>
+mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
+    mask_t<T> all = T(0) <= T(0);
+    if constexpr (number::wide::has_whole_range<T>) {
+        using B = number::wide::OneWord<T>;
+        const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
+        B none(0);
+        const auto add = [&](const T& x) {
+            const B size = abs(number::wide::taken_to<B>(x));
+            all = all && size <= most && (size >= least || size <= B(0));
+            none = none + B(0) * size;
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            add(ray.origin[axis]);
+            add(ray.direction[axis]);
+            add(sphere.centre[axis]);
+        }
+        add(sphere.radius);
+        all = all || !(none <= B(0));
+    }
+    return all;
+}
+
+/// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss, because T may be narrower and
+/// its masks others.
+template <Number T>
+[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
+    using B = number::wide::OneWord<T>;
+    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
+    const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
+    const ExactTerms<B> in(Ray<B>{words(ray.origin), words(ray.direction)},
+                           Sphere<B>{words(sphere.centre), word(sphere.radius)});
+    const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
+    const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
+    return {fit, t >= T(0), t};
+}
+
+/// `known`, and where it proves nothing the decision and t in the whole range.
+template <Number T>
+Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& known) {
+    const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
+    const std::array<T, 2> all = number::wide::asked_lanes<T, 10, 2>(
+        select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
+        {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
+    return {T(0) <= T(0), all[0] > T(0), all[1]};
+}
+
+/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
+/// double-double is the end, and `in_words` answers what it leaves open.
+template <Number T, class Watch>
+Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
+    using B = number::wide::OneWord<T>;
+    using W = number::wide::TwoWords<B>;
+    watch(Way::two_words);
+    const Part<T> part("in two words");
+    const Settled<T> wide = joined(soft, widely<W, T>(ray, sphere));
+    if (!any_of(!wide.proved)) return wide;
+    watch(Way::exact);
+    if constexpr (tells_of_operations<T>) {
+        return joined(wide, in_words<W, T>(ray, sphere));
+    } else {
+        const mask_t<T> fit = fits(ray, sphere);
+        Settled<T> known = wide;
+        if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, sphere, fit));
+        if constexpr (number::wide::has_whole_range<T>)
+            if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
+        return known;
+    }
+}
+
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, sphere, soft, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::sphere

@@ -1,0 +1,40 @@
+// OptiX SDK sample: half-b roots (a miss where disc ≤ 0); where the near root is farther than ten radii, solve again
+// from O + t d and add. The second solution starts close to the sphere, where c cancels less. As in the sample, a
+// second discriminant that is not positive leaves the first near root as it is.
+#pragma once
+
+#include "shapes/sphere/forms/roots.hpp"
+
+namespace lostbits::intersect::sphere {
+
+struct TwoStep {
+    static constexpr Info info{
+        .name = "sphere.two_step",
+        .title = "half-b solved twice when far away",
+        .source = "NVIDIA OptiX SDK, sphere.cu",
+        .touching = Touching::miss,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere) {
+        const Vec<T> f = ray.origin - sphere.centre;
+        const T a = named("a", square(ray.direction));
+        const T h = named("h", dot(f, ray.direction));
+        const T c = named("c", square(f) - square(sphere.radius));
+        const T disc = named("disc", square(h) - a * c);
+        const T root = sqrt(disc);
+        const T first = named("t1", (-h - root) / a);
+        const mask_t<T> again = abs(first) > T(10) * sphere.radius;
+        const Vec<T> g = f + first * ray.direction;
+        const T h2 = named("h2", dot(g, ray.direction));
+        const T c2 = named("c2", square(g) - square(sphere.radius));
+        const T disc2 = named("disc2", square(h2) - a * c2);
+        const T root2 = sqrt(disc2);
+        const mask_t<T> refined = again && disc2 > T(0);
+        const T near = select(refined, first + (-h2 - root2) / a, first);
+        const T far = select(refined, first + (-h2 + root2) / a, (-h + root) / a);
+        return first_hit<T>(disc <= T(0), RootPair<T>{near, far});
+    }
+};
+
+}  // namespace lostbits::intersect::sphere
