@@ -166,7 +166,7 @@ TEST_CASE("a row says what its shape does") {
         // The plainest, as the words call it, is met at 3 by a ray that comes from 5 away.
         const Solid<double> plainest = solid_around<double>(row.shape, {0, 0, 0}, 2);
         const Ray<double> ray{{0, 0, -5}, {0, 0, 1}};
-        CHECK(visit(plainest, [&](const auto& shape) { return ends_of(*shape.span(ray))->near; }) == 3);
+        CHECK(visit(plainest, [&](const auto& shape) { return ends_of(shape.span(ray))->near; }) == 3);
         CHECK(row.words.plainest.find(row.name) != std::string_view::npos);
         const auto [centre, radius] = ball_around(plainest);
         if (row.round) {
