@@ -152,7 +152,8 @@ Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_
     const auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
                         sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const auto met = [&] {
-        if constexpr (S::told_end) return first_met(span, tmax);
+        const P end = S::told_end ? tmax : P(HUGE_VAL);
+        if constexpr (requires { first_met(span, end); }) return first_met(span, end);
         else return first_met(span);
     }();
     const auto missed = proper && met.missed;
