@@ -67,7 +67,7 @@ TEST_CASE("map writes every file of every form and format") {
     REQUIRE(r.code == 0);
     CHECK(r.out == (scratch.path() / "scene/contact.png").string() + "\n");
     std::size_t rows = 0;
-    for (const auto& form : lostbits::intersect::table::intersectors(Shape::sphere)) {
+    for (const auto& form : lostbits::intersect::table::intersectors(lostbits::Shape::sphere)) {
         for (const char* format : {"f32", "f64", "bf16"}) {
             const std::string stem = std::string(form.info->name) + "." + format;
             const bool expected = form.exists_in(*lostbits::find_format(format));

@@ -1,6 +1,7 @@
 // The steps of `box.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
+#include "geometry/vec.hpp"
 #include "intersect/way.hpp"
 #include "number/wide/dyadic_slabs.hpp"
 #include "shapes/box/forms/filtered_words.hpp"

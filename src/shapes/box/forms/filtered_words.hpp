@@ -1,6 +1,7 @@
 // The exact steps of `box.filtered`: the ways to its planes as sums of two words, and comparisons of their products.
 #pragma once
 
+#include "geometry/vec.hpp"
 #include "number/wide/exact_sum.hpp"
 #include "number/wide/ladder.hpp"
 #include "shapes/box/forms/slab.hpp"

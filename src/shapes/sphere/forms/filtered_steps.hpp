@@ -1,6 +1,7 @@
 // The steps of `sphere.filtered`, and the inequalities that let a ray stop at one.
 #pragma once
 
+#include "geometry/vec.hpp"
 #include "intersect/way.hpp"
 #include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
