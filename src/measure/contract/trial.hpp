@@ -38,7 +38,7 @@ inline Ends<double> ends_of(const Question& q, Shape shape) {
     Solid<double> solid(shape);
     std::copy_n(q.solid.begin(), solid.used().size(), solid.numbers.begin());
     const Ray<double> ray{{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
-    return visit(solid, [&ray](const auto& one) { return *lostbits::ends_of(*one.span(ray)); });
+    return visit(solid, [&ray](const auto& one) { return *lostbits::ends_of(one.span(ray)); });
 }
 
 /// What is tried of one form.

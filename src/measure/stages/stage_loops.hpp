@@ -43,7 +43,7 @@ template <template <class> class Of, class S, Wanted wanted, bool two_words, cla
     using E = Running<W>;
     using P = typename E::P;
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
-    constexpr std::size_t numbers = row_of(Of<float>::shape).numbers;
+    constexpr std::size_t numbers = row_of(shape_as<Of>).numbers;
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
         const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
         const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
@@ -100,7 +100,7 @@ RawStages stages_for() {
 template <class P>
 void fill_stages(RawStages* of_shape) {
     Solids::each([&]<template <class> class Of>() {
-        of_shape[static_cast<std::size_t>(Of<float>::shape)] = stages_for<Of, P>();
+        of_shape[static_cast<std::size_t>(shape_as<Of>)] = stages_for<Of, P>();
     });
 }
 
