@@ -173,6 +173,8 @@ void nothing_is_said_without_a_bound() {
     says_nothing(select(unsure < one, one, two));
     CHECK((select(one < two, one, two) < two).yes());
     CHECK((one - one <= Running<W>(0)).yes());
+    CHECK((Running<W>(W(0.25)) > Running<W>(0)).yes());
+    CHECK((Running<W>(W(0.25)) < one).yes());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 
 #include "number/tri.hpp"
 #include "number/wide/two_words.hpp"
@@ -50,7 +51,8 @@ public:
     using Lanes = mask_t<P>;
 
     Running() = default;
-    explicit Running(int x) : w_(x), e_(0) {}
+    explicit Running(std::same_as<int> auto x) : w_(x), e_(0) {}
+    explicit Running(const W& w) : w_(w), e_(0) {}
     Running(const W& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const W& words() const { return w_; }
