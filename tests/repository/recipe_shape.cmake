@@ -78,32 +78,6 @@ foreach(part CMakeLists.txt LICENSE analysis cmake data docs plugins src/CMakeLi
         file(COPY ${ROOT}/${part} DESTINATION ${folder})
     endif()
 endforeach()
-# What still has to change beside the list: the stages over packs know two shapes. Without them a plane is proved ray by
-# ray.
-set(stages ${WORK}/src/measure/stages)
-file(READ ${stages}/stages.cpp text)
-if(text MATCHES "std::array<Stages, 2>")
-    message(STATUS "the stages know two shapes; in the copy the plane's settle nothing")
-    string(REPLACE "std::array<Stages, 2>" "std::array<Stages, shape_rows.size()>" text "${text}")
-    string(REPLACE "raw[2] = {}" "raw[shape_rows.size()] = {}" text "${text}")
-    string(REPLACE "return {Stages{raw[0], lanes}, Stages{raw[1], lanes}};"
-        "OfShapes all;\n    for (std::size_t k = 0; k < all.size(); ++k) all[k] = {raw[k], lanes};\n    return all;"
-        text "${text}")
-    file(WRITE ${stages}/stages.cpp "${text}")
-    file(READ ${stages}/stage_loops.hpp text)
-    string(REPLACE "template <class P>\nvoid fill_stages" "template <class S>
-void settle_none(const RawProblems<S>& p) {
-    std::memset(p.out.settled, 0, p.size);
-    std::memset(p.out.hit, 0, p.size);
-}
-
-template <class P>\nvoid fill_stages" text "${text}")
-    string(REPLACE "of_shape[1] = stages_for<Subject::box, P>();" "of_shape[1] = stages_for<Subject::box, P>();
-    constexpr auto f = settle_none<float>;
-    constexpr auto d = settle_none<double>;
-    of_shape[2] = {{f, f, f}, {d, d, d}, {d, d, d}, settle_unit_directions<P>};" text "${text}")
-    file(WRITE ${stages}/stage_loops.hpp "${text}")
-endif()
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0" -DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF
     -DLOSTBITS_BUILD_PLUGINS=OFF OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
