@@ -51,14 +51,14 @@ void append(std::string& bytes, double number, bool big_endian) {
     bytes.append(raw, sizeof(F));
 }
 
-enum class Order { rows, columns };
+enum class ArrayOrder { rows, columns };
 
 template <class F>
-std::string as_bytes(const Columns& columns, bool big_endian = false, Order order = Order::rows) {
+std::string as_bytes(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
     std::string bytes;
     const std::size_t n = columns.rows(), k = columns.names.size();
     for (std::size_t i = 0; i < n * k; ++i) {
-        const bool rows = order == Order::rows;
+        const bool rows = order == ArrayOrder::rows;
         append<F>(bytes, columns.numbers[rows ? i % k : i / n][rows ? i / k : i % n], big_endian);
     }
     return bytes;
@@ -75,9 +75,9 @@ inline std::string as_npy(const std::string& dictionary, const std::string& numb
 }
 
 template <class F>
-std::string as_npy(const Columns& columns, bool big_endian = false, Order order = Order::rows) {
+std::string as_npy(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
     const std::string type = std::string(big_endian ? ">" : "<") + (sizeof(F) == 4 ? "f4" : "f8");
-    return as_npy("{'descr': '" + type + "', 'fortran_order': " + (order == Order::rows ? "False" : "True") +
+    return as_npy("{'descr': '" + type + "', 'fortran_order': " + (order == ArrayOrder::rows ? "False" : "True") +
                       ", 'shape': (" + std::to_string(columns.rows()) + ", " + std::to_string(columns.names.size()) +
                       "), }",
                   as_bytes<F>(columns, big_endian, order));

@@ -96,7 +96,7 @@ TEST_CASE("the same rays come out of every container") {
     require_reads("a.csv", bare, {.columns = names}, columns, "f64");
     for (const bool big : {false, true}) {
         const std::string be = big ? "be" : "";
-        for (const Order order : {Order::rows, Order::columns}) {
+        for (const ArrayOrder order : {ArrayOrder::rows, ArrayOrder::columns}) {
             require_reads("a.npy", as_npy<float>(columns, big, order), {.columns = names}, columns, "f32");
             require_reads("a.npy", as_npy<double>(columns, big, order), {.columns = names}, columns, "f64");
         }
@@ -225,7 +225,7 @@ TEST_CASE("a file that was cut short anywhere, or spoilt, is read or refused") {
     const Whole files[] = {
         {"a.csv", as_csv(columns, [](double x) { return output::file::hex(x); }), {}},
         {"a.npy", as_npy<float>(columns), {.columns = columns.joined_names()}},
-        {"a.npy", as_npy<float>(columns, false, Order::columns), {.columns = columns.joined_names()}},
+        {"a.npy", as_npy<float>(columns, false, ArrayOrder::columns), {.columns = columns.joined_names()}},
         {"a.bin", as_bytes<double>(columns), {.columns = columns.joined_names(":f64")}},
         {"a.npy",
          as_npy("{'descr': [('ray', '<f4', (6,)), ('sphere', '<f4', (4,)), ('t', '<f4'), ('hit', '<f4')], "
