@@ -99,9 +99,8 @@ RawStages stages_for() {
 
 template <class P>
 void fill_stages(RawStages* of_shape) {
-    Solids::each([&]<template <class> class Of>() {
-        of_shape[static_cast<std::size_t>(shape_as<Of>)] = stages_for<Of, P>();
-    });
+    Solids::each(
+        [&]<template <class> class Of>() { of_shape[static_cast<std::size_t>(shape_as<Of>)] = stages_for<Of, P>(); });
 }
 
 }  // namespace lostbits::measure::stages

@@ -39,7 +39,7 @@ struct Plane {
     /// t = n·(P − o)/(n·d), with a denominator above 0; of a line beside it, whether it lies in it.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1), n = dot(normal, point - ray.origin), m = dot(normal, ray.direction);
-        const auto never = zero < zero, ahead = m > zero, crossed = ahead || m < zero;
+        const auto never = zero<zero, ahead = m> zero, crossed = ahead || m < zero;
         const Fraction<T> at{select(ahead, n, -n), select(ahead, m, -m)}, before{-one, zero}, after{one, zero};
         return {.entry = {select(crossed, at, before), before, before},
                 .exit = {select(crossed, at, after), after, after},
