@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "intersect/process/parallel.hpp"
 #include "measure/map/measure_row.hpp"
@@ -143,7 +144,6 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<MapSummary*>& summaries) {
-    if (rows.empty()) return;
     Band band(std::move(rays), limit);
     if (needs_of(metrics) & metric::needs_condition) band.find_condition();
     std::map<std::string, FormatInputs> inputs;
@@ -161,7 +161,7 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
     std::vector<MapSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     // A field of distances is of all solids of a group, whichever ray is asked about.
-    const std::optional<Joined> joined = join(groups);
+    std::optional<Joined> joined = join(groups);
     std::vector<MapRow> at_once, one_by_one;
     std::vector<MapSummary*> of_once, of_each;
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -169,16 +169,16 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
         (once ? at_once : one_by_one).push_back(rows[r]);
         (once ? of_once : of_each).push_back(&summaries[r]);
     }
-    if (joined) {
-        measure_group(joined->rays, 0, at_once, metrics, limit, of_once);
+    if (!at_once.empty()) {
+        measure_group(std::move(joined->rays), 0, at_once, metrics, limit, of_once);
         for (MapSummary* const s : of_once) {
             joined->name(s->worst, groups);
             for (const auto& fault : s->faults)
                 if (fault) joined->name(*fault, groups);
         }
     }
-    for (std::size_t g = 0; g < groups.size(); ++g)
-        measure_group(groups[g], static_cast<int>(g), one_by_one, metrics, limit, of_each);
+    for (std::size_t g = 0; !one_by_one.empty() && g < groups.size(); ++g)
+        measure_group(std::move(groups[g]), static_cast<int>(g), one_by_one, metrics, limit, of_each);
     for (MapSummary& s : summaries) {
         s.views = groups.size();
         for (metric::Distribution& d : s.metrics) d.seal();
