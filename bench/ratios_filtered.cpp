@@ -6,6 +6,8 @@
 #include "measure/speed/timing_work.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "ratios.hpp"
+#include "shapes/box/family/family.hpp"
+#include "shapes/sphere/family/family.hpp"
 #include "two_words.hpp"
 
 namespace bench {
@@ -14,8 +16,7 @@ namespace {
 using namespace lostbits;
 using intersect::simd::Isa;
 using measure::speed::RayPool;
-using scene::rays::BoxFamily;
-using scene::rays::Family;
+using scene::sphere::SphereFamily;
 
 struct Rays {
     const char* name;
@@ -33,17 +34,14 @@ std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
 }
 
 /// One view of a family and many rays: rays that hit, and misses beside them.
-RayPool view_of(Family hits) {
-    hits.views = 1;
-    hits.rays = 4096;
-    hits.seed = 7;
-    Family misses = hits;
+RayPool view_of(SphereFamily hits) {
+    hits = scene::rays::of_one_view(hits);
+    SphereFamily misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;
-    const auto met = scene::rays::family_rays(hits).front();
-    const bool point = hits.projection == Family::Projection::point || hits.silhouette_gap != 0;
-    return {met.solids.front(), unit_rays(met),
-            point ? unit_rays(met) : unit_rays(scene::rays::family_rays(misses).front())};
+    const auto met = hits.draw().front();
+    const bool point = hits.projection == SphereFamily::Projection::point || hits.silhouette_gap != 0;
+    return {met.solids.front(), unit_rays(met), point ? unit_rays(met) : unit_rays(misses.draw().front())};
 }
 
 std::vector<Rays> sphere_rays() {
@@ -51,21 +49,19 @@ std::vector<Rays> sphere_rays() {
             {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
             {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
             {"near-huge",
-             view_of({.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}), 1},
+             view_of({.projection = SphereFamily::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}), 1},
             {"grazing", view_of({.distance = 4, .silhouette_gap = 0x1p-10}), 1}};
 }
 
 std::vector<Rays> box_rays() {
-    const auto view = [](BoxFamily family) {
-        family.views = 1;
-        family.rays = 4096;
-        family.seed = 7;
-        const auto group = scene::rays::box_family_rays(family).front();
+    using Aim = scene::box::BoxFamily::Aim;
+    const auto view = [](const scene::box::BoxFamily& family) {
+        const auto group = scene::rays::of_one_view(family).draw().front();
         return RayPool{group.solids.front(), unit_rays(group), unit_rays(group)};
     };
     return {{"easy", measure::speed::ray_pool(Shape::box), 0.5},
-            {"edge", view({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}), 1},
-            {"face", view({.aim = BoxFamily::Aim::face}), 1}};
+            {"edge", view({.aim = Aim::edge, .gap = 0x1p-23}), 1},
+            {"face", view({.aim = Aim::face}), 1}};
 }
 
 /// Nanoseconds of an item by each kernel, and what the first takes over each of the others.

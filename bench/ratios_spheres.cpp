@@ -33,7 +33,7 @@ scene::file::Scene flake_scene(int levels, double distance, const char* fov_deg)
     scene.camera.look_at = Vec<Real>(Real(0), Real(0), Real(0));
     scene.camera.up = Vec<Real>(Real(0), Real(1), Real(0));
     scene.camera.fov_deg = Real(fov_deg);
-    scene.flake = scene::file::Sphereflake{.levels = levels, .axis = {0.2, 0.9, 0.4}};
+    scene.flake = scene::sphere::Sphereflake{.levels = levels, .axis = {0.2, 0.9, 0.4}};
     scene.listed.emplace_back(Sphere<Real>{Vec<Real>(Real(0), Real("-1001.5"), Real(0)), Real(1000)});
     return scene;
 }

@@ -117,4 +117,57 @@ hold(map/floor/summary.csv "\nplane\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n" sweep lower.toml -i plane.* -f f32 -o sweep)
 hold(sweep/lower/samples.csv "\n65536,0x1p.16,plane\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o judge)
+# Random rays, as its own folder draws them, and times on them.
+file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[plane_family]\nviews = 64\n"
+    "[[axis]]\nname = \"distance\"\nunit = \"sizes\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 2\n"
+    "set = [\"distance\"]\n")
+say("^0\n" sweep size.toml -i plane.* -f f32 -o family)
+hold(family/size/samples.csv "\n65536,0x1p.16,plane\\.quotient,f32,64,64,0,0,0,0,0,")
+say("^0\n.*plane\\.quotient" trade --shape plane --quick -o trade)
+# The same formula from outside: through the C interface, as a formula of a header, as a shader.
+file(WRITE ${WORK}/outside.c [=[
+#include <lostbits_plugin.h>
+static const char* run(const lb_batch* b) {
+    for (size_t i = 0; i < b->size; ++i) {
+        const double *r = (const double*)b->rays + 6 * i, *p = (const double*)b->solids + b->solid_stride * i;
+        double n = 0, m = 0;
+        for (int k = 0; k < 3; ++k) n += p[3 + k] * (p[k] - r[k]), m += p[3 + k] * r[3 + k];
+        ((double*)b->near_far)[2 * i] = n / m;
+        b->hit[i] = n / m >= 0;
+    }
+    return NULL;
+}
+const lb_form* lostbits_forms(int abi, size_t* count) {
+    static const lb_form form = {.name = "outside.plane", .shape = 2, .format = LB_F64, .roots = LB_FIRST,
+                                 .flags = LB_NO_END, .run = run};
+    *count = 1;
+    return abi == LOSTBITS_PLUGIN_ABI ? &form : NULL;
+}
+]=])
+file(WRITE ${WORK}/header.cpp [=[
+#include <lostbits_form.hpp>
+using namespace lostbits;
+struct Header {
+    static constexpr intersect::Info info{.name = "header.plane", .roots = intersect::Roots::first_only};
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
+        const T t = dot(plane.normal, plane.point - ray.origin) / dot(plane.normal, ray.direction);
+        return {t >= T(0), t, t, t};
+    }
+};
+LOSTBITS_FORMULAS(Header)
+]=])
+file(WRITE ${WORK}/plane.glsl "// lostbits: direction=any roots=first\n"
+    "float plane(vec3 ro, vec3 rd, vec3 normal, vec3 point) {\n"
+    "    return dot(normal, point - ro) / dot(normal, rd);\n}\n")
+execute_process(COMMAND ${CXX} -x c -std=c99 -O2 -ffp-contract=off -fPIC -shared -I${WORK}/plugins ${WORK}/outside.c
+    -o ${WORK}/outside.so COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CXX} -shared ${WORK}/header.cpp -o ${WORK}/header.so @${WORK}/build/form.flags
+    COMMAND_ERROR_IS_FATAL ANY)
+say("^0\n.*outside\\.plane in binary64, a plane: does as it says" plugin check ${WORK}/outside.so)
+say("^0\n.*header\\.plane" plugin check ${WORK}/header.so)
+say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so -i *.plane -f f64 -o doors)
+hold(doors/floor/summary.csv "\noutside\\.plane,f64,256,199,57,0,0,0,0,")
+hold(doors/floor/summary.csv "\nheader\\.plane,f64,256,199,57,0,0,0,0,")
+say("^0\n.*shader\\.plane in binary32, a plane: does as it says" plugin check --shader ${WORK}/plane.glsl)
 say("^0\n.*culprit is n\\.\\(P-o\\)" explain floor.toml --pixel 3,12 -i plane.quotient -f f32)

@@ -19,8 +19,9 @@ std::string room_of(const std::string& path) {
 
 /// The namespace of a room: that of its path. Operations of numbers must be found where a formula over float looks.
 std::string namespace_of(const std::string& room) {
-    static const std::regex forms("shapes/(\\w+)/forms");
-    if (std::smatch shape; std::regex_match(room, shape, forms)) return "lostbits::intersect::" + shape[1].str();
+    static const std::regex of_shape("shapes/(\\w+)/(\\w+)");
+    if (std::smatch m; std::regex_match(room, m, of_shape))
+        return (m[2] == "forms" ? "lostbits::intersect::" : "lostbits::scene::") + m[1].str();
     if (room == "number" || room == "geometry" || room.starts_with("shapes")) return "lostbits";
     return "lostbits::" + std::regex_replace(room, std::regex("/"), "::");
 }

@@ -224,7 +224,13 @@ namespace {
 
 /// Places that name a shape, and not what every solid has.
 std::ptrdiff_t names_of_shapes(const SourceFile& file) {
-    static const std::regex name(R"(\bShape::(?!sdf\b)\w+|\b(Sphere|Box)<)");
+    static const std::regex line(R"(    line\(\w+, (\w+)\))");
+    static const std::regex name([list = text_of("src/shapes/list.hpp")] {
+        std::string shapes;
+        for (auto m = std::sregex_iterator(list.begin(), list.end(), line); m != std::sregex_iterator(); ++m)
+            shapes += "|\\b" + (*m)[1].str() + "<";
+        return "\\bShape::(?!sdf\\b)\\w+" + shapes;
+    }());
     const std::string code = code_of(file.text);
     return std::distance(std::sregex_iterator(code.begin(), code.end(), name), std::sregex_iterator());
 }
@@ -233,25 +239,12 @@ std::ptrdiff_t names_of_shapes(const SourceFile& file) {
 
 TEST_CASE("what names a shape lies in its folder, or has its reason", "[repository]") {
     const std::map<std::string, std::string> reasons{
-        {"src/intersect/shader/signature.cpp", "how GLSL is written by others: a vec4 sphere, two corners"},
         {"src/intersect/simd/packed_many_kernels.hpp", "the planes of a box in order: a loop by hand"},
         {"src/intersect/simd/plain_many_w256.cpp", "loops that others write over boxes"},
-        {"src/measure/columns/residual_kernels.hpp", "loops by hand, with their inequalities"},
         {"src/measure/metric/published_bounds.cpp", "a bound of the slabs of one form"},
         {"src/measure/picture/shade.hpp", "pictures are of spheres"},
         {"src/measure/picture/true_picture.cpp", "pictures are of spheres"},
-        {"src/measure/speed/trade_rays.cpp", "the random rays that are drawn for a shape"},
-        {"src/measure/truth/unit_direction.cpp", "the stage is the same for every shape"},
-        {"src/scene/file/appearance.hpp", "pictures are of spheres"},
-        {"src/scene/file/scene.cpp", "a flake is of spheres"},
-        {"src/scene/file/sphereflake.cpp", "a flake is of spheres"},
-        {"src/scene/file/sphereflake.hpp", "a flake is of spheres"},
-        {"src/scene/rays/box_family.cpp", "the family of the box"},
-        {"src/scene/rays/family.cpp", "the family of the sphere"},
-        {"src/scene/rays/lost_lengths.cpp", "a flake is of spheres"},
-        {"src/scene/rays/rays.cpp", "a flake is of spheres"},
-        {"src/scene/rays/solid_list.cpp", "a flake is of spheres"},
-        {"src/scene/rays/solid_list.hpp", "a flake is of spheres"}};
+        {"src/scene/file/appearance.hpp", "pictures are of spheres"}};
     std::set<std::string> found;
     std::ptrdiff_t all = 0;
     for (const SourceFile& file : read_tree({"src", "analysis"})) {
@@ -266,7 +259,7 @@ TEST_CASE("what names a shape lies in its folder, or has its reason", "[reposito
         CHECK(found.contains(path));
     }
     INFO(all << " places");
-    CHECK(all <= 36);
+    CHECK(all <= 12);
     CHECK(names_of_shapes({"src/x.cpp", "if (solid.shape != Shape::box) return;\nconst Sphere<S> sphere;"}) == 2);
     CHECK(names_of_shapes({"src/x.cpp", "// Shape::box\nif (shape == Shape::sdf) return;"}) == 0);
 }

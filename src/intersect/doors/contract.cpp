@@ -70,7 +70,7 @@ Contract contract_of(const lb_form& form, const std::string& library) {
     if (form.name == nullptr) throw InputError(library + ": a form has no name");
     const std::string from = library + ": form \"" + form.name + "\"";
     Contract c{.name = form.name, .title = text_of(form.title), .source = text_of(form.source)};
-    c.shape = word<Shape>(form.shape, 2, "shape", from);
+    c.shape = word<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", from);
     c.bits = form.format;
     c.direction = word<Direction>(form.direction, 2, "direction", from);
     c.roots = word<Roots>(form.roots, 4, "roots", from);

@@ -14,8 +14,8 @@ namespace {
 /// The words of one key, in the order of the values that they stand for.
 using Words = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 2> shapes{"sphere", "box"}, formats{"f32", "f64"}, directions{"any", "unit"},
-    counts{"hit", "miss"};
+constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // of solids
+constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
 constexpr Words at_origins = at_origin_names, insides = inside_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
 constexpr std::array<std::string_view, 4> flags{"line", "no_end", "one_thread", "clipped"};

@@ -10,57 +10,59 @@ namespace {
 
 using Way = Parameter::Way;
 
-enum class Role { origin, direction, inverse, lo, hi, centre, point, unknown };
-
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
     return text;
 }
 
-/// What a name of a vec3 says of it.
-Role role_of(const std::string& named) {
-    const std::string name = lower(named);
-    const auto has = [&name](std::initializer_list<std::string_view> parts) {
-        return std::ranges::any_of(parts, [&](std::string_view part) { return name.find(part) != std::string::npos; });
-    };
-    const auto is = [&name](std::initializer_list<std::string_view> words) {
-        return std::ranges::find(words, name) != words.end();
-    };
-    if (has({"inv", "rcp"})) return Role::inverse;
-    if (has({"dir"}) || is({"rd", "d", "rdir", "v", "raydir"})) return Role::direction;
-    if (has({"orig"}) || is({"ro", "o", "eye", "start", "p0", "e"})) return Role::origin;
-    if (has({"cent"}) || is({"c", "ce", "pos", "sc", "sphere"})) return Role::centre;
-    if (has({"min", "low"}) || is({"lo", "a", "lb", "bl", "p1"})) return Role::lo;
-    if (has({"max", "upp", "hig"}) || is({"hi", "b", "rt", "ur", "p2"})) return Role::hi;
-    return Role::unknown;
-}
+/// How others write the points of solids, by the names of their keys.
+constexpr struct {
+    std::string_view key;
+    std::array<std::string_view, 3> parts;
+    std::array<std::string_view, 5> words;
+} spellings[] = {{"centre", {"cent"}, {"c", "ce", "pos", "sc", "sphere"}},
+                 {"lo", {"min", "low"}, {"lo", "a", "lb", "bl", "p1"}},
+                 {"hi", {"max", "upp", "hig"}, {"hi", "b", "rt", "ur", "p2"}}};
 
-const char* expression_of(Role role) {
-    switch (role) {
-        case Role::origin: return "lb_origin";
-        case Role::direction: return "lb_direction";
-        case Role::inverse: return "(1.0 / lb_direction)";
-        case Role::lo: return "lb_lo";
-        case Role::hi: return "lb_hi";
-        case Role::centre: return "lb_centre";
-        case Role::point: return "lb_point";
-        case Role::unknown: break;
-    }
-    return "";
+std::string variable_of(std::string_view key) { return "lb_" + std::string(key); }
+
+constexpr std::string_view origin = "lb_origin", direction = "lb_direction", inverse = "(1.0 / lb_direction)";
+
+/// What a name of a vec3 says of it, as an expression; empty: nothing.
+std::string role_of(const std::string& named) {
+    const std::string name = lower(named);
+    const auto has = [&name](const auto& parts) {
+        return std::ranges::any_of(
+            parts, [&](std::string_view part) { return !part.empty() && name.find(part) != std::string::npos; });
+    };
+    const auto is = [&name](const auto& words) { return std::ranges::find(words, name) != std::ranges::end(words); };
+    using Words = std::initializer_list<std::string_view>;
+    if (has(Words{"inv", "rcp"})) return std::string(inverse);
+    if (has(Words{"dir"}) || is(Words{"rd", "d", "rdir", "v", "raydir"})) return std::string(direction);
+    if (has(Words{"orig"}) || is(Words{"ro", "o", "eye", "start", "p0", "e"})) return std::string(origin);
+    for (const auto& spelling : spellings)
+        if (has(spelling.parts) || is(spelling.words)) return variable_of(spelling.key);
+    for (const ShapeRow& row : shape_rows)
+        for (const Key& key : row.keys)
+            if (name == key.name || is(key.aliases)) return variable_of(key.name);
+    return {};
 }
 
 /// Roles in the order in which shader sites write them, replaced by what the names say where each is named once.
-std::vector<Role> roles_of(const std::vector<const Parameter*>& vectors, std::vector<Role> usual) {
-    std::vector<Role> named;
+std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> usual) {
+    std::vector<std::string> named;
     for (const Parameter* p : vectors) {
-        const Role role = role_of(p->name);
-        named.push_back(role == Role::inverse ? Role::direction : role);
+        const std::string role = role_of(p->name);
+        named.push_back(role == inverse ? std::string(direction) : role);
     }
     if (std::ranges::is_permutation(named, usual)) usual = named;
-    for (std::size_t k = 0; k < vectors.size(); ++k) {
-        if (usual[k] == Role::direction && role_of(vectors[k]->name) == Role::inverse) usual[k] = Role::inverse;
-    }
+    for (std::size_t k = 0; k < vectors.size(); ++k)
+        if (usual[k] == direction && role_of(vectors[k]->name) == inverse) usual[k] = inverse;
     return usual;
+}
+
+std::size_t count_of(const ShapeRow& row, Key::Kind kind) {
+    return static_cast<std::size_t>(std::ranges::count(row.keys, kind, &Key::kind));
 }
 
 bool contains_any(const std::string& name, std::initializer_list<std::string_view> parts) {
@@ -84,7 +86,9 @@ public:
         for (std::size_t k = 0; k < arguments_.size(); ++k) {
             if (!sort(found_.function.parameters[k], k)) return {};
         }
-        if (!take_kind() || !take_solid() || !take_answer()) return {};
+        if (!take_kind()) return {};
+        take_solid();
+        if (!take_answer()) return {};
         found_.arguments = std::move(arguments_);
         return std::move(found_);
     }
@@ -112,7 +116,7 @@ private:
         return true;
     }
 
-    /// A radius, or where the ray begins or ends.
+    /// A length of the solid, or where the ray begins or ends.
     bool take_number(const Parameter& p, std::size_t k) {
         const std::string name = lower(p.name);
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
@@ -120,51 +124,78 @@ private:
         else if (has("max") || has("end")) {
             arguments_[k] = "lb_end";
             found_.knows_end = true;
-        } else if (radius_) return false;
-        else {
-            radius_ = k;
-            arguments_[k] = "lb_solid[3]";
+        } else {
+            lengths_.push_back(k);
         }
         return true;
+    }
+
+    /// The shape that has as many points and lengths as the function beside `own` vectors: of several the one whose
+    /// keys have the names of parameters, else the first.
+    bool choose_shape(std::size_t own) {
+        if (vectors_.size() < own || (whole_ && vectors_.size() > own)) return false;
+        const auto is_parameter = [this](const Key& key) {
+            return std::ranges::any_of(found_.function.parameters, [&key](const Parameter& p) {
+                const std::string name = lower(p.name);
+                return name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end();
+            });
+        };
+        const std::size_t points = whole_ ? 1 : vectors_.size() - own, lengths = whole_ ? 1 : lengths_.size();
+        for (const ShapeRow& row : shape_rows) {
+            if (count_of(row, Key::Kind::point) != points || count_of(row, Key::Kind::length) != lengths) continue;
+            if (shape_ == nullptr || std::ranges::all_of(row.keys, is_parameter)) shape_ = &row;
+        }
+        return shape_ != nullptr;
     }
 
     /// How many vectors are numbers of the solid, and so what the others are.
     bool take_kind() {
         using Kind = Signature::Kind;
-        const std::size_t of_solid = whole_ ? 0 : radius_ ? 1 : 2, vectors = vectors_.size();
+        const std::size_t vectors = vectors_.size();
         const std::string name = lower(found_.function.name);
         const bool field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
         const bool march_name = contains_any(name, {"march", "trace", "cast"});
-        const bool has_solid = whole_ || radius_ || vectors > 2;
-        const bool from_point = vectors > 0 && role_of(found_.function.parameters[vectors_[0]].name) != Role::origin;
-        if (has_solid && vectors == of_solid + 2) found_.kind = Kind::intersector;
+        const bool has_solid = whole_ || !lengths_.empty() || vectors > 2;
+        const bool from_point = vectors > 0 && role_of(found_.function.parameters[vectors_[0]].name) != origin;
+        if (has_solid && choose_shape(2)) found_.kind = Kind::intersector;
         else if (!has_solid && vectors == 2 && (named_ || march_name)) found_.kind = Kind::march;
-        else if ((vectors == 1 || (has_solid && vectors == of_solid + 1)) && from_point && (named_ || field_name))
+        else if (from_point && (named_ || field_name) && (has_solid ? choose_shape(1) : vectors == 1))
             found_.kind = Kind::field;
         else return false;
         return true;
     }
 
-    bool take_solid() {
+    void take_solid() {
         const bool field = found_.kind == Signature::Kind::field;
-        std::vector<Role> usual = field ? std::vector{Role::point} : std::vector{Role::origin, Role::direction};
-        if (whole_) arguments_[*whole_] = typed("vec4") + "(lb_centre, lb_solid[3])";
-        else if (radius_) {
-            if (vectors_.size() != usual.size() + 1) return false;
-            // The centre stands in front of its radius.
-            const auto before =
-                std::ranges::find(vectors_, *radius_ == 0 ? vectors_.back() : *radius_ - 1) - vectors_.begin();
-            usual.insert(usual.begin() + std::min<std::ptrdiff_t>(before, std::ssize(usual)), Role::centre);
-        } else if (vectors_.size() == usual.size() + 2) {
-            found_.shape = Shape::box;
-            usual.insert(usual.end(), {Role::lo, Role::hi});
-        }
-        if (usual.size() != vectors_.size()) return false;
+        std::vector<std::string> usual;
+        if (field) usual = {"lb_point"};
+        else usual = {std::string(origin), std::string(direction)};
+        if (shape_ != nullptr) add_solid(usual);
         std::vector<const Parameter*> all;
         for (const std::size_t k : vectors_) all.push_back(&found_.function.parameters[k]);
-        const std::vector<Role> roles = roles_of(all, usual);
-        for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = expression_of(roles[k]);
-        return true;
+        const std::vector<std::string> roles = roles_of(all, usual);
+        for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = roles[k];
+    }
+
+    /// The numbers of the solid, and where its points usually stand among the vectors.
+    void add_solid(std::vector<std::string>& usual) {
+        found_.shape = shape_->shape;
+        std::vector<std::string> points;
+        std::size_t length = 0;
+        for_each_key(shape_->shape, [&](const Key& key, std::size_t first) {
+            const std::string number = "lb_solid[" + std::to_string(first) + "]";
+            if (key.kind == Key::Kind::point) points.push_back(variable_of(key.name));
+            else if (whole_) arguments_[*whole_] = typed("vec4") + "(" + points.front() + ", " + number + ")";
+            else arguments_[lengths_[length++]] = number;
+        });
+        if (whole_) return;
+        std::ptrdiff_t before = std::ssize(usual);
+        if (points.size() == 1 && !lengths_.empty()) {
+            // A centre stands in front of its radius.
+            const std::size_t centre = lengths_[0] == 0 ? vectors_.back() : lengths_[0] - 1;
+            before = std::min<std::ptrdiff_t>(before, std::ranges::find(vectors_, centre) - vectors_.begin());
+        }
+        usual.insert(usual.begin() + before, points.begin(), points.end());
     }
 
     bool take_answer() {
@@ -186,8 +217,9 @@ private:
     bool named_, of_hlsl_ = false;
     Signature found_;
     std::vector<std::string> arguments_;
-    std::vector<std::size_t> vectors_;
-    std::optional<std::size_t> whole_, radius_;
+    std::vector<std::size_t> vectors_, lengths_;  ///< places among the parameters
+    std::optional<std::size_t> whole_;            ///< of a vec4
+    const ShapeRow* shape_ = nullptr;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "intersect/table/table.hpp"
 #include "measure/blame/attribution.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::blame {
 

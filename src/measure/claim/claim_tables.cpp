@@ -4,8 +4,8 @@
 #include "measure/claim/arithmetic.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/claim/closest.hpp"
-#include "scene/rays/box_family.hpp"
 #include "scene/toml/did_you_mean.hpp"
+#include "shapes/box/family/family.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -32,7 +32,7 @@ ClaimResult judge_closest(const Claim& claim, std::uint64_t seed, truth::TruthLi
     const double differs = find_or_blame_claim(
         claim, [&] { return differs_with_closest(claim_row(form), claim.at.front(), seed, limit); });
     auto result = judge(claim, differs, nullptr);
-    result.samples = scene::rays::BoxFamily{}.views;
+    result.samples = scene::box::BoxFamily{}.views;
     return result;
 }
 

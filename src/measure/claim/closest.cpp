@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "number/error.hpp"
-#include "scene/rays/box_family.hpp"
+#include "shapes/box/family/family.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -32,12 +32,12 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed, truth::TruthLimit limit) {
     if (!told_end(row.form->shape))
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
-    scene::rays::BoxFamily family;
+    scene::box::BoxFamily family;
     family.adjoining = true;
     family.distance = distance;
     family.seed = seed;
     std::size_t rays = 0, different = 0;
-    for (scene::rays::RayGroup& group : scene::rays::box_family_rays(family)) {
+    for (scene::rays::RayGroup& group : family.draw()) {
         const truth::Band band(std::move(group), limit);
         const FormatInputs in = band.inputs(row.format, {});
         const auto apart = nearest(row, in, false), passed = nearest(row, in, true);

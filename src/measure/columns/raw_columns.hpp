@@ -66,7 +66,7 @@ struct RawHits {
 
 struct RawKernels {
     void (*errors)(RawErrors&);
-    void (*residuals[shape_rows.size()])(RawResiduals&);  ///< of each shape; null where the scalar function answers
+    void (*residuals[shape_rows.size()])(RawResiduals&);  ///< of each shape
     void (*sizes)(RawSizes&);
     void (*hits32)(const RawHits<float>&);
     void (*hits64)(const RawHits<double>&);

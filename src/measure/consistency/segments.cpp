@@ -7,7 +7,7 @@
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/side.hpp"
 #include "number/with_number.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::consistency {
 

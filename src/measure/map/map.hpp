@@ -17,7 +17,7 @@
 #include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/missing.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::map {
 

@@ -1,8 +1,8 @@
 #include "measure/metric/hit_point.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "measure/columns/residual.hpp"
 #include "measure/truth/enclose.hpp"
 #include "number/rounded.hpp"
 
@@ -29,19 +29,16 @@ Vec<double> hit_point(const Sample& s) {
 
 namespace {
 
-template <class E>
-E off_surface(const Vec<double>& p, const Solid<double>& solid) {
-    const Vec<E> point = truth::lift_vec<E>(p);
-    return visit(truth::lift_solid<E>(solid), [&point](const auto& shape) { return shape.off_surface(point); });
-}
-
 double residual_of(const Vec<double>& p, const Solid<double>& solid) {
-    const Ball quick = off_surface<Ball>(p, solid);
-    // Good to 2^-40 of itself, or so small that a double's rounding noise hides it.
-    if (quick.is_bounded() && quick.radius() <= std::max(std::fabs(quick.hi()) * 0x1p-40, 0x1p-90)) return quick.hi();
-    const Interval::Precision precision(8192);
-    const Interval exact = off_surface<Interval>(p, solid);
-    return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
+    return visit(solid, [&]<template <class> class S>(const S<double>&) {
+        const double point[] = {p.x, p.y, p.z};
+        const auto number = [&solid](int k) { return solid.numbers[static_cast<std::size_t>(k)]; };
+        if (double quick; columns::find_residual<S>(point, number, quick)) return quick;
+        const Interval::Precision precision(8192);
+        const Interval exact =
+            truth::lift_solid<Interval>(solid).template as<S>().off_surface(truth::lift_vec<Interval>(p));
+        return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
+    });
 }
 
 }  // namespace

@@ -1,53 +1,17 @@
 #include "measure/speed/trade_rays.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 #include <random>
 
 #include "measure/truth/unit_direction.hpp"
-#include "number/error.hpp"
+#include "scene/sweep/families.hpp"
 
 namespace lostbits::measure::speed {
 namespace {
 
-using scene::rays::BoxFamily;
-using scene::rays::Family;
 using scene::rays::RayGroup;
-
-std::vector<RayGroup> easy_spheres() { return scene::rays::family_rays({.distance = 4, .impact_to = 0.9}); }
-std::vector<RayGroup> far_small_spheres() { return scene::rays::family_rays({.distance = 4096, .impact_to = 0.9}); }
-std::vector<RayGroup> near_huge_spheres() {
-    return scene::rays::family_rays(
-        {.projection = Family::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9});
-}
-std::vector<RayGroup> grazing_spheres() { return scene::rays::family_rays({.distance = 4, .silhouette_gap = 0x1p-10}); }
-
-std::vector<RayGroup> easy_boxes() { return scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside}); }
-
-/// Half of the rays inside by the gap, half outside.
-std::vector<RayGroup> edge_boxes() {
-    auto groups = scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = -0x1p-23});
-    std::ranges::move(scene::rays::box_family_rays({.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}),
-                      std::back_inserter(groups));
-    return groups;
-}
-
-constexpr RaySet sphere_sets[] = {
-    {"easy", "a sphere 4 radii away, hit within 0.9 radii of its middle", easy_spheres},
-    {"far-small", "a sphere 4096 radii away, hit within 0.9 radii of its middle", far_small_spheres},
-    {"near-huge", "a sphere of radius 1e6, seen from 1 above its surface", near_huge_spheres},
-    {"grazing", "a sphere 4 radii away, hit 2^-10 radii inside its silhouette", grazing_spheres},
-};
-
-constexpr RaySet box_sets[] = {
-    {"easy", "boxes 4 sizes away, aimed at the inside", easy_boxes},
-    {"edge-grazing", "boxes 4 sizes away, aimed 2^-23 sizes inside and outside of an edge", edge_boxes},
-};
-
-constexpr std::uint64_t pool_seed = 7;
-constexpr int pool_rays = 4096;
+using scene::sweep::FamilyRow;
 
 std::vector<Ray<double>> unit_rays(const RayGroup& group) {
     std::vector<Ray<double>> rays;
@@ -58,44 +22,19 @@ std::vector<Ray<double>> unit_rays(const RayGroup& group) {
     return rays;
 }
 
-RayPool pool_of(const std::vector<RayGroup>& hits, const std::vector<RayGroup>& misses) {
-    return {hits.front().solids.front(), unit_rays(hits.front()), unit_rays(misses.front())};
+const FamilyRow& family_of(Shape shape) {
+    return *std::ranges::find(scene::sweep::families(), shape, &FamilyRow::shape);
 }
-
-/// The first draw of a family is its solid: the same seed gives both halves the same one.
-RayPool sphere_pool() {
-    return pool_of(
-        scene::rays::family_rays({.distance = 4, .impact_to = 0.9, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-        scene::rays::family_rays(
-            {.distance = 4, .impact_from = 1.1, .impact_to = 1.5, .views = 1, .rays = pool_rays, .seed = pool_seed}));
-}
-RayPool box_pool() {
-    return pool_of(
-        scene::rays::box_family_rays({.aim = BoxFamily::Aim::inside, .views = 1, .rays = pool_rays, .seed = pool_seed}),
-        scene::rays::box_family_rays(
-            {.aim = BoxFamily::Aim::edge, .gap = 0.25, .views = 1, .rays = pool_rays, .seed = pool_seed}));
-}
-
-/// What is drawn for a shape.
-constexpr struct {
-    Shape shape;
-    std::span<const RaySet> sets;
-    RayPool (*pool)();
-} drawn[] = {{Shape::sphere, sphere_sets, sphere_pool}, {Shape::box, box_sets, box_pool}};
 
 }  // namespace
 
 std::span<const RaySet> ray_sets(Shape shape) {
-    for (const auto& of : drawn)
-        if (of.shape == shape) return of.sets;
-    return {};
+    return is_solid(shape) ? family_of(shape).sets() : std::span<const RaySet>();
 }
 
 RayPool ray_pool(Shape shape) {
-    for (const auto& of : drawn)
-        if (of.shape == shape) return of.pool();
-    throw InputError(fmt::format("no random rays are drawn for {}; time their forms on a scene: lostbits trade SCENE",
-                                 row_of(shape).plural));
+    const scene::rays::HitsAndMisses rays = family_of(shape).timed();
+    return {rays.hits.solids.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
 }
 
 template <class S>

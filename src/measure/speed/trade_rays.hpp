@@ -4,21 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "intersect/table/table.hpp"
-#include "scene/rays/box_family.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/family_parts.hpp"
 
 namespace lostbits::measure::speed {
 
-/// Rays on which forms are compared.
-struct RaySet {
-    std::string_view name;   ///< in files
-    std::string_view title;  ///< what the rays are
-    std::vector<scene::rays::RayGroup> (*groups)();
-};
+using scene::rays::RaySet;
 
 /// The sets of a shape, the easy one first. Seeded: always the same rays.
 std::span<const RaySet> ray_sets(Shape shape);

@@ -11,7 +11,7 @@
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
 

@@ -51,7 +51,7 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
     constexpr std::size_t together = 512;
     double room[3][together];
     std::uint8_t settled[together];
-    const stages::Stages& stages = stages::stages_of(Shape::sphere, intersect::simd::current_isa());
+    const stages::Stages& stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
     const bool native = format == binary32 || format == binary64;
     for (std::size_t begin = 0; begin < directions[0].size(); begin += together) {
         const std::size_t count = std::min(together, directions[0].size() - begin);

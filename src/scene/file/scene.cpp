@@ -134,7 +134,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
             scene.listed.push_back(read_solid(row.shape, table, numbers));
         }
     }
-    if (auto flake = file.optional_table("sphereflake")) scene.flake = read_sphereflake(*flake);
+    if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     file.reject_unknown_keys();
@@ -150,9 +150,9 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
 std::vector<Solid<Real>> Scene::solids() const {
     std::vector<Solid<Real>> all = listed;
     if (flake) {
-        require_room_for(*flake);
-        for_each_sphere(*flake, [&all](const Sphere<double>& s) {
-            all.emplace_back(Sphere<Real>{{Real(s.centre.x), Real(s.centre.y), Real(s.centre.z)}, Real(s.radius)});
+        sphere::require_room_for(*flake);
+        sphere::for_each_solid(*flake, [&all](const Solid<double>& s) {
+            all.push_back(transformed(s, [](double x) { return Real(x); }));
         });
     }
     return all;
@@ -162,7 +162,7 @@ std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
         const bool is_listed = std::ranges::find(listed, row.shape, &Solid<Real>::shape) != listed.end();
-        if (is_listed || (flake && row.shape == Sphereflake::shape)) found.push_back(row.shape);
+        if (is_listed || (flake && row.shape == sphere::Sphereflake::shape)) found.push_back(row.shape);
     }
     return found;
 }

@@ -11,9 +11,9 @@
 #include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
 #include "scene/file/appearance.hpp"
-#include "scene/file/sphereflake.hpp"
 #include "scene/toml/toml_tree.hpp"
 #include "shapes/solid.hpp"
+#include "shapes/sphere/flake/sphereflake.hpp"
 
 namespace lostbits::scene::file {
 
@@ -47,8 +47,8 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<Solid<Real>> listed;   ///< as written, in world units, shape by shape; of several only with `march`
-    std::optional<Sphereflake> flake;  ///< its spheres come after the others
+    std::vector<Solid<Real>> listed;  ///< as written, in world units, shape by shape; of several only with `march`
+    std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
@@ -70,7 +70,7 @@ struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
     std::vector<toml::Override> overrides = {};              ///< applied after the variant's own, in order
-    intersect::process::StopToken stop = {};                 ///< of `Sphereflake`
+    intersect::process::StopToken stop = {};                 ///< of the flake
 };
 
 /// A parsed scene file. Parse once, interpret under as many overrides as a sweep needs.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "scene/rays/random.hpp"
@@ -9,6 +10,27 @@
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::rays {
+
+/// Rays on which forms of a shape are compared.
+struct RaySet {
+    std::string_view name;   ///< in files
+    std::string_view title;  ///< what the rays are
+    std::vector<RayGroup> (*groups)();
+};
+
+/// Rays at one solid that all hit it, and that all miss it, on which forms are timed.
+struct HitsAndMisses {
+    RayGroup hits, misses;
+};
+
+/// The family with one view, of many rays. Its first draw is the solid: the same seed gives the same one.
+template <class F>
+F of_one_view(F family) {
+    family.views = 1;
+    family.rays = 4096;
+    family.seed = 7;
+    return family;
+}
 
 /// Rounded once to binary32.
 inline double stored(double x) { return static_cast<double>(static_cast<float>(x)); }

@@ -107,9 +107,8 @@ std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatForma
         add(round_solid(solid, stored), name_of(solid.shape), of_shape[static_cast<std::size_t>(solid.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
-        file::for_each_sphere(*scene.flake, [&](const Sphere<double>& s) {
-            add(round_solid(Solid<double>(s), stored), "sphereflake", i++);
-        });
+        sphere::for_each_solid(*scene.flake,
+                               [&](const Solid<double>& s) { add(round_solid(s, stored), "sphereflake", i++); });
     return lost.lines();
 }
 

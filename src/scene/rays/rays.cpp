@@ -80,13 +80,13 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 }
 
 std::vector<Solid<double>> shared_solids(const Scene& scene) {
-    if (scene.flake) file::require_room_for(*scene.flake);
+    if (scene.flake) sphere::require_room_for(*scene.flake);
     std::vector<Solid<double>> all;
     all.reserve(scene.solid_count());
     for (const Solid<Real>& solid : scene.listed) all.push_back(round_solid(solid, binary32));
     if (scene.flake)
-        file::for_each_sphere(
-            *scene.flake, [&all](const Sphere<double>& s) { all.push_back(round_solid(Solid<double>(s), binary32)); });
+        sphere::for_each_solid(*scene.flake,
+                               [&all](const Solid<double>& s) { all.push_back(round_solid(s, binary32)); });
     return all;
 }
 

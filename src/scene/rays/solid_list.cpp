@@ -6,11 +6,11 @@ namespace lostbits::scene::rays {
 namespace {
 
 template <class T>
-std::array<std::vector<T>, 4> columns_of(const file::Sphereflake& flake, const FloatFormat& f) {
+std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const FloatFormat& f) {
     std::array<std::vector<T>, 4> columns;
     for (std::vector<T>& column : columns) column.reserve(flake.size());
-    file::for_each_sphere(flake, [&](const Sphere<double>& s) {
-        const Solid<double> stored = round_solid(Solid<double>(s), f);
+    sphere::for_each_solid(flake, [&](const Solid<double>& s) {
+        const Solid<double> stored = round_solid(s, f);
         for (std::size_t k = 0; k < 4; ++k) columns[k].push_back(static_cast<T>(stored.numbers[k]));
     });
     return columns;
@@ -18,7 +18,7 @@ std::array<std::vector<T>, 4> columns_of(const file::Sphereflake& flake, const F
 
 std::shared_ptr<const SphereColumns> flake_of(const file::Scene& scene) {
     if (!scene.flake) return nullptr;
-    file::require_room_for(*scene.flake);
+    sphere::require_room_for(*scene.flake);
     return std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
 }
 
@@ -33,7 +33,7 @@ SolidList<double> rounded_list(const SolidList<S>& solids, const FloatFormat& f)
 
 }  // namespace
 
-SphereColumns::SphereColumns(const file::Sphereflake& flake, file::Inputs inputs) {
+SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs) {
     if (inputs == file::Inputs::shared) columns_ = columns_of<float>(flake, binary32);
     else columns_ = columns_of<double>(flake, binary64);
 }

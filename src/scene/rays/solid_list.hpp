@@ -22,17 +22,19 @@ namespace lostbits::scene::rays {
 /// shared, which are numbers of binary32, and 32 where each format rounds its own.
 class SphereColumns {
 public:
-    SphereColumns(const file::Sphereflake& flake, file::Inputs inputs);
+    SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs);
 
     [[nodiscard]] std::size_t size() const {
         return std::visit([](const auto& columns) { return columns[0].size(); }, columns_);
     }
-    [[nodiscard]] Sphere<double> operator[](std::size_t i) const {
-        return std::visit(
-            [i](const auto& c) -> Sphere<double> {
-                return {{c[0][i], c[1][i], c[2][i]}, c[3][i]};
+    [[nodiscard]] Solid<double> operator[](std::size_t i) const {
+        Solid<double> solid(sphere::Sphereflake::shape);
+        std::visit(
+            [&](const auto& columns) {
+                for (std::size_t k = 0; k < columns.size(); ++k) solid.numbers[k] = columns[k][i];
             },
             columns_);
+        return solid;
     }
     /// The columns as they are stored; nothing where they are stored in the other type.
     template <class T>
@@ -59,7 +61,7 @@ public:
     [[nodiscard]] std::size_t size() const { return listed_.size() + (flake_ ? flake_->size() : 0); }
     [[nodiscard]] Solid<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
-        return transformed(Solid<double>((*flake_)[i - listed_.size()]), [this](double x) { return S(rounded(x)); });
+        return transformed((*flake_)[i - listed_.size()], [this](double x) { return S(rounded(x)); });
     }
     /// Without the flake.
     [[nodiscard]] std::span<const Solid<S>> listed() const { return listed_; }

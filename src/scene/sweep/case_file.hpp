@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "intersect/info.hpp"
-#include "scene/rays/family.hpp"
+#include "scene/rays/rays.hpp"
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/quantity.hpp"
 

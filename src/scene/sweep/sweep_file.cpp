@@ -10,9 +10,8 @@
 #include "number/error.hpp"
 #include "scene/file/beside.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/box_family.hpp"
-#include "scene/rays/family.hpp"
 #include "scene/sweep/convention.hpp"
+#include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/round.hpp"
@@ -27,27 +26,9 @@ namespace {
 
 constexpr long long most_steps = 100000;
 
-/// Draws the rays of a family's table, by the seed that many after its own.
-using Drawer = std::function<std::vector<RayGroup>(std::uint64_t further)>;
-
-template <auto read, auto draw>
-Drawer drawer(TableReader table) {
-    return [family = read(table)](std::uint64_t further) mutable {
-        family.seed += further;
-        return draw(family);
-    };
-}
-
-struct FamilyRow {
-    std::string_view table;
-    Drawer (*read)(TableReader);
-};
-constexpr FamilyRow families[] = {{"family", drawer<rays::read_family, rays::family_rays>},
-                                  {"box_family", drawer<rays::read_box_family, rays::box_family_rays>}};
-
 /// The one that a file names; null where it names none.
 const FamilyRow* family_of(const toml::Node& root) {
-    for (const FamilyRow& row : families)
+    for (const FamilyRow& row : families())
         if (TableReader(root).has(row.table)) return &row;
     return nullptr;
 }
@@ -193,7 +174,7 @@ void SweepFile::change(const SweepChanges& changes) {
             continue;
         }
         const FamilyRow* const family = family_of(root_);
-        const std::string table = std::string((family ? *family : families[0]).table) + '.';
+        const std::string table = std::string((family ? *family : families().front()).table) + '.';
         if (!in_file && !change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root_, change);
     }
@@ -234,10 +215,10 @@ void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
 /// What the sweep is over, and its axes, whose paths are those of the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
-    const auto named = std::ranges::count_if(families, [&](const FamilyRow& row) { return file.has(row.table); });
+    const auto named = std::ranges::count_if(families(), [&](const FamilyRow& row) { return file.has(row.table); });
     if (named + int{scene.has_value()} != 1)
         toml::fail(file.where(),
-                   "a sweep is over either scene = \"…\", a [family] or a [box_family] table; write one of them");
+                   "a sweep is over either scene = \"…\", " + tables_of_families() + "; write one of them");
     const FamilyRow* const family = family_of(root_);
     if (scene) {
         const file::SceneName name = file::find_scene(file::beside(file.where().source, *scene), data_dir);

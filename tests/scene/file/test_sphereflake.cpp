@@ -1,4 +1,4 @@
-#include "scene/file/sphereflake.hpp"
+#include "shapes/sphere/flake/sphereflake.hpp"
 
 #include <cmath>
 
@@ -12,14 +12,15 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
+using namespace lostbits::scene::sphere;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {
 
-std::vector<Sphere<double>> spheres_of(const scene::file::Sphereflake& flake) {
+std::vector<Sphere<double>> spheres_of(const scene::sphere::Sphereflake& flake) {
     std::vector<Sphere<double>> all;
-    scene::file::for_each_sphere(flake, [&all](const Sphere<double>& s) { all.push_back(s); });
+    scene::sphere::for_each_solid(flake, [&all](const Solid<double>& s) { all.push_back(s.sphere()); });
     return all;
 }
 
@@ -28,7 +29,7 @@ double apart(const Vec<double>& a, const Vec<double>& b) { return length(a - b);
 }  // namespace
 
 TEST_CASE("a sphereflake has nine times as many spheres a level") {
-    CHECK(scene::file::Sphereflake{.levels = 0}.size() == 1);
+    CHECK(scene::sphere::Sphereflake{.levels = 0}.size() == 1);
     CHECK(Sphereflake{.levels = 2}.size() == 91);
     CHECK(Sphereflake{.levels = 5}.size() == 66430);
     CHECK(Sphereflake{.levels = 8}.size() == 48427561);

@@ -3,8 +3,8 @@
 
 #include "catch.hpp"
 #include "number/real.hpp"
-#include "scene/rays/box_family.hpp"
 #include "scene/scene_text.hpp"
+#include "shapes/box/family/family.hpp"
 
 namespace test_box_family {
 
@@ -12,6 +12,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
+using lostbits::scene::box::BoxFamily;
 using namespace lostbits::scene::toml;
 
 namespace {
@@ -30,9 +31,9 @@ std::pair<Real, Real> clipped(const Ray<double>& ray, const Box<double>& box) {
 }
 
 template <class Check>
-void for_each_ray(const scene::rays::BoxFamily& family, Check check) {
+void for_each_ray(const scene::box::BoxFamily& family, Check check) {
     int seen = 0;
-    for (const scene::rays::RayGroup& group : box_family_rays(family)) {
+    for (const scene::rays::RayGroup& group : family.draw()) {
         for (std::size_t i = 0; i < group.rays.size(); ++i, ++seen) check(group.rays[i], group.solids);
     }
     CHECK(seen == family.views * family.rays);
@@ -41,9 +42,9 @@ void for_each_ray(const scene::rays::BoxFamily& family, Check check) {
 }  // namespace
 
 TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges and corners") {
-    for (const auto aim : {scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
+    for (const auto aim : {scene::box::BoxFamily::Aim::edge, scene::box::BoxFamily::Aim::corner}) {
         for (const double gap : {-0x1p-8, 0x1p-8}) {
-            scene::rays::BoxFamily family;
+            scene::box::BoxFamily family;
             family.aim = aim;
             family.gap = gap;
             for_each_ray(family, [&](const Ray<double>& ray, const std::vector<Solid<double>>& solids) {
@@ -61,7 +62,7 @@ TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges a
 }
 
 TEST_CASE("aimed inside, every ray crosses the box, along a face it has a component of zero") {
-    scene::rays::BoxFamily family;
+    scene::box::BoxFamily family;
     family.aim = BoxFamily::Aim::inside;
     for_each_ray(family, [](const Ray<double>& ray, const auto& solids) {
         const auto [from, to] = clipped(ray, solids.front().box());
@@ -80,8 +81,8 @@ TEST_CASE("aimed inside, every ray crosses the box, along a face it has a compon
 
 TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go through what they share") {
     for (const auto aim :
-         {scene::rays::BoxFamily::Aim::face, scene::rays::BoxFamily::Aim::edge, scene::rays::BoxFamily::Aim::corner}) {
-        scene::rays::BoxFamily family;
+         {scene::box::BoxFamily::Aim::face, scene::box::BoxFamily::Aim::edge, scene::box::BoxFamily::Aim::corner}) {
+        scene::box::BoxFamily family;
         family.aim = aim;
         family.adjoining = true;
         for_each_ray(family, [](const Ray<double>& ray, const std::vector<Solid<double>>& solids) {
@@ -108,7 +109,7 @@ TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go th
 }
 
 TEST_CASE("thin boxes are thin, scaled ones scaled, and the same seed gives the same rays") {
-    scene::rays::BoxFamily family;
+    scene::box::BoxFamily family;
     family.thickness = 0x1p-20;
     family.size = 1024;
     family.direction_magnitude = 0x1p10;
@@ -123,7 +124,7 @@ TEST_CASE("thin boxes are thin, scaled ones scaled, and the same seed gives the 
         REQUIRE(most >= 511);
         REQUIRE(length(ray.direction) > 512);
     });
-    const auto once = scene::rays::box_family_rays(family), again = box_family_rays(family);
+    const auto once = family.draw(), again = family.draw();
     REQUIRE(once.size() == again.size());
     CHECK(once.back().rays.dx == again.back().rays.dx);
     CHECK(once.back().rays.oz == again.back().rays.oz);

@@ -1,5 +1,5 @@
 // Families of rays by exact arithmetic: where the eye is, how far the centre, how close the line passes.
-#include "scene/rays/family.hpp"
+#include "shapes/sphere/family/family.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
+using lostbits::scene::sphere::SphereFamily;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
@@ -39,17 +40,17 @@ struct Geometry {
     double along;   ///< negative where the ray goes toward the centre
 };
 
-scene::rays::Family family_of(const std::string& text) {
+scene::sphere::SphereFamily family_of(const std::string& text) {
     const Scratch folder;
     const Node root = read_toml(folder.write("f.toml", text));
-    return read_family(TableReader(root));
+    return SphereFamily::read(TableReader(root));
 }
 std::string family_error(const std::string& text) {
     const Scratch folder;
     const fs::path file = folder.write("f.toml", text);
     return error_in(folder, [&] {
         const scene::toml::Node root = read_toml(file);
-        scene::rays::read_family(scene::toml::TableReader(root));
+        SphereFamily::read(scene::toml::TableReader(root));
     });
 }
 
@@ -58,10 +59,11 @@ std::string family_error(const std::string& text) {
 TEST_CASE("tilted views leave an axis by the angle asked for, each another way, the centre on the direction") {
     for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
         for (const double distance : {4.0, 1000.0, 777.7}) {
-            scene::rays::Family f = family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 64\nrays = 1\n");
+            scene::sphere::SphereFamily f =
+                family_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 64\nrays = 1\n");
             f.tilt = tilt;
             f.distance = distance;
-            const auto groups = scene::rays::family_rays(f);
+            const auto groups = f.draw();
             REQUIRE(groups.size() == 64);
             std::set<double> distances;
             for (const scene::rays::RayGroup& g : groups) {
@@ -87,7 +89,7 @@ TEST_CASE("tilted views leave an axis by the angle asked for, each another way, 
 
 TEST_CASE("a thousand oblique views are a thousand: hardly two share a direction and a centre") {
     for (const char* projection : {"parallel", "point"}) {
-        const auto groups = family_rays(family_of("projection = \"" + std::string(projection) + "\"\nradius = 1e6\n"));
+        const auto groups = family_of("projection = \"" + std::string(projection) + "\"\nradius = 1e6\n").draw();
         REQUIRE(groups.size() == 1024);
         std::set<std::array<double, 3>> centres, directions;
         for (const scene::rays::RayGroup& g : groups) {
@@ -109,14 +111,14 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     for (const char* projection : {"parallel", "point"}) {
         for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
             for (const double radius : {1.0, 48.0}) {
-                scene::rays::Family f =
+                scene::sphere::SphereFamily f =
                     family_of("projection = \"" + std::string(projection) +
                               "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
                 f.silhouette_gap = gap;
                 f.radius = radius;
                 f.distance = 16;
                 f.height = 3 * radius;
-                for (const scene::rays::RayGroup& g : family_rays(f)) {
+                for (const scene::rays::RayGroup& g : f.draw()) {
                     for (std::size_t i = 0; i < g.rays.size(); ++i) {
                         const Geometry at(g, i);
                         CAPTURE(projection, gap, radius, i);
@@ -130,7 +132,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     }
     // Without one the impacts are spread.
     double least = 1, most = 0;
-    for (const scene::rays::RayGroup& g : family_rays(family_of("impact_to = 0.99"))) {
+    for (const scene::rays::RayGroup& g : family_of("impact_to = 0.99").draw()) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) {
             least = std::min(least, Geometry(g, i).impact);
             most = std::max(most, Geometry(g, i).impact);
@@ -142,12 +144,12 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
 
 TEST_CASE("rays away leave the centre behind, those that do not are the same, turned") {
     for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
-        scene::rays::Family f =
+        scene::sphere::SphereFamily f =
             family_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
         f.height = height;
-        const auto toward = scene::rays::family_rays(f);
+        const auto toward = f.draw();
         f.away = true;
-        const auto away = family_rays(f);
+        const auto away = f.draw();
         REQUIRE(away.size() == toward.size());
         for (std::size_t v = 0; v < away.size(); ++v) {
             CHECK(away[v].solids.front().numbers == toward[v].solids.front().numbers);
@@ -168,10 +170,10 @@ TEST_CASE("rays away leave the centre behind, those that do not are the same, tu
 
 TEST_CASE("an eye under the centre still has rays") {
     for (const double height : {-0.99, -1.0, -1.5, -3.0}) {
-        scene::rays::Family f =
+        scene::sphere::SphereFamily f =
             family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
         f.height = height;
-        for (const scene::rays::RayGroup& g : family_rays(f)) {
+        for (const scene::rays::RayGroup& g : f.draw()) {
             for (std::size_t i = 0; i < g.rays.size(); ++i) {
                 const Geometry at(g, i);
                 CAPTURE(height, i);

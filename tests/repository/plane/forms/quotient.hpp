@@ -1,7 +1,6 @@
 // t = n·(P − o)/(n·d), as everyone writes it.
 #pragma once
 
-#include "geometry/ray.hpp"
 #include "intersect/info.hpp"
 #include "number/concept.hpp"
 #include "shapes/plane/plane.hpp"

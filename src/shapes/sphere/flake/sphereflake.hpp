@@ -7,7 +7,7 @@
 #include "scene/toml/toml_reader.hpp"
 #include "shapes/solid.hpp"
 
-namespace lostbits::scene::file {
+namespace lostbits::scene::sphere {
 
 /// A sphere with `levels` generations on it: (9^(levels + 1) − 1)/8 spheres. Each sphere of radius r, whose axis is w,
 /// carries nine of radius r/3 that touch it from outside: six around its equator, at 60° from each other, and three at
@@ -36,6 +36,6 @@ void require_room_for(const Sphereflake& flake);
 
 /// Every sphere, parents before their children, in the same order always. In binary64, by + − × ÷ √ alone: the same
 /// numbers on every machine. They are the ideal numbers of the scene.
-void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take);
+void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take);
 
-}  // namespace lostbits::scene::file
+}  // namespace lostbits::scene::sphere

@@ -1,11 +1,17 @@
-#include "scene/rays/box_family.hpp"
+#include "shapes/box/family/family.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
-#include "scene/rays/family_parts.hpp"
+namespace lostbits::scene::box {
 
-namespace lostbits::scene::rays {
+using rays::offset_of;
+using rays::Random;
+using rays::RayGroup;
+using rays::stored;
+
 namespace {
 
 /// Random sides between a half and all of the size; one of them of the stated thickness; not centred anywhere special.
@@ -81,7 +87,7 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
     RayGroup group;
     if (f.adjoining) group.solids = cut(box, middle);
     else group.solids.emplace_back(box);
-    const double magnitude = direction_length(f);
+    const double magnitude = rays::direction_length(f);
     for (int i = 0; i < f.rays; ++i) {
         Feature feature = draw_feature(random, f, box);
         Vec<double> d = draw_direction(random, feature);
@@ -99,7 +105,7 @@ RayGroup box_rays(Random& random, const BoxFamily& f) {
 
 }  // namespace
 
-BoxFamily read_box_family(toml::TableReader table) {
+BoxFamily BoxFamily::read(toml::TableReader table) {
     using A = BoxFamily::Aim;
     static constexpr std::pair<std::string_view, A> aims[] = {
         {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
@@ -111,10 +117,34 @@ BoxFamily read_box_family(toml::TableReader table) {
     table.read_number("distance", f.distance, 0, 0x1p+100);
     table.read_number("gap", f.gap, -0.25, 0.25);
     if (f.adjoining && f.thickness == 0) table.fail_at("thickness", "must be above 0 with adjoining boxes");
-    read_common_keys(table, f);
+    rays::read_common_keys(table, f);
     return f;
 }
 
-std::vector<RayGroup> box_family_rays(const BoxFamily& family) { return draw_views(family, box_rays); }
+std::vector<RayGroup> BoxFamily::draw() const { return rays::draw_views(*this, box_rays); }
 
-}  // namespace lostbits::scene::rays
+std::span<const rays::RaySet> BoxFamily::sets() {
+    static constexpr rays::RaySet all[] = {
+        {"easy", "boxes 4 sizes away, aimed at the inside",
+         [] { return BoxFamily{.aim = BoxFamily::Aim::inside}.draw(); }},
+        // Half of the rays inside by the gap, half outside.
+        {"edge-grazing", "boxes 4 sizes away, aimed 2^-23 sizes inside and outside of an edge",
+         [] {
+             auto groups = BoxFamily{.aim = BoxFamily::Aim::edge, .gap = -0x1p-23}.draw();
+             std::ranges::move(BoxFamily{.aim = BoxFamily::Aim::edge, .gap = 0x1p-23}.draw(),
+                               std::back_inserter(groups));
+             return groups;
+         }},
+    };
+    return all;
+}
+
+rays::HitsAndMisses BoxFamily::timed() {
+    const BoxFamily hits = rays::of_one_view(BoxFamily{.aim = BoxFamily::Aim::inside});
+    BoxFamily misses = hits;
+    misses.aim = BoxFamily::Aim::edge;
+    misses.gap = 0.25;
+    return {hits.draw().front(), misses.draw().front()};
+}
+
+}  // namespace lostbits::scene::box

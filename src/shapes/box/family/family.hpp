@@ -2,17 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string_view>
 #include <vector>
 
-#include "scene/rays/rays.hpp"
+#include "scene/rays/family_parts.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene::rays {
+namespace lostbits::scene::box {
 
 /// A box of random sides, and rays that would touch it in one point of an edge or a corner, or run along a face, if
 /// they were not moved away from it by `gap`. With `adjoining` the box is one of eight that share three planes, and the
 /// rays are aimed at what they share: none can slip between.
 struct BoxFamily {
+    static constexpr std::string_view table = "box_family";
     enum class Aim { face, edge, corner, inside };
 
     Aim aim = Aim::edge;
@@ -26,12 +29,14 @@ struct BoxFamily {
     int views = 1024;                ///< boxes: what the rays at a box share is one sample of it
     int rays = 1;                    ///< rays per box
     std::uint64_t seed = 1;
+
+    /// Reads `[box_family]`. InputError with a position for anything out of range.
+    static BoxFamily read(toml::TableReader table);
+    /// The rays of a family: shared inputs, each number rounded once to binary32.
+    [[nodiscard]] std::vector<rays::RayGroup> draw() const;
+
+    static std::span<const rays::RaySet> sets();
+    static rays::HitsAndMisses timed();
 };
 
-/// Reads `[box_family]`. InputError with a position for anything out of range.
-BoxFamily read_box_family(toml::TableReader table);
-
-/// The rays of a family: shared inputs, each number rounded once to binary32.
-std::vector<RayGroup> box_family_rays(const BoxFamily& family);
-
-}  // namespace lostbits::scene::rays
+}  // namespace lostbits::scene::box

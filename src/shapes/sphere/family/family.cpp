@@ -1,4 +1,4 @@
-#include "scene/rays/family.hpp"
+#include "shapes/sphere/family/family.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,15 @@
 #include <vector>
 
 #include "number/error.hpp"
-#include "scene/rays/family_parts.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene::rays {
+namespace lostbits::scene::sphere {
 
+using rays::direction_length;
+using rays::offset_of;
+using rays::Random;
+using rays::RayGroup;
+using rays::stored;
 using toml::to_12_bits;
 
 namespace {
@@ -57,13 +61,13 @@ std::pair<double, double> draw_on_circle(Random& random) {
     }
 }
 
-View draw_view(Random& random, const Family& f) {
-    if (f.directions == Family::Views::axis) {
+View draw_view(Random& random, const SphereFamily& f) {
+    if (f.directions == SphereFamily::Views::axis) {
         Vec<double> w(0, 0, 0);
         w[random.below(3)] = random.below(2) == 0 ? 1 : -1;
         return {w, 1};
     }
-    if (f.directions == Family::Views::tilted) {
+    if (f.directions == SphereFamily::Views::tilted) {
         const auto [y, z] = draw_on_circle(random);
         const Vec<double> w = shuffled(random, {1, to_12_bits(f.tilt * y), to_12_bits(f.tilt * z)});
         return {w, length(w)};
@@ -73,14 +77,9 @@ View draw_view(Random& random, const Family& f) {
     return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
-Vec<double> unit(const Vec<double>& v) {
-    const double size = length(v);
-    return {v.x / size, v.y / size, v.z / size};
-}
-
 /// Views along an axis or beside it have few centres: without this, all of them would share the rounding of c.
-double jitter(Random& random, const Family& f) {
-    return f.directions == Family::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
+double jitter(Random& random, const SphereFamily& f) {
+    return f.directions == SphereFamily::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
 /// Where a line passes the centre: its distance in radii and a direction across w.
@@ -89,12 +88,12 @@ struct Impact {
     Vec<double> across;
 };
 
-Impact draw_impact(Random& random, const Family& f, const View& view) {
+Impact draw_impact(Random& random, const SphereFamily& f, const View& view) {
     const double u = random.unit();
     double s = 0;
     if (f.silhouette_gap > 0) {
         s = 1 - f.silhouette_gap;
-    } else if (f.weighting == Family::Weighting::silhouette) {
+    } else if (f.weighting == SphereFamily::Weighting::silhouette) {
         // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to; by MPFR, for libm's pow differs by
         // machine.
         const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
@@ -106,15 +105,16 @@ Impact draw_impact(Random& random, const Family& f, const View& view) {
     const double z = 2 * random.unit() - 1, y = 2 * random.unit() - 1, x = 2 * random.unit() - 1;
     const Vec<double> side(x, y, z);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
-    return {s, unit(side - dot(side, w) * w)};
+    const Vec<double> across = side - dot(side, w) * w;
+    return {s, across / length(across)};
 }
 
-RayGroup view_rays(Random& random, const Family& f) {
+RayGroup view_rays(Random& random, const SphereFamily& f) {
     const View view = draw_view(random, f);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
     const Vec<double> away = offset_of(f);
     const double magnitude = direction_length(f);
-    const bool parallel = f.projection == Family::Projection::parallel;
+    const bool parallel = f.projection == SphereFamily::Projection::parallel;
     // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
     const double multiple = to_12_bits((parallel ? f.distance * f.radius : f.radius) / view.n * jitter(random, f));
     const double radius = parallel ? f.radius : multiple * view.n;
@@ -141,15 +141,15 @@ RayGroup view_rays(Random& random, const Family& f) {
 
 }  // namespace
 
-Family read_family(toml::TableReader table) {
-    using P = Family::Projection;
-    using V = Family::Views;
-    using W = Family::Weighting;
+SphereFamily SphereFamily::read(toml::TableReader table) {
+    using P = SphereFamily::Projection;
+    using V = SphereFamily::Views;
+    using W = SphereFamily::Weighting;
     static constexpr std::pair<std::string_view, P> projections[] = {{"parallel", P::parallel}, {"point", P::point}};
     static constexpr std::pair<std::string_view, V> views[] = {
         {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
-    Family f;
+    SphereFamily f;
     f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
     f.directions = table.optional_one_of<V>("directions", views).value_or(f.directions);
     f.weighting = table.optional_one_of<W>("weighting", weightings).value_or(f.weighting);
@@ -163,10 +163,35 @@ Family read_family(toml::TableReader table) {
     table.read_number("tilt", f.tilt, 0, 1);
     if (f.weighting == W::silhouette && f.impact_to >= 1)
         table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
-    read_common_keys(table, f);
+    rays::read_common_keys(table, f);
     return f;
 }
 
-std::vector<RayGroup> family_rays(const Family& family) { return draw_views(family, view_rays); }
+std::vector<RayGroup> SphereFamily::draw() const { return rays::draw_views(*this, view_rays); }
 
-}  // namespace lostbits::scene::rays
+std::span<const rays::RaySet> SphereFamily::sets() {
+    static constexpr rays::RaySet all[] = {
+        {"easy", "a sphere 4 radii away, hit within 0.9 radii of its middle",
+         [] { return SphereFamily{.distance = 4, .impact_to = 0.9}.draw(); }},
+        {"far-small", "a sphere 4096 radii away, hit within 0.9 radii of its middle",
+         [] { return SphereFamily{.distance = 4096, .impact_to = 0.9}.draw(); }},
+        {"near-huge", "a sphere of radius 1e6, seen from 1 above its surface",
+         [] {
+             return SphereFamily{
+                 .projection = SphereFamily::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}
+                 .draw();
+         }},
+        {"grazing", "a sphere 4 radii away, hit 2^-10 radii inside its silhouette",
+         [] { return SphereFamily{.distance = 4, .silhouette_gap = 0x1p-10}.draw(); }},
+    };
+    return all;
+}
+
+rays::HitsAndMisses SphereFamily::timed() {
+    SphereFamily hits = rays::of_one_view(SphereFamily{.distance = 4, .impact_to = 0.9}), misses = hits;
+    misses.impact_from = 1.1;
+    misses.impact_to = 1.5;
+    return {hits.draw().front(), misses.draw().front()};
+}
+
+}  // namespace lostbits::scene::sphere

@@ -1,4 +1,4 @@
-#include "scene/file/sphereflake.hpp"
+#include "shapes/sphere/flake/sphereflake.hpp"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include "number/error.hpp"
 #include "scene/toml/round.hpp"
 
-namespace lostbits::scene::file {
+namespace lostbits::scene::sphere {
 namespace {
 
 Vec<double> unit(const Vec<double>& v) {
@@ -98,11 +98,11 @@ void require_room_for(const Sphereflake& flake) {
         " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
 }
 
-void for_each_sphere(const Sphereflake& flake, const std::function<void(const Sphere<double>&)>& take) {
+void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take) {
     grow({flake.centre, flake.radius}, unit(flake.axis), flake.levels, [&](const Sphere<double>& s) {
         flake.stop.check();
         take(s);
     });
 }
 
-}  // namespace lostbits::scene::file
+}  // namespace lostbits::scene::sphere

@@ -2,16 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string_view>
 #include <vector>
 
-#include "scene/rays/rays.hpp"
+#include "scene/rays/family_parts.hpp"
 #include "scene/toml/toml_reader.hpp"
 
-namespace lostbits::scene::rays {
+namespace lostbits::scene::sphere {
 
 /// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples), so that the
 /// distances a sweep asks for exist exactly in binary32, in oblique directions too.
-struct Family {
+struct SphereFamily {
+    static constexpr std::string_view table = "family";
+
     /// parallel: rays along w from a disc at the world's origin, the centre at M·(a, b, c), which is `distance` radii
     /// away to 12 bits of M. point: the surface passes through the world's origin exactly, and all rays of a view start
     /// `height` above it, along −w and aside of it.
@@ -37,13 +41,15 @@ struct Family {
     int views = 1024;  ///< directions w, with a centre each: what the rays of a view share is one sample of it
     int rays = 1;      ///< rays per view
     std::uint64_t seed = 1;
+
+    /// Reads `[family]`. InputError with a position for anything out of range.
+    static SphereFamily read(toml::TableReader table);
+    /// The rays of a family: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
+    /// alone, so neighbouring steps of a sweep see the same rays in the sphere's own proportions.
+    [[nodiscard]] std::vector<rays::RayGroup> draw() const;
+
+    static std::span<const rays::RaySet> sets();
+    static rays::HitsAndMisses timed();
 };
 
-/// Reads `[family]`. InputError with a position for anything out of range.
-Family read_family(toml::TableReader table);
-
-/// The rays of a family: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
-/// alone, so neighbouring steps of a sweep see the same rays in the sphere's own proportions.
-std::vector<RayGroup> family_rays(const Family& family);
-
-}  // namespace lostbits::scene::rays
+}  // namespace lostbits::scene::sphere

@@ -1,0 +1,22 @@
+// How far a point is off a surface, for packs of doubles and for one.
+#pragma once
+
+#include "number/wide/running.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::measure::columns {
+
+/// `off_surface` of the point p for the solid of `number(0)`, `number(1)`, …, with a running bound. Whether that is
+/// good to 2^-40 of itself, or so small that the rounding noise of a double hides it.
+template <template <class> class S, class P, class Numbers>
+auto find_residual(const P* p, const Numbers& number, P& value) {
+    using E = number::wide::Running<number::wide::TwoWords<P>>;
+    using lostbits::abs, lostbits::max;
+    const auto exact = [](const P& x) { return E({x, P(0)}); };
+    const S<E> shape = S<E>::of([&](std::size_t k) { return exact(number(static_cast<int>(k))); });
+    const E residual = shape.off_surface({exact(p[0]), exact(p[1]), exact(p[2])});
+    value = residual.first();
+    return residual.radius() <= max(P(0x1p-40) * abs(value), P(0x1p-90));
+}
+
+}  // namespace lostbits::measure::columns

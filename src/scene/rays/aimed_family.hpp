@@ -1,0 +1,82 @@
+// A family of rays for any shape: seeded solids, and rays aimed at points of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scene/rays/family_parts.hpp"
+
+namespace lostbits::scene::rays {
+
+/// A direction of length 1, without sine and cosine, which differ by machine.
+inline Vec<double> draw_direction(Random& random) {
+    for (;;) {
+        // One by one: a compiler chooses the order of arguments, and clang's is not gcc's.
+        const double x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
+        const Vec<double> d(x, y, z);
+        if (const double size = length(d); size <= 1 && size > 0x1p-10) return d / size;
+    }
+}
+
+/// The family of a shape is a struct F with a table's name that is derived from this, and says
+///     static Solid<double> drawn(Random&, const Vec<double>& middle, double size)
+///     static Vec<double> aimed_at(Random&, const Solid<double>&)    where no point of the cube around it will do
+/// Rays come from any direction, from `distance` sizes away.
+template <class F>
+struct AimedFamily {
+    double size = 1;                 ///< about that of the solid, world units
+    double distance = 4;             ///< from the eye to the point aimed at, in sizes
+    double aside = 0;                ///< how far the point is moved, in any direction, in sizes
+    double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
+    int views = 1024;                ///< solids: what the rays at a solid share is one sample of it
+    int rays = 1;                    ///< rays per solid
+    std::uint64_t seed = 1;
+
+    /// InputError with a position for anything out of range.
+    static F read(toml::TableReader table) {
+        F f;
+        table.read_number("size", f.size, 0x1p-100, 0x1p+100);
+        table.read_number("distance", f.distance, 0, 0x1p+100);
+        table.read_number("aside", f.aside, 0, 0x1p+20);
+        read_common_keys(table, f);
+        return f;
+    }
+
+    /// Shared inputs, each number rounded once to binary32.
+    [[nodiscard]] std::vector<RayGroup> draw() const {
+        return draw_views(*this, [](Random& random, const AimedFamily& f) {
+            const Solid<double> solid =
+                transformed(F::drawn(random, offset_of(f), f.size), [](double x) { return stored(x); });
+            RayGroup group;
+            group.solids.push_back(solid);
+            for (int i = 0; i < f.rays; ++i) {
+                const Vec<double> d = draw_direction(random), aside = (f.aside * f.size) * draw_direction(random);
+                const Vec<double> at = F::aimed_at(random, solid) + aside;
+                group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
+            }
+            return group;
+        });
+    }
+
+    static Vec<double> aimed_at(Random& random, const Solid<double>& solid) {
+        const double x = random.unit(), y = random.unit(), z = random.unit();
+        return visit(solid, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
+    }
+
+    static std::span<const RaySet> sets() {
+        static constexpr RaySet all[] = {{"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
+        return all;
+    }
+    /// What misses looks away.
+    static HitsAndMisses timed() {
+        const F family = of_one_view(F{});
+        HitsAndMisses rays{family.draw().front(), family.draw().front()};
+        for (auto* column : {&rays.misses.rays.dx, &rays.misses.rays.dy, &rays.misses.rays.dz})
+            for (double& x : *column) x = -x;
+        return rays;
+    }
+};
+
+}  // namespace lostbits::scene::rays

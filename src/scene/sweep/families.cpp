@@ -1,0 +1,40 @@
+#include "scene/sweep/families.hpp"
+
+// clang-format off
+#define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(shapes/folder/family/family.hpp)
+// clang-format on
+#include "shapes/list.hpp"
+
+namespace lostbits::scene::sweep {
+namespace {
+
+template <class F>
+Drawer drawer(toml::TableReader table) {
+    return [family = F::read(table)](std::uint64_t further) mutable {
+        family.seed += further;
+        return family.draw();
+    };
+}
+
+}  // namespace
+
+std::span<const FamilyRow> families() {
+#define LOSTBITS_LINE(folder, S)                                                                         \
+    FamilyRow{shape_as<S>, folder::S##Family::table, drawer<folder::S##Family>, folder::S##Family::sets, \
+              folder::S##Family::timed},
+    static constexpr FamilyRow rows[] = {LOSTBITS_SHAPES(LOSTBITS_LINE)};
+#undef LOSTBITS_LINE
+    return rows;
+}
+
+std::string tables_of_families() {
+    std::string text;
+    for (const FamilyRow& row : families()) {
+        const bool last = &row == &families().back();
+        if (!text.empty()) text += last ? " or " : ", ";
+        text += "a [" + std::string(row.table) + "]";
+    }
+    return text + " table";
+}
+
+}  // namespace lostbits::scene::sweep
