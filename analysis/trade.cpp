@@ -97,8 +97,9 @@ Exit run(const TradeOptions& o, const Common& common) {
 void add_trade(const shell::Command& program, const Common& common) {
     auto command = program.add_command("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
-    const auto shape = command.add("--shape", o->shape, "sphere (default) or box, on rays of known kinds",
-                                   shell::one_of({"sphere", "box"}));
+    const std::vector<std::string> solids(shape_names.begin(), shape_names.begin() + shape_rows.size());
+    const auto shape = command.add("--shape", o->shape, "On rays of known kinds at this shape (default: sphere)",
+                                   shell::one_of(solids));
     const auto scene =
         command.add("--scene", o->scene, "Instead on the rays of a scene: a file, or a name in data/scenes")
             .excludes(shape);

@@ -151,6 +151,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);
         }
         x.attribution = attribute(x.tape, {.full = true});
+        if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
         x.hit = x.tape[x.tape.outputs.hit].value != 0;
         x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {

@@ -8,6 +8,7 @@
 
 #include "measure/answer/one_ray.hpp"
 #include "measure/blame/attribution.hpp"
+#include "measure/blame/rerun.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::blame {
@@ -45,6 +46,7 @@ struct Explanation {
     int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
     Tape tape = {};
     Attribution attribution = {};
+    std::optional<Counterfactuals> culprit_alone = {};  ///< of the culprit, where there is one
     Standing standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;

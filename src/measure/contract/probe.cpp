@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "measure/contract/trial.hpp"
@@ -118,7 +119,7 @@ void try_t(Trial& trial) {
         const auto is_as_of = [&](double size) {
             Question q = along(trial.shape, -5, 1);
             q.solid[length->number] = size;
-            return is_answer(plain.near, ends_of(q, trial.shape).near);
+            return is_answer(plain.near, ends_of(q, trial.shape)->near);
         };
         const std::string key(length->key->name), the = "the " + key + " is ";
         if (is_as_of(std::sqrt(2.0)))
@@ -176,9 +177,16 @@ void try_behind(Trial& trial) {
                          (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss" : ""));
 }
 
+/// Not of a surface without thickness.
+bool has_inside(Shape shape) {
+    const auto ends = ends_of(along(shape, 1, 1), shape);
+    return ends && ends->near < ends->far;
+}
+
 void try_aside(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
+    if (ends_of(q, trial.shape)) return trial.told("no ray passes by a " + std::string(name_of(trial.shape)));
     trial.hold(trial.ask(q).hit == 0, "a ray that passes by misses",
                "a ray that passes by hits; is this how it says that it misses (of a shader: miss=)?");
 }
@@ -256,7 +264,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     if (trial.tells_t) trial.probe("t", try_t);
     trial.probe("direction", try_direction);
     if (both) trial.probe("far", try_far);
-    trial.probe("inside", try_inside);
+    if (has_inside(trial.shape)) trial.probe("inside", try_inside);
     trial.probe("behind", try_behind);
     trial.probe("aside", try_aside);
     trial.probe("touching", try_touching);

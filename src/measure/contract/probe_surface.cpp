@@ -128,10 +128,10 @@ void try_touching(Trial& trial) {
     const bool promised = trial.contract.touching == Touching::hit;
     const std::string what(row_of(trial.shape).words.touching);
     // A march stops short of a tangent by the root of its epsilon.
-    const double right = ends_of(q, trial.shape).near;
+    const auto ends = ends_of(q, trial.shape);
     for (const Reply& r : {touch, other}) {
-        if (trial.tells_t && r.hit == 1 && !(std::fabs(r.near - right) <= 0.5))
-            return trial.broken(what + " is answered with t = " + text_of(r.near) + "; " + text_of(right) +
+        if (ends && trial.tells_t && r.hit == 1 && !(std::fabs(r.near - ends->near) <= 0.5))
+            return trial.broken(what + " is answered with t = " + text_of(r.near) + "; " + text_of(ends->near) +
                                 " is right");
     }
     if (touch.hit != other.hit) return trial.told(what + " hits on one side of the solid and misses on the other");

@@ -33,12 +33,13 @@ inline Question along(Shape shape, double from, double direction, double z = 0, 
     return q;
 }
 
-/// Where the line of a ray enters and leaves its solid.
-inline Ends<double> ends_of(const Question& q, Shape shape) {
+/// Where the line of a ray enters and leaves its solid; nothing where it does not.
+inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     Solid<double> solid(shape);
     std::copy_n(q.solid.begin(), solid.used().size(), solid.numbers.begin());
     const Ray<double> ray{{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
-    return visit(solid, [&ray](const auto& one) { return *lostbits::ends_of(one.span(ray)); });
+    const auto ends = with_span(ray, solid, [](const auto& span) { return lostbits::ends_of(span); });
+    return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
 /// What is tried of one form.

@@ -126,7 +126,7 @@ std::string culprit_sentence(const Explanation& x) {
     const OperationError& e = words.of(culprit);
     const bool harmless = x.standing.outcome == measure::answer::Outcome::agree_hit && x.standing.lost < 1;
     const EqualsText equals(x, words);
-    std::string text = fmt::format("{}{} {}: its {} of {} ulp becomes {} ulp {}{}", amplifier_text(x, words),
+    std::string text = fmt::format("{}{} {}: its {} of {} ulp is assigned {} ulp {}{}", amplifier_text(x, words),
                                    harmless ? "The largest contribution is that of" : "The culprit is", what,
                                    e.turned ? "wrong choice" : "rounding",
                                    short_number(std::fabs(words.own_ulps(culprit, e.rounding))),
@@ -139,6 +139,22 @@ std::string culprit_sentence(const Explanation& x) {
                             short_number(std::fabs(x.attribution.error / words.ulp())));
     else if (std::isfinite(share)) text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";
+}
+
+std::string counterfactual_sentence(const Explanation& x) {
+    if (!x.culprit_alone || x.attribution.subject == no_node) return "";
+    const OperationWords words(x);
+    const auto& [mended, alone] = *x.culprit_alone;
+    const std::string what = words.text().operand(x.attribution.culprit);
+    if (x.attribution.subject != x.tape.outputs.t) {
+        const auto decides = [](bool hit) { return hit ? "hits" : "misses"; };
+        return fmt::format("With {0} alone exact the form {1}{2}; with {0} alone rounded it {3}.", what,
+                           mended.hit == x.hit ? "still " : "", decides(mended.hit), decides(alone.hit));
+    }
+    const auto off = [&](const measure::blame::Counterfactual& c) {
+        return c.hit ? fmt::format("{} ulp off", short_number(std::fabs(c.error / words.ulp()))) : "a miss";
+    };
+    return fmt::format("With {0} alone exact t is {1}; with {0} alone rounded, {2}.", what, off(mended), off(alone));
 }
 
 }  // namespace lostbits::output::blame

@@ -90,6 +90,11 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["verdict"] = verdict(x);
     j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
+    const auto counterfactual = [](const measure::blame::Counterfactual& c) {
+        return Json{{"hit", c.hit}, {"error", c.hit ? number(c.error) : Json(nullptr)}};
+    };
+    j["culprit_alone_exact"] = x.culprit_alone ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
+    j["culprit_alone_rounded"] = x.culprit_alone ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };

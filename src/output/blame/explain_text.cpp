@@ -281,7 +281,8 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
         table(x, words, all) +
         fmt::format(
             "\n{}- what is not on the way to the answer. local: bits that the operation alone loses on exact operands, "
-            "each rounded once. own: its rounding, in ulps of its own result.\n",
+            "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
+            "operations: own times the difference quotient from there to the end.\n",
             names_culprit(x) ? "* marks the culprit, " : "");
     const std::string sums =
         sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);

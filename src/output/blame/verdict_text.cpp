@@ -127,7 +127,10 @@ std::string blame_sentence(const Explanation& x, bool marches) {
     if (!x.has_tape())
         return "Its operations cannot be looked at, since it is compiled elsewhere; written as a form over any number "
                "they can (docs/your-own-form.md).";
-    if (names_culprit(x)) return culprit_sentence(x);
+    if (names_culprit(x)) {
+        const std::string alone = counterfactual_sentence(x);
+        return culprit_sentence(x) + (alone.empty() ? "" : " " + alone);
+    }
     if (!x.tells_t() && x.standing.is_right()) return "No operation is to blame: the decision is right.";
     const bool hit = x.standing.outcome == Outcome::agree_hit;
     if (!hit || x.attribution.subject == no_node || x.attribution.culprit == no_node) {

@@ -94,7 +94,7 @@ function culpritSentence(found, row, ulp) {
           equals = equalsOf(found), share = equals.sum / walk.error;
     let text =
         `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
-        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp becomes ` +
+        `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp is assigned ` +
         `${brief(Math.abs(n.contribution / ulp))} ulp in ${
             isDecision(walk.at(walk.subject)) ? tape.expressions[walk.subject] : "t"}${equals.who}`;
     if (equals.cancel) return `${text}${restText(found, ulp)}.`;
