@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scene/rays/family_parts.hpp"
@@ -21,10 +23,13 @@ inline Vec<double> draw_direction(Random& random) {
 
 /// The family of a shape is a struct F with a table's name that is derived from this, and says
 ///     static Solid<double> drawn(Random&, const Vec<double>& middle, double size)
-///     static Vec<double> aimed_at(Random&, const Solid<double>&)    where no point of the cube around it will do
+/// and may say, of what can be aimed at,
+///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
+///     static Vec<double> aimed_at(Random&, const Solid<double>&, int aim)
 /// Rays come from any direction, from `distance` sizes away.
 template <class F>
 struct AimedFamily {
+    int aim = 0;
     double size = 1;                 ///< about that of the solid, world units
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
     double aside = 0;                ///< how far the point is moved, in any direction, in sizes
@@ -37,6 +42,9 @@ struct AimedFamily {
     /// InputError with a position for anything out of range.
     static F read(toml::TableReader table) {
         F f;
+        if constexpr (requires { F::aims; })
+            f.aim = table.optional_one_of<int>("aim", std::span<const std::pair<std::string_view, int>>(F::aims))
+                        .value_or(f.aim);
         table.read_number("size", f.size, 0x1p-100, 0x1p+100);
         table.read_number("distance", f.distance, 0, 0x1p+100);
         table.read_number("aside", f.aside, 0, 0x1p+20);
@@ -53,14 +61,15 @@ struct AimedFamily {
             group.solids.push_back(solid);
             for (int i = 0; i < f.rays; ++i) {
                 const Vec<double> d = draw_direction(random), aside = (f.aside * f.size) * draw_direction(random);
-                const Vec<double> at = F::aimed_at(random, solid) + aside;
+                const Vec<double> at = F::aimed_at(random, solid, f.aim) + aside;
                 group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
             }
             return group;
         });
     }
 
-    static Vec<double> aimed_at(Random& random, const Solid<double>& solid) {
+    /// A point at random shares of the sides of the cube around it.
+    static Vec<double> aimed_at(Random& random, const Solid<double>& solid, int /*aim*/) {
         const double x = random.unit(), y = random.unit(), z = random.unit();
         return visit(solid, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
     }
