@@ -224,7 +224,7 @@ namespace {
 
 /// Places that name a shape, and not what every solid has.
 std::ptrdiff_t names_of_shapes(const SourceFile& file) {
-    static const std::regex name(R"(\bShape::(?!sdf\b)\w+|\b(Sphere|Box)<)");
+    static const std::regex name(R"(\bShape::(?!sdf\b)\w+|\b(Sphere|Box|Triangle)<)");
     const std::string code = code_of(file.text);
     return std::distance(std::sregex_iterator(code.begin(), code.end(), name), std::sregex_iterator());
 }
