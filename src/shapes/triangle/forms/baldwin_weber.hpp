@@ -18,7 +18,7 @@ struct BaldwinWeber {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
         const Vec<T> normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
-        const Axis<T> axis(sizes(normal));
+        const LargestComponent<T> axis(sizes(normal));
         const Vec<T> a = axis.first(triangle.a), b = axis.first(triangle.b), c = axis.first(triangle.c);
         const Vec<T> n = axis.first(normal), e1 = b - a, e2 = c - a;
         const Vec<T> o = axis.first(ray.origin), d = axis.first(ray.direction);

@@ -27,11 +27,11 @@ mask_t<T> is_not_zero(const T& x) {
 
 /// Which component of a vector is the largest: z, unless x or y is.
 template <Number T>
-struct Axis {
+struct LargestComponent {
     mask_t<T> x, y;
 
     /// Of sizes; of equal ones the last.
-    explicit Axis(const Vec<T>& size)
+    explicit LargestComponent(const Vec<T>& size)
         : x(size.x > size.y && size.x > size.z), y(!(size.x > size.y) && size.y > size.z) {}
 
     /// Turned round, x to y to z to x, until that component is the last.

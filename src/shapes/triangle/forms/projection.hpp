@@ -16,7 +16,7 @@ struct Projection {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
         const Vec<T> to_c = triangle.c - triangle.a, to_b = triangle.b - triangle.a, normal = cross(to_b, to_c);
-        const Axis<T> axis(sizes(normal));
+        const LargestComponent<T> axis(sizes(normal));
         const Vec<T> n = axis.last(normal), b = axis.last(to_c), c = axis.last(to_b), a = axis.last(triangle.a);
         const T denom = named("denom", b.x * c.y - b.y * c.x);
         const T nu = n.x / n.z, nv = n.y / n.z, nd = named("n_d", dot(triangle.a, normal) / n.z);

@@ -17,7 +17,7 @@ struct Woop {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
-        const Axis<T> axis(sizes(ray.direction));
+        const LargestComponent<T> axis(sizes(ray.direction));
         const auto turned = [&](const Vec<T>& v) {  // and with x and y in the source's order
             const Vec<T> last = axis.last(v);
             return Vec<T>(last.y, last.x, last.z);

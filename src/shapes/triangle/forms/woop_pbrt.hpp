@@ -12,7 +12,7 @@ struct WoopVertices {
 
     WoopVertices(const Ray<T>& ray, const Triangle<T>& triangle)
         : p0(triangle.a - ray.origin), p1(triangle.b - ray.origin), p2(triangle.c - ray.origin) {
-        const Axis<T> axis(sizes(ray.direction));
+        const LargestComponent<T> axis(sizes(ray.direction));
         const Vec<T> d = axis.last(ray.direction);
         const T sx = named("Sx", -d.x / d.z), sy = named("Sy", -d.y / d.z), sz = named("Sz", T(1) / d.z);
         for (Vec<T>* const p : {&p0, &p1, &p2}) {
