@@ -15,6 +15,7 @@ struct Key {
         none,
         positive,         ///< greater than 0
         at_least_before,  ///< in each component at least the key before it
+        off_line_before   ///< a point that does not lie on one line with the two keys before it
     };
 
     std::string_view name;    ///< `centre`: of TOML tables, paths and shaders

@@ -3,10 +3,12 @@
 // clang-format off
 #define LOSTBITS_SHAPES(line) \
     line(sphere, Sphere) \
-    line(box, Box)
+    line(box, Box) \
+    line(triangle, Triangle)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
 #include LOSTBITS_SHAPE_FILE(box)
+#include LOSTBITS_SHAPE_FILE(triangle)
 
 #undef LOSTBITS_SHAPE_FILE

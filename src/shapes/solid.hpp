@@ -17,6 +17,7 @@
 #define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/folder.hpp)
 // clang-format on
 #include "shapes/list.hpp"
+#include "shapes/on_one_line.hpp"
 
 namespace lostbits {
 
@@ -221,7 +222,8 @@ auto transformed(const Solid<S>& from, Lift lift) {
     return to;
 }
 
-/// A limit of a key that these numbers break, and the number that breaks it. NaN breaks every limit.
+/// A limit of a key that these numbers break, and the number that breaks it: of a point on a line, its first. NaN
+/// breaks every limit.
 struct BrokenLimit {
     const Key* key;
     std::size_t number;
@@ -230,6 +232,9 @@ template <class S>
 std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
     std::size_t k = 0;
     for (const Key& key : row_of(solid.shape).keys) {
+        if (key.limit == Key::Limit::off_line_before &&
+            on_one_line(solid.point(k - 6), solid.point(k - 3), solid.point(k)))
+            return BrokenLimit{&key, k};
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = solid.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||

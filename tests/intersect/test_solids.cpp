@@ -16,13 +16,19 @@ using namespace lostbits;
 
 namespace {
 
-/// 1, 2, 3, …: no two numbers alike, and every limit is kept.
+/// 1, 4, 9, …: no two numbers alike, and every limit is kept.
 Solid<double> counted_up(const ShapeRow& row) {
     Solid<double> solid(row.shape);
     double next = 1;
-    for (double& x : solid.used()) x = next++;
+    for (double& x : solid.used()) x = next * next, ++next;
     return solid;
 }
+
+/// Whether a shape has no inside: a line crosses it at one t.
+template <class Of>
+constexpr bool is_flat = requires(const Of& shape, const Ray<double>& ray) {
+    shape.span(ray).at;
+};
 
 }  // namespace
 
@@ -73,7 +79,9 @@ TEST_CASE("a limit that is broken is told with its key and its number, and so is
                     Solid<double> solid = good;
                     solid.numbers[k] = bad;
                     const auto broken = broken_limit(solid);
-                    if (key.limit != Key::Limit::none) {
+                    if (key.limit == Key::Limit::off_line_before) {
+                        CHECK(broken.has_value() == std::isnan(bad));
+                    } else if (key.limit != Key::Limit::none) {
                         REQUIRE(broken);
                         CHECK(broken->key == &key);
                         CHECK(broken->number == k);
@@ -118,6 +126,7 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
         const Solid<double> solid = solid_around<double>(row.shape, {1, -2, 3}, 2);
         int met = 0, from_inside = 0;
         visit(solid, [&](const auto& shape) {
+            if (is_flat<std::decay_t<decltype(shape)>>) return;
             CHECK(Vec<double>(shape.middle()) == Vec<double>(1, -2, 3));
             CHECK(shape.half_extent() == 2);
             for (int i = 0; i < 4096; ++i) {
@@ -152,6 +161,7 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
                 CHECK(std::fabs(shape.off_surface(shape.projected(ray, p))) <= 0x1p-50);
             }
         });
+        if (met == 0) continue;  // no inside: test_triangle_truth
         CHECK(met > 500);
         CHECK(from_inside > 20);
     }
@@ -192,7 +202,7 @@ TEST_CASE("the span of a shape holds the span in every wider number") {
         const Solid<double> solid = solid_around<double>(row.shape, {1, -2, 3}, 2);
         const Interval::Precision precision(400);
         int met = 0;
-        for (int i = 0; i < 1024; ++i) {
+        for (int i = 0; i < 2048; ++i) {
             const Ray<double> ray{coarse(random), coarse(random)};
             if (ray.direction == Vec<double>(0, 0, 0)) continue;
             const auto ends_in = [&]<class E>() {
@@ -203,7 +213,9 @@ TEST_CASE("the span of a shape holds the span in every wider number") {
             };
             const auto quick = ends_in.template operator()<Ball>();
             const auto sharp = ends_in.template operator()<Interval>();
-            REQUIRE(quick.has_value() == sharp.has_value());
+            // Of a rim balls may not know.
+            const bool open = visit(solid, [](const auto& shape) { return is_flat<std::decay_t<decltype(shape)>>; });
+            REQUIRE((quick.has_value() == sharp.has_value() || (open && !quick)));
             if (!quick || !quick->near.is_bounded() || !quick->far.is_bounded()) continue;
             ++met;
             for (const auto& [ball, interval] : {std::pair(quick->near, sharp->near), {quick->far, sharp->far}}) {

@@ -23,8 +23,8 @@ endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
 file(READ ${list} text)
-string(REPLACE "    line(box, Box)\n" "    line(box, Box) \\\n    line(plane, Plane)\n" text "${text}")
-string(REPLACE "FILE(box)\n" "FILE(box)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
+string(REPLACE "    line(triangle, Triangle)\n" "    line(triangle, Triangle) \\\n    line(plane, Plane)\n" text "${text}")
+string(REPLACE "FILE(triangle)\n" "FILE(triangle)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
 file(WRITE ${list} "${text}")
 
 file(WRITE ${WORK}/shapes.cpp [=[
@@ -60,7 +60,7 @@ if(failed)
     message(FATAL_ERROR "the shape of the recipe does not compile:\n${errors}")
 endif()
 execute_process(COMMAND ${WORK}/shapes OUTPUT_VARIABLE said)
-set(expected "sphere: 4\nbox: 6\nplane: 6\nplane of 6 numbers, last -2\nplane.quotient hits at 4\n"
+set(expected "sphere: 4\nbox: 6\ntriangle: 9\nplane: 6\nplane of 6 numbers, last -2\nplane.quotient hits at 4\n"
     "truly 4, and leaves at 4\ntruly 4, and leaves at 4\n")
 string(CONCAT expected ${expected})
 if(NOT said STREQUAL expected)
@@ -138,7 +138,7 @@ static const char* run(const lb_batch* b) {
     return NULL;
 }
 const lb_form* lostbits_forms(int abi, size_t* count) {
-    static const lb_form form = {.name = "outside.plane", .shape = 2, .format = LB_F64, .roots = LB_FIRST,
+    static const lb_form form = {.name = "outside.plane", .shape = 3, .format = LB_F64, .roots = LB_FIRST,
                                  .flags = LB_NO_END, .run = run};
     *count = 1;
     return abi == LOSTBITS_PLUGIN_ABI ? &form : NULL;

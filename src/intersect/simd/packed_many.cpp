@@ -41,7 +41,6 @@ void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ra
                 std::span<F> t, std::span<std::uint8_t> hit) {
     const RayNumbers<F> r(ray);
     RawSolids<F> all{r.numbers, {}, t.data(), hit.data(), solids.size()};
-    static_assert(most_numbers <= std::size(decltype(all.numbers){}));
     std::ranges::transform(solids.numbers, all.numbers, [](const auto& column) { return column.data(); });
     if (all.size % lanes) run_tail<F>(kernel, lanes, all);
     all.size -= all.size % lanes;

@@ -5,13 +5,14 @@
 #include <cstdint>
 
 #include "intersect/march.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect::simd {
 
 /// What a form is aimed at.
 template <class F>
 struct RawTarget {
-    const F* numbers;            ///< six a solid, in the order of `Solid`
+    const F* numbers;            ///< `most_numbers` a solid, in the order of `Solid`
     const std::uint8_t* shapes;  ///< of each solid, as `Shape` counts them
     std::size_t solids;          ///< one for the forms of a sphere or a box
     MarchConstants<F> march;     ///< for the forms that march
@@ -31,10 +32,10 @@ struct RawBatch {
 /// One ray against whole packs of solids, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawSolids {
-    const F* ray;         ///< ox, oy, oz, dx, dy, dz
-    const F* numbers[6];  ///< a column for each number of the form's shape, in the order of `Solid`
-    F* t;                 ///< spheres: written; boxes: the ray's end on the way in, tmin after a hit
-    std::uint8_t* hit;    ///< spheres only
+    const F* ray;                    ///< ox, oy, oz, dx, dy, dz
+    const F* numbers[most_numbers];  ///< a column for each number of the form's shape, in the order of `Solid`
+    F* t;                            ///< spheres: written; boxes: the ray's end on the way in, tmin after a hit
+    std::uint8_t* hit;               ///< spheres only
     std::size_t size;
 };
 

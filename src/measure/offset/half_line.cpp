@@ -41,6 +41,14 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
+/// Nothing is inside; what crosses the rim does not meet the open surface.
+template <class E>
+std::optional<Meeting> enclosed(const Crossing<E>& s) {
+    const Tri on = s.closed && s.at.n <= E(0) && s.at.n >= E(0), meets = s.open && s.at.n > E(0);
+    if (on.is_unknown() || meets.is_unknown()) return std::nullopt;
+    return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
+}
+
 template <class E>
 std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
     Ray<E> from = truth::lift_ray<E>(line.ray);
@@ -73,6 +81,12 @@ template <class E>
 std::optional<bool> passes(const SlabSpan<E>& s) {
     const E end(1);
     const Tri hit = truth::enclose<E>(s, &end, intersect::Touching::miss).hit;
+    return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
+}
+
+template <class E>
+std::optional<bool> passes(const Crossing<E>& s) {
+    const Tri hit = s.open && s.at.n > E(0) && s.at.n < s.at.m;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 

@@ -29,7 +29,7 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
 
 /// Of each solid, the first that has the same numbers.
 std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
-    std::map<std::array<double, 6>, int> places;
+    std::map<std::array<double, most_numbers>, int> places;
     std::vector<int> first;
     for (const Solid<double>& solid : solids)
         first.push_back(places.emplace(solid.numbers, static_cast<int>(first.size())).first->second);

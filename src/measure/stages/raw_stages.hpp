@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "shapes/solid.hpp"
+
 namespace lostbits::measure::stages {
 
 /// A column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
@@ -23,8 +25,8 @@ struct RawFindings {
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
 template <class S>
 struct RawProblems {
-    RawColumn<S> ray[6], solid[6];
-    RawColumn<S> ray_low[6], solid_low[6];  ///< second words, where there are any
+    RawColumn<S> ray[6], solid[most_numbers];
+    RawColumn<S> ray_low[6], solid_low[most_numbers];  ///< second words, where there are any
     RawColumn<S> tmax;
     RawFindings out;
     std::size_t size;

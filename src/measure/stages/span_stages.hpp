@@ -2,6 +2,7 @@
 // (geometry/span.hpp). The numbers carry the bounds, so that no lemma is needed.
 #pragma once
 
+#include "geometry/crossing.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/span.hpp"
 #include "measure/stages/problem.hpp"
@@ -108,6 +109,17 @@ Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const typename Running<
     return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
 }
 
+/// As `truth::enclose` has it for the usual convention, where neither the rim nor the origin is met.
+template <class W>
+Met<Running<W>> first_met(const Crossing<Running<W>>& s) {
+    using P = typename Running<W>::P;
+    const Running<W> zero(0), one(1);
+    const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);
+    const auto missed = s.closed.no() || (s.at.n < zero).yes();
+    if (!any_of(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+}
+
 /// Whether a length is known closely enough: to 2^-33 of itself in one word, as `narrow_tightness` has it, to 2^-72 in
 /// two; and in one binade, in range of what follows.
 template <class P>
@@ -127,7 +139,8 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
-/// Whether a solid is one, by the limits of its keys; origins and directions that are not finite are found by `settle`.
+/// Whether a solid is one, by the limits of its keys: but for points on one line, which no line is proved to cross;
+/// origins and directions that are not finite are found by `settle`.
 template <class S, class E>
 mask_t<typename E::P> is_proper(const std::array<E, most_numbers>& solid) {
     using P = typename E::P;

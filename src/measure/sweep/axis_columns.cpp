@@ -36,10 +36,10 @@ AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t r
     for (const std::size_t place : file.ray_places) ray_varies_[place] = true;
     for (const std::size_t place : file.solid_places) solid_varies_[place] = true;
     direction_varies_ = ray_varies_[3] || ray_varies_[4] || ray_varies_[5];
-    for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t k = 0; k < ray_columns_.size(); ++k)
         if (!ray_varies_[k]) ray_columns_[k].assign(most, ray_numbers_[k]);
-        if (!file.solid_places.empty() && !solid_varies_[k]) solid_columns_[k].assign(most, solid_numbers_[k]);
-    }
+    for (std::size_t k = 0; k < solid_columns_.size() && !file.solid_places.empty(); ++k)
+        if (!solid_varies_[k]) solid_columns_[k].assign(most, solid_numbers_[k]);
     if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(most, file.rays[ray].tmax);
 }
 

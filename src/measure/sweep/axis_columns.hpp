@@ -40,10 +40,12 @@ private:
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;
     std::span<const float> values_;
-    std::array<float, 6> ray_numbers_, solid_numbers_;  ///< what does not vary
-    std::array<bool, 6> ray_varies_{}, solid_varies_{};
-    std::array<std::vector<float>, 6> ray_columns_,
-        solid_columns_;                               ///< of what does not vary, as many as there is room
+    std::array<float, 6> ray_numbers_;  ///< what does not vary
+    std::array<float, most_numbers> solid_numbers_;
+    std::array<bool, 6> ray_varies_{};
+    std::array<bool, most_numbers> solid_varies_{};
+    std::array<std::vector<float>, 6> ray_columns_;  ///< of what does not vary, as many as there is room
+    std::array<std::vector<float>, most_numbers> solid_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
     bool units_made_ = false, direction_varies_ = false;

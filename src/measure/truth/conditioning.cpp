@@ -132,6 +132,13 @@ double reach_in(const Problem<E, N>& problem, const SlabSpan<Dual<E, N>>& s, dou
     return as_double(most);
 }
 
+template <class E, std::size_t N>
+double reach_in(const Problem<E, N>& problem, const Crossing<Dual<E, N>>& s, double t, double linear, double relative) {
+    if (t != 0) return linear;
+    const E aside = E(relative) * moved(problem, s.at.n);
+    return abs(s.at.n.value()) <= aside ? as_double(E(aside / s.at.m.value())) : 0;
+}
+
 template <class E, class S>
 double reach_with(const Ray<S>& ray, const Solid<S>& solid, double t, double linear, double relative) {
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {

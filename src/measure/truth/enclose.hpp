@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/crossing.hpp"
 #include "intersect/info.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
@@ -133,6 +134,22 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const E* tmax, intersect::Conventi
     }
     const E t = first.n / first.m;
     return {Tri::yes, t, t * sqrt(slabs.d2), touching};
+}
+
+/// The line against a surface without thickness. On the rim it touches; a surface at the origin is a root at t = 0, as
+/// entry and exit at once, and counts by the convention. There is no inside, and no end, whatever `tmax`.
+template <class E>
+Enclosed<E> enclose(const Crossing<E>& s, const E*, intersect::Convention convention) {
+    const E zero(0);
+    const Tri hit = s.closed && s.at.n >= zero;
+    if (hit.is_no()) return {Tri::no, zero, zero};
+    const Tri ahead = s.at.n > zero;
+    if (hit.is_unknown() || ahead.is_unknown() || Tri(s.open).is_unknown()) return {Tri::unknown, zero, zero};
+    const bool touching = Tri(s.open).is_no();
+    if (ahead.is_no())
+        return {convention.at_origin == intersect::AtOrigin::miss ? Tri::no : Tri::yes, zero, zero, touching, true};
+    const E t = s.at.n / s.at.m;
+    return {Tri::yes, t, t * sqrt(s.d2), touching};
 }
 
 /// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `tmax` (null:

@@ -26,15 +26,15 @@ inline constexpr std::size_t most_lanes = 8;
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < 6; ++k) use(p.solid[k], raw.solid[k], 0);
+    for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid[k], raw.solid[k], 0);
     use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     if (p.ray_low[0].empty()) return;
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < 6; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
+    for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
-inline constexpr std::size_t most_columns = 25;
 /// Where those of a ray, a solid, tmax and of the second words begin.
-inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmax = 12, first_of_low = 13;
+inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmax = 6 + most_numbers,
+                             first_of_low = place_of_tmax + 1, most_columns = first_of_low + 6 + most_numbers;
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
@@ -90,8 +90,10 @@ struct Gathered {
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
         for (std::size_t k = 0; k < 6; ++k) {
             raw.ray[k] = {numbers[first_of_ray + k], 1};
-            raw.solid[k] = {numbers[first_of_solid + k], 1};
             raw.ray_low[k] = {numbers[first_of_low + k], 1};
+        }
+        for (std::size_t k = 0; k < most_numbers; ++k) {
+            raw.solid[k] = {numbers[first_of_solid + k], 1};
             raw.solid_low[k] = {numbers[first_of_low + 6 + k], 1};
         }
         raw.tmax = {numbers[place_of_tmax], 1};

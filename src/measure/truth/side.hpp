@@ -59,15 +59,26 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     return *past > 0 ? -1 : *p;
 }
 
-/// For a ray that hits and m > 0: t* = n/d of its first entry, or of its exit where that is the answer from inside,
-/// against m, or n² d·d against (m d)².
+/// t* = n/d against m, or n² d·d against (m d)².
+template <class E>
+std::optional<int> side_of_fraction(const Fraction<E>& at, const E& m, Length length, const E& d2) {
+    const E there = m * at.m;
+    if (length == Length::parameter) return sign<E>(at.n - there);
+    return sign<E>(square(at.n) * d2 - square(there));
+}
+
+/// For a ray that hits and m > 0: t* of its first entry, or of its exit where that is the answer from inside.
 template <class E>
 std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, intersect::Inside inside) {
     Fraction<E> first = first_entry(s);
     if (inside == intersect::Inside::exit && (first.n <= E(0)).is_yes()) first = first_exit(s);
-    const E there = m * first.m;
-    if (length == Length::parameter) return sign<E>(first.n - there);
-    return sign<E>(square(first.n) * s.d2 - square(there));
+    return side_of_fraction(first, m, length, s.d2);
+}
+
+/// For a ray that crosses and m > 0: the same of the one t.
+template <class E>
+std::optional<int> side_of(const Crossing<E>& s, const E& m, Length length, intersect::Inside) {
+    return side_of_fraction(s.at, m, length, s.d2);
 }
 
 template <class E>

@@ -19,12 +19,13 @@ namespace lostbits::measure::truth {
 template <class S>
 struct ProblemColumns {
     std::size_t size = 0;
-    std::array<std::span<const S>, 6> ray;    ///< o.x o.y o.z d.x d.y d.z
-    Shape shape{};                            ///< a sphere or a box
-    std::array<std::span<const S>, 6> solid;  ///< as in `Solid::numbers`; a sphere leaves the last two empty
-    std::span<const S> tmax = {};             ///< where the rays end (boxes only); empty: nowhere
+    std::array<std::span<const S>, 6> ray;               ///< o.x o.y o.z d.x d.y d.z
+    Shape shape{};                                       ///< one that a solid can have
+    std::array<std::span<const S>, most_numbers> solid;  ///< as in `Solid::numbers`; empty beyond those of the shape
+    std::span<const S> tmax = {};                        ///< where the rays end (boxes only); empty: nowhere
     /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
-    std::array<std::span<const S>, 6> ray_low = {}, solid_low = {};
+    std::array<std::span<const S>, 6> ray_low = {};
+    std::array<std::span<const S>, most_numbers> solid_low = {};
 };
 
 /// How closely a length must be known for what is measured against it.

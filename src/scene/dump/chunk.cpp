@@ -59,6 +59,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
             if (broken->key->limit == Key::Limit::positive)
                 return bad(
                     s, fmt::format("the {} of a {} is greater than 0; leave this ray out", broken->key->name, name));
+            if (broken->key->limit == Key::Limit::off_line_before)
+                return bad(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
+                                          limit_words(*shape_, *broken->key)));
             const std::size_t before = s - broken->key->count();
             return bad(before, fmt::format("it is above {}, which is {}; a {} has {} in each component", called(s),
                                            x[s], name, order_words(*broken->key)));

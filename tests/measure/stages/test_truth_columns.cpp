@@ -167,7 +167,7 @@ TEST_CASE("truth columns: any number of rays at every width, and one number for 
     for (Problem& p : same) p.solid = Sphere<double>{{1, 2, 3}, 4};
     const Columns<double> columns(same);
     auto narrow = columns.get();
-    for (auto& column : narrow.solid) column = column.first(1);
+    for (auto& column : narrow.solid) column = column.first(std::min<std::size_t>(column.size(), 1));
     narrow.tmax = {};
     find_truth_columns(columns.get(), {}, all);
     find_truth_columns(narrow, {}, some);

@@ -1,0 +1,52 @@
+// Whether three points lie on one line: what a triangle's vertices must not.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+
+#include "geometry/vec.hpp"
+#include "number/wide/dyadic.hpp"
+
+namespace lostbits {
+
+namespace detail {
+
+/// The component j, k of (b − a) × (c − a), in A.
+template <class A, class S>
+A area_across(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c, int j, int k) {
+    const auto from_a = [&](const Vec<S>& p, int i) { return A(p[i]) - A(a[i]); };
+    return from_a(b, j) * from_a(c, k) - from_a(b, k) * from_a(c, j);
+}
+
+/// Whether it is proved to be other than zero, in double: each product is off by at most 3.01u of itself and 2^-1074,
+/// their difference by u more, so 2^-50 of the sizes of both is more than all of it where these are above 2^-900.
+inline bool is_surely_wide(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c, int j, int k) {
+    const double x = (b[j] - a[j]) * (c[k] - a[k]), y = (b[k] - a[k]) * (c[j] - a[j]);
+    const double size = std::fabs(x) + std::fabs(y);
+    return std::fabs(x - y) > 0x1p-50 * size && size > 0x1p-900;
+}
+
+}  // namespace detail
+
+/// Or one of their numbers is not a number. Exact of floats and doubles, of whatever size; of wider numbers as their
+/// own arithmetic has it.
+template <class S>
+bool on_one_line(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c) {
+    constexpr int axes[3][2] = {{1, 2}, {2, 0}, {0, 1}};
+    for (const Vec<S>* const p : {&a, &b, &c})
+        for (int i = 0; i < 3; ++i)
+            if (!((*p)[i] == (*p)[i])) return true;
+    if constexpr (std::floating_point<S>) {
+        const Vec<double> da(a), db(b), dc(c);
+        for (const auto& [j, k] : axes)
+            if (detail::is_surely_wide(da, db, dc, j, k)) return false;
+        for (const auto& [j, k] : axes)
+            if (detail::area_across<number::wide::Dyadic<double>>(da, db, dc, j, k).sign() != 0) return false;
+    } else {
+        for (const auto& [j, k] : axes)
+            if (detail::area_across<S>(a, b, c, j, k) != 0) return false;
+    }
+    return true;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,33 @@
+// Random rays at triangles, aimed at their inside, at edges or at vertices.
+#pragma once
+
+#include "scene/rays/aimed_family.hpp"
+
+namespace lostbits::scene::triangle {
+
+/// `size` is the distance of the vertices from their middle, or nearly: in any direction, and no two of them near.
+struct TriangleFamily : rays::AimedFamily<TriangleFamily> {
+    static constexpr std::string_view table = "triangle_family";
+    enum Aim { inside, edge, vertex };
+    static constexpr std::pair<std::string_view, int> aims[] = {{"inside", inside}, {"edge", edge}, {"vertex", vertex}};
+
+    static Solid<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+        for (;;) {
+            const Vec<double> a = rays::draw_direction(random), b = rays::draw_direction(random);
+            const Vec<double> c = rays::draw_direction(random), normal = cross(b - a, c - a);
+            if (square(normal) < 0x1p-4) continue;
+            return Triangle<double>{middle + size * a, middle + size * b, middle + size * c};
+        }
+    }
+    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int aim) {
+        const Triangle<double> t = solid.triangle();
+        const double u = random.unit(), v = random.unit();
+        const Vec<double> corners[] = {t.a, t.b, t.c};
+        const int k = random.below(3);
+        const Vec<double>&x = corners[k], &y = corners[(k + 1) % 3];
+        if (aim == inside) return t.point_at({u, v, 0});
+        return aim == vertex ? x : x + u * (y - x);
+    }
+};
+
+}  // namespace lostbits::scene::triangle

@@ -1,0 +1,39 @@
+// The closed list of the forms of the triangle: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/triangle/forms/baldwin_weber.hpp"
+#include "shapes/triangle/forms/havel_herout.hpp"
+#include "shapes/triangle/forms/moller_trumbore.hpp"
+#include "shapes/triangle/forms/pbrt.hpp"
+#include "shapes/triangle/forms/plane_barycentric.hpp"
+#include "shapes/triangle/forms/plucker.hpp"
+#include "shapes/triangle/forms/plucker_band.hpp"
+#include "shapes/triangle/forms/precomputed_normal.hpp"
+#include "shapes/triangle/forms/projection.hpp"
+#include "shapes/triangle/forms/reciprocal_first.hpp"
+#include "shapes/triangle/forms/signed_volumes.hpp"
+#include "shapes/triangle/forms/undivided.hpp"
+#include "shapes/triangle/forms/woop.hpp"
+#include "shapes/triangle/forms/woop_double.hpp"
+
+namespace lostbits::intersect::triangle {
+
+using TriangleForms = FormList<   //
+    triangle::MollerTrumbore,     // determinants
+    triangle::ReciprocalFirst,    //
+    triangle::Undivided,          //
+    triangle::PrecomputedNormal,  //
+    triangle::SignedVolumes,      //
+    triangle::Plucker,            // edges, each by itself
+    triangle::PluckerBand,        //
+    triangle::Woop,               //
+    triangle::WoopDouble,         //
+    triangle::Pbrt,               //
+    triangle::BaldwinWeber,       // the plane, then coordinates in it
+    triangle::HavelHerout,        //
+    triangle::Projection,         //
+    triangle::PlaneBarycentric    //
+    >;
+
+}  // namespace lostbits::intersect::triangle

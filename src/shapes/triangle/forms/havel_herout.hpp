@@ -1,0 +1,34 @@
+// Havel and Herout's three planes, made once a triangle, and one division after the tests. The tests compare sign bits,
+// so that zeros count as above: edges of a triangle seen from behind are left out.
+#pragma once
+
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+
+struct HavelHerout {
+    static constexpr Info info{
+        .name = "triangle.havel_herout",
+        .title = "three planes a triangle, signs compared",
+        .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges seen from behind are left out",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
+        const Vec<T> e1 = triangle.b - triangle.a, e2 = triangle.c - triangle.a, n0 = cross(e1, e2);
+        const T d0 = named("d0", dot(n0, triangle.a)), inverse = T(1) / dot(n0, n0);
+        const Vec<T> n1 = inverse * cross(e2, n0), n2 = inverse * cross(n0, e1);
+        const T d1 = named("d1", -dot(n1, triangle.a)), d2 = named("d2", -dot(n2, triangle.a));
+
+        const T det = named("det", dot(n0, ray.direction)), dett = named("dett", d0 - dot(ray.origin, n0));
+        const Vec<T> p = det * ray.origin + dett * ray.direction;
+        const T u = named("u", dot(p, n1) + det * d1), v = named("v", dot(p, n2) + det * d2);
+        const T w = named("w", det - u - v), t = named("t", dett * (T(1) / det));
+        const mask_t<T> none_below = !(u < T(0)) && !(v < T(0)) && !(w < T(0)),
+                        all_below = u < T(0) && v < T(0) && w < T(0);
+        return met<T>((none_below || all_below) && is_not_zero(det) && t >= T(0), t);
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

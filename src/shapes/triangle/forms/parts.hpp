@@ -1,0 +1,57 @@
+// What several triangle forms share.
+#pragma once
+
+#include "geometry/ray.hpp"
+#include "intersect/info.hpp"
+#include "number/concept.hpp"
+#include "shapes/triangle/triangle.hpp"
+
+namespace lostbits::intersect::triangle {
+
+/// The answer of a form that finds one t.
+template <Number T>
+Hit<T> met(const mask_t<T>& hit, const T& t) {
+    return {hit, t, t, t};
+}
+
+/// a·b summed from the last component, as Embree has it.
+template <Number T>
+T dot_from_z(const Vec<T>& a, const Vec<T>& b) {
+    return a.x * b.x + (a.y * b.y + a.z * b.z);
+}
+
+template <Number T>
+mask_t<T> is_not_zero(const T& x) {
+    return x < T(0) || x > T(0);
+}
+
+/// Which component of a vector is the largest: z, unless x or y is.
+template <Number T>
+struct LargestComponent {
+    mask_t<T> x, y;
+
+    /// Of sizes; of equal ones the last.
+    explicit LargestComponent(const Vec<T>& size)
+        : x(size.x > size.y && size.x > size.z), y(!(size.x > size.y) && size.y > size.z) {}
+
+    /// Turned round, x to y to z to x, until that component is the last.
+    [[nodiscard]] Vec<T> last(const Vec<T>& v) const {
+        return Vec<T>(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z));
+    }
+    /// The same until it is the first.
+    [[nodiscard]] Vec<T> first(const Vec<T>& v) const {
+        return Vec<T>(pick(v.x, v.y, v.z), pick(v.y, v.z, v.x), pick(v.z, v.x, v.y));
+    }
+
+private:
+    [[nodiscard]] T pick(const T& if_x, const T& if_y, const T& if_z) const {
+        return select(x, if_x, select(y, if_y, if_z));
+    }
+};
+
+template <Number T>
+Vec<T> sizes(const Vec<T>& v) {
+    return Vec<T>(abs(v.x), abs(v.y), abs(v.z));
+}
+
+}  // namespace lostbits::intersect::triangle

@@ -1,0 +1,38 @@
+// Plücker's test with a band: signs count from an ulp of the sum on.
+#pragma once
+
+#include "shapes/triangle/forms/plucker_edges.hpp"
+
+namespace lostbits::intersect::triangle {
+
+struct PluckerBand {
+    static constexpr Info info{
+        .name = "triangle.plucker_band",
+        .title = "Plücker edge tests, an ulp to spare",
+        .source = "Embree 0d9493e, kernels/geometry/triangle_intersector_pluecker.h:80; rcp as 1/x",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
+        const PluckerEdges<T> edges(ray, triangle.a, triangle.b, triangle.c);
+        const T band = named("eps", T(2) * unit_roundoff<T>() * abs(edges.sum));
+        const Vec<T> n = stable_normal(edges.e0, edges.e1, edges.e2);
+        const T half = dot_from_z(n, ray.direction), den = named("den", half + half);
+        const T tn = dot_from_z(edges.v0, n), t = named("t", (T(1) / den) * named("T", tn + tn));
+        return met<T>((edges.least >= -band || edges.most <= band) && T(0) <= t && is_not_zero(den), t);
+    }
+
+private:
+    /// Of a × b and b × c, which are equal, in each component the one with the smaller products.
+    template <Number T>
+    static Vec<T> stable_normal(const Vec<T>& a, const Vec<T>& b, const Vec<T>& c) {
+        const Vec<T> ab(a.z * b.y, a.x * b.z, a.y * b.x), bc(b.z * c.y, b.x * c.z, b.y * c.x);
+        const Vec<T> cross_ab(a.y * b.z - ab.x, a.z * b.x - ab.y, a.x * b.y - ab.z);
+        const Vec<T> cross_bc(b.y * c.z - bc.x, b.z * c.x - bc.y, b.x * c.y - bc.z);
+        const auto part = [&](int i) { return select(abs(ab[i]) < abs(bc[i]), cross_ab[i], cross_bc[i]); };
+        return Vec<T>(part(0), part(1), part(2));
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

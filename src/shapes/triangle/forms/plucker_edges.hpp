@@ -1,0 +1,35 @@
+// Plücker's test as Embree and Cycles have it: the triangle moved to the ray's origin, and for each edge from x to y
+// the sign of d·((y − x) × (y + x)), which is twice d·(x × y) and changes its sign alone with the order of x and y.
+#pragma once
+
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+
+template <Number T>
+struct PluckerEdges {
+    Vec<T> v0, v1, v2;  ///< the vertices from the origin
+    Vec<T> e0, e1, e2;
+    T least, most, sum;  ///< of the three tests
+
+    PluckerEdges(const Ray<T>& ray, const Vec<T>& p0, const Vec<T>& p1, const Vec<T>& p2)
+        : v0(p0 - ray.origin),
+          v1(p1 - ray.origin),
+          v2(p2 - ray.origin),
+          e0(v2 - v0),
+          e1(v0 - v1),
+          e2(v1 - v2),
+          least(0),
+          most(0),
+          sum(0) {
+        const auto test = [&](const Vec<T>& edge, const Vec<T>& x, const Vec<T>& y) {
+            return dot_from_z(cross(edge, Vec<T>(x + y)), ray.direction);
+        };
+        const T u = named("U", test(e0, v2, v0)), v = named("V", test(e1, v0, v1)), w = named("W", test(e2, v1, v2));
+        least = min(min(u, v), w);
+        most = max(max(u, v), w);
+        sum = named("UVW", u + v + w);
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

@@ -1,0 +1,32 @@
+// The determinants as they are, compared with the first of them and divided by it at the end. Of an edge that two
+// triangles share it is U in one and U + V in the other.
+#pragma once
+
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+
+struct Undivided {
+    static constexpr Info info{
+        .name = "triangle.undivided",
+        .title = "Möller-Trumbore, divided after the tests",
+        .source = "Embree 008025c, kernels/geometry/triangle_intersector_moeller.h:81; rcp as 1/x",
+        .roots = Roots::first_only,
+        .at_origin = AtOrigin::miss,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
+        const Vec<T> e1 = triangle.a - triangle.b, e2 = triangle.c - triangle.a;
+        const Vec<T> ng = cross(e2, e1), c = triangle.a - ray.origin, r = cross(c, ray.direction);
+        const T den = named("den", dot_from_z(ng, ray.direction));
+        const auto turned = [back = den < T(0)](const T& x) { return select(back, -x, x); };
+        const T size = abs(den);
+        const T u = named("U", turned(dot_from_z(r, e2))), v = named("V", turned(dot_from_z(r, e1)));
+        const T tn = named("T", turned(dot_from_z(ng, c)));
+        const T t = named("t", tn * named("1/den", T(1) / size));
+        return met<T>(is_not_zero(den) && u >= T(0) && v >= T(0) && u + v <= size && tn > T(0), t);
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

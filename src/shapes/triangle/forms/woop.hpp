@@ -1,0 +1,42 @@
+// Woop's test: the direction's largest component is turned to z, the triangle sheared until the ray is the z axis, and
+// the edges are tested in the plane. Each vertex is sheared by itself, so triangles with a common edge agree about it.
+#pragma once
+
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+
+struct Woop {
+    static constexpr Info info{
+        .name = "triangle.woop",
+        .title = "Woop's watertight test, no second look at zeros",
+        .source = "Embree 05bf30e, kernels/geometry/triangle_intersector_woop.h:87; rcp as 1/x",
+        .roots = Roots::first_only,
+        .at_origin = AtOrigin::miss,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
+        const LargestComponent<T> axis(sizes(ray.direction));
+        const auto turned = [&](const Vec<T>& v) {  // and with x and y in the source's order
+            const Vec<T> last = axis.last(v);
+            return Vec<T>(last.y, last.x, last.z);
+        };
+        const Vec<T> d = turned(ray.direction), o = turned(ray.origin);
+        const T sz = named("Sz", T(1) / d.z), sx = named("Sx", d.x * sz), sy = named("Sy", d.y * sz);
+        const auto sheared = [&](const Vec<T>& vertex) {
+            const Vec<T> v = turned(vertex) - o;
+            return Vec<T>(v.x - v.z * sx, v.y - v.z * sy, v.z);
+        };
+        const Vec<T> a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
+        const T u = named("U", c.x * b.y - c.y * b.x), v = named("V", a.x * c.y - a.y * c.x);
+        const T w = named("W", b.x * a.y - b.y * a.x), zero(0);
+        const T det = named("det", u + v + w);
+        const T tn = named("T", u * (sz * a.z) + v * (sz * b.z) + w * (sz * c.z));
+        const T t = named("t", tn * named("1/det", T(1) / det));
+        const mask_t<T> inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
+        return met<T>(inside && is_not_zero(det) && zero < t, t);
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

@@ -1,0 +1,26 @@
+// Woop's test with edges as differences of rounded products, computed again in double where one comes out as zero.
+#pragma once
+
+#include "shapes/triangle/forms/woop_pbrt.hpp"
+
+namespace lostbits::intersect::triangle {
+
+struct WoopDouble {
+    static constexpr Info info{
+        .name = "triangle.woop_double",
+        .title = "Woop's watertight test, zeros again in double",
+        .source = "Woop, Benthin and Wald, JCGT 2(1), 2013; pbrt-v3, src/shapes/triangle.cpp, less its last test",
+        .roots = Roots::first_only,
+        .at_origin = AtOrigin::miss,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
+        const WoopVertices<T> v(ray, triangle);
+        const WoopEdges<T> e(v, [](const T& a, const T& b, const T& c, const T& d) { return a * b - c * d; });
+        const WoopFound<T> found = found_by_edges(triangle, v, e);
+        return met<T>(found.hit, found.t);
+    }
+};
+
+}  // namespace lostbits::intersect::triangle

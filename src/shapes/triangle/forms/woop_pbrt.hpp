@@ -1,0 +1,67 @@
+// Woop's test in pbrt's words: where an edge comes out as zero all three are computed again in double.
+#pragma once
+
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+
+/// The triangle from the ray's origin, turned and sheared until the ray is the z axis, z in units of the direction.
+template <Number T>
+struct WoopVertices {
+    Vec<T> p0, p1, p2;
+
+    WoopVertices(const Ray<T>& ray, const Triangle<T>& triangle)
+        : p0(triangle.a - ray.origin), p1(triangle.b - ray.origin), p2(triangle.c - ray.origin) {
+        const LargestComponent<T> axis(sizes(ray.direction));
+        const Vec<T> d = axis.last(ray.direction);
+        const T sx = named("Sx", -d.x / d.z), sy = named("Sy", -d.y / d.z), sz = named("Sz", T(1) / d.z);
+        for (Vec<T>* const p : {&p0, &p1, &p2}) {
+            const Vec<T> v = axis.last(*p);
+            *p = Vec<T>(v.x + sx * v.z, v.y + sy * v.z, v.z * sz);
+        }
+    }
+};
+
+template <Number T>
+struct WoopEdges {
+    T e0, e1, e2;
+
+    /// `minus(a, b, c, d)` is a b − c d.
+    template <class Minus>
+    WoopEdges(const WoopVertices<T>& v, const Minus& minus)
+        : e0(minus(v.p1.x, v.p2.y, v.p1.y, v.p2.x)),
+          e1(minus(v.p2.x, v.p0.y, v.p2.y, v.p0.x)),
+          e2(minus(v.p0.x, v.p1.y, v.p0.y, v.p1.x)) {
+        const T zero(0);
+        const auto is_zero = [&](const T& e) { return e <= zero && e >= zero; };
+        const mask_t<T> again = is_zero(e0) || is_zero(e1) || is_zero(e2);
+        const auto wide = [](const T& a, const T& b, const T& c, const T& d) {
+            const auto w = Wider<T>::widen;
+            return Wider<T>::narrow(w(a) * w(b) - w(c) * w(d));
+        };
+        e0 = named("e0", select(again, wide(v.p1.x, v.p2.y, v.p1.y, v.p2.x), e0));
+        e1 = named("e1", select(again, wide(v.p2.x, v.p0.y, v.p2.y, v.p0.x), e1));
+        e2 = named("e2", select(again, wide(v.p0.x, v.p1.y, v.p0.y, v.p1.x), e2));
+    }
+};
+
+/// What pbrt finds of edges: t and 1/det, and whether it counts so far.
+template <Number T>
+struct WoopFound {
+    mask_t<T> hit;
+    T t, inverse;
+};
+
+template <Number T>
+WoopFound<T> found_by_edges(const Triangle<T>& triangle, const WoopVertices<T>& v, const WoopEdges<T>& e) {
+    const T zero(0);
+    const T area = square(cross(triangle.c - triangle.a, triangle.b - triangle.a));
+    const mask_t<T> below = e.e0 < zero || e.e1 < zero || e.e2<zero, above = e.e0> zero || e.e1 > zero || e.e2 > zero;
+    const T det = named("det", e.e0 + e.e1 + e.e2);
+    const T scaled = named("tScaled", e.e0 * v.p0.z + e.e1 * v.p1.z + e.e2 * v.p2.z);
+    const mask_t<T> ahead = (det < zero && scaled < zero) || (det > zero && scaled > zero);
+    const T inverse = named("invDet", T(1) / det);
+    return {is_not_zero(area) && !(below && above) && ahead, named("t", scaled * inverse), inverse};
+}
+
+}  // namespace lostbits::intersect::triangle

@@ -1,0 +1,115 @@
+// Every triangle form when nothing is rounded, on the rim and off it, and what each says of itself.
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/catalogue.hpp"
+#include "intersect/triangle/triangle_rays.hpp"
+
+namespace lostbits::test::test_triangle_forms {
+
+using intersect::Info;
+using intersect::triangle::TriangleForms;
+
+namespace {
+
+template <class Form, class T>
+Hit<T> ask(const TriangleSample& s) {
+    const auto lift = [](const Vec<double>& v) {
+        return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
+    };
+    return Form::intersect(Ray<T>{lift(s.ray.origin), lift(s.ray.direction)},
+                           Triangle<T>{lift(s.triangle.a), lift(s.triangle.b), lift(s.triangle.c)});
+}
+
+/// Whether a form's own epsilon is far below what decides here: 2^-23 on a determinant, 1e-13 on coordinates.
+bool is_coarse(const TriangleSample& s) {
+    const Vec<double> n =
+        lostbits::cross(Vec<double>(s.triangle.b - s.triangle.a), Vec<double>(s.triangle.c - s.triangle.a));
+    return std::fabs(lostbits::dot(n, s.ray.direction)) > 0x1p-20 &&
+           std::fabs(lostbits::dot(n, s.ray.direction)) > 0x1p-10 * length(n);
+}
+
+}  // namespace
+
+TEST_CASE("every triangle form solves the problem when nothing is rounded", "[intersect][triangle][formula]") {
+    struct Tally {
+        long asked = 0, hits = 0, wrong = 0;
+    };
+    std::array<Tally, TriangleForms::size> tallies{};
+    const Real tolerance = ldexp(Real(1), -180);
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily& family, const TriangleSample& s) {
+        const TriangleAnswer right = answer_of(s);
+        if (!right.crosses || right.room() < Rational(1, 1 << 20) || !is_coarse(s)) return;
+        std::size_t form = 0;
+        TriangleForms::for_each([&]<class Form>() {
+            Tally& tally = tallies[form++];
+            const Hit<Real> h = ask<Form, Real>(s);
+            const bool good =
+                h.hit == right.meets() && (!h.hit || abs(h.t - real_from<Real>(right.t)) <= tolerance * abs(h.t));
+            ++tally.asked, tally.hits += h.hit;
+            if (!good && tally.wrong++ == 0)
+                UNSCOPED_INFO(Form::info.name << ", " << family.name << ": hit " << h.hit << " t " << h.t);
+        });
+    });
+    std::size_t form = 0;
+    TriangleForms::for_each([&]<class Form>() {
+        const Tally& t = tallies[form++];
+        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits);
+        CHECK(t.wrong == 0);
+        CHECK(t.asked > 300);
+        CHECK(t.hits > t.asked / 5);
+        CHECK(t.hits < t.asked);
+    });
+}
+
+TEST_CASE("on the rim the forms that divide last say what their words say", "[intersect][triangle][formula]") {
+    const std::set<std::string_view> exact{"triangle.undivided", "triangle.signed_volumes", "triangle.plucker",
+                                           "triangle.plucker_band"};
+    std::map<std::string_view, int> wrong;
+    int rims = 0;
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
+        const TriangleAnswer right = answer_of(s);
+        if (!right.meets() || !right.on_rim() || right.t == 0) return;
+        ++rims;
+        TriangleForms::for_each([&]<class Form>() { wrong[Form::info.name] += !ask<Form, Real>(s).hit; });
+    });
+    CHECK(rims > 200);
+    for (const auto& [name, count] : wrong) {
+        INFO(name << " misses " << count << " of " << rims);
+        if (exact.contains(name)) CHECK(count == 0);
+    }
+    // They leave edges out, and say so.
+    CHECK(wrong["triangle.baldwin_weber"] > 0);
+    CHECK(wrong["triangle.havel_herout"] > 0);
+}
+
+TEST_CASE("an epsilon on the determinant hides a small triangle", "[intersect][triangle]") {
+    const TriangleSample s{{{0.0001, 0.0001, 1}, {0, 0, -1}}, {{0, 0, 0}, {0x1p-12, 0, 0}, {0, 0x1p-12, 0}}};
+    CHECK(answer_of(s).meets());
+    TriangleForms::for_each([&]<class Form>() {
+        INFO(Form::info.name);
+        CHECK(ask<Form, Real>(s).hit == (Form::info.name != "triangle.moller_trumbore"));
+        CHECK(ask<Form, float>(s).hit == (Form::info.name != "triangle.moller_trumbore"));
+    });
+}
+
+TEST_CASE("triangle forms have names, titles, sources and one t", "[intersect][info]") {
+    std::set<std::string_view> names, titles, passes_over;
+    TriangleForms::for_each([&]<class Form>() {
+        const Info& info = Form::info;
+        INFO(info.name);
+        CHECK(names.insert(info.name).second);
+        CHECK(titles.insert(info.title).second);
+        CHECK(info.name.starts_with("triangle."));
+        CHECK_FALSE(info.source.empty());
+        CHECK(info.roots == intersect::Roots::first_only);
+        if (info.at_origin == intersect::AtOrigin::miss) passes_over.insert(info.name);
+    });
+    CHECK(passes_over == std::set<std::string_view>{"triangle.undivided", "triangle.woop", "triangle.woop_double",
+                                                    "triangle.pbrt", "triangle.baldwin_weber"});
+}
+
+}  // namespace lostbits::test::test_triangle_forms

@@ -1,0 +1,140 @@
+// The truth of triangles against fractions, alone and in packs, and what a triangle says of itself.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/simd/packed.hpp"
+#include "intersect/triangle/triangle_rays.hpp"
+#include "measure/truth/truth.hpp"
+#include "measure/truth/truth_columns.hpp"
+
+namespace lostbits::test::test_triangle_truth {
+
+using intersect::AtOrigin;
+using intersect::Touching;
+using measure::truth::find_truth;
+using measure::truth::Truth;
+
+namespace {
+
+Rational power(std::int64_t e) {
+    const Rational two(2);
+    Rational p(1);
+    for (std::int64_t i = 0; i < (e < 0 ? -e : e); ++i) p *= two;
+    return e < 0 ? 1 / p : p;
+}
+
+/// Whether the certified number encloses the fraction.
+bool encloses(const measure::truth::Certified& x, const Rational& t) {
+    if (x.is_zero()) return t == 0;
+    const Rational scaled = t / power(x.exponent);
+    return abs(scaled - Rational(x.hi) - Rational(x.lo)) <= Rational(x.bound);
+}
+
+}  // namespace
+
+TEST_CASE("the truth of a triangle is what fractions say", "[truth][triangle]") {
+    std::map<std::string, int> hits, rims, exact;
+    for_each_triangle(static_cast<int>(draws(3000)), [&](const TriangleFamily& family, const TriangleSample& s) {
+        INFO(family.name);
+        const TriangleAnswer right = answer_of(s);
+        const Truth closed = find_truth(s.ray, Solid<double>(s.triangle));
+        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
+        const bool rim = right.meets() && right.on_rim(), at_origin = right.meets() && right.t == 0;
+        REQUIRE(closed.touches == rim);
+        REQUIRE(closed.on_surface == at_origin);
+        const Truth open = find_truth(s.ray, Solid<double>(s.triangle), {}, Touching::miss);
+        REQUIRE(open.is_hit() == (right.meets() && !rim));
+        const Truth passed = find_truth(s.ray, Solid<double>(s.triangle), {}, AtOrigin::miss);
+        REQUIRE(passed.is_hit() == (right.meets() && !at_origin));
+        hits[family.name] += right.meets(), rims[family.name] += rim;
+        exact[family.name] += closed.bits > 106;
+        if (right.meets()) REQUIRE(encloses(closed.t, right.t));
+    });
+    for (const TriangleFamily& family : triangle_families) {
+        INFO(family.name << ": hits " << hits[family.name] << ", rims " << rims[family.name] << ", by intervals "
+                         << exact[family.name]);
+        CHECK((hits[family.name] > 20) == (std::string(family.name) != "in the plane"));
+    }
+    CHECK(rims["through an edge"] > 100);
+    CHECK(rims["through a vertex"] > 100);
+    CHECK(exact["random"] == 0);  // and ties need intervals
+}
+
+TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][triangle]") {
+    std::vector<TriangleSample> samples;
+    for_each_triangle(static_cast<int>(draws(2000)),
+                      [&](const TriangleFamily&, const TriangleSample& s) { samples.push_back(s); });
+    std::array<std::vector<float>, 6> ray;
+    std::array<std::vector<float>, 9> solid;
+    for (const TriangleSample& s : samples) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            ray[k].push_back(static_cast<float>(s.ray.origin[static_cast<int>(k)]));
+            ray[k + 3].push_back(static_cast<float>(s.ray.direction[static_cast<int>(k)]));
+        }
+        const Solid<double> one(s.triangle);
+        for (std::size_t k = 0; k < 9; ++k) solid[k].push_back(static_cast<float>(one.numbers[k]));
+    }
+    measure::truth::ProblemColumns<float> p{.size = samples.size(), .ray = {}, .shape = Shape::triangle, .solid = {}};
+    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray[k];
+    for (std::size_t k = 0; k < 9; ++k) p.solid[k] = solid[k];
+    const auto before = intersect::simd::current_isa();
+    for (const auto isa : intersect::simd::available_isas()) {
+        intersect::simd::set_isa(isa);
+        measure::truth::TruthColumns found;
+        find_truth_columns(p, {.tightness = measure::truth::Tightness::ulps_of_binary32}, found);
+        int different = 0;
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            different += found.decision[i] != find_truth(samples[i].ray, Solid<double>(samples[i].triangle)).decision;
+        CHECK(different == 0);
+        CHECK(found.stages.binary64 > samples.size() / 3);
+    }
+    intersect::simd::set_isa(before);
+}
+
+TEST_CASE("three points on one line are no triangle, whatever their size", "[truth][triangle]") {
+    const Ray<double> ray{{0.5, 0.25, 3}, {0, 0, -1}};
+    for (const double scale : {1.0, 0x1p-1074, 0x1p-600, 0x1p1000}) {
+        CAPTURE(scale);
+        const Triangle<double> flat{scale * Vec<double>(1, 2, 3), scale * Vec<double>(2, 4, 6),
+                                    scale * Vec<double>(5, 10, 15)};
+        REQUIRE(broken_limit(Solid<double>(flat)));
+        CHECK(broken_limit(Solid<double>(flat))->key->name == "c");
+        CHECK_FALSE(find_truth(ray, Solid<double>(flat)).is_hit());
+        const Triangle<double> wide{flat.a, flat.b, scale * Vec<double>(5, 10, 16)};
+        CHECK_FALSE(broken_limit(Solid<double>(wide)));
+    }
+    // One last place off the line, where differences round.
+    const Triangle<double> nearly{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1 + 0x1p-52, 0}};
+    CHECK_FALSE(broken_limit(Solid<double>(nearly)));
+    CHECK(broken_limit(Solid<double>(Triangle<double>{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1, 0}})));
+}
+
+TEST_CASE("what a triangle says of points fits together", "[triangle]") {
+    Seeded rng(3);
+    for (int i = 0; i < 2000; ++i) {
+        const Triangle<double> t{rng.vec(-1, 1), rng.vec(-1, 1), rng.vec(-1, 1)};
+        const Vec<double> p = rng.vec(-2, 2), on = t.point_at({rng.unit(), rng.unit(), rng.unit()});
+        const double far = t.distance(p);
+        CHECK(t.distance(on) <= 0x1p-48);
+        CHECK(far <= length(Vec<double>(p - on)) + 0x1p-48);
+        CHECK(far >= std::fabs(t.off_surface(p)) * t.unit() - 0x1p-40);
+        CHECK(std::fabs(t.off_surface(t.projected({}, p))) <= 0x1p-40);
+        CHECK(t.may_hold(t.a));
+        const auto [middle, radius] = t.ball_around();
+        for (const Vec<double>& vertex : {t.a, t.b, t.c})
+            CHECK(length(Vec<double>(vertex - middle)) <= radius * (1 + 0x1p-48));
+        const auto grown = t.grown(p, 2);
+        CHECK(std::fabs(grown->distance(p) - far) <= 0x1p-30);
+        CHECK(std::fabs(grown->unit() - 2 * t.unit()) <= 0x1p-40);
+        const Ray<double> ray{p, on - p};
+        if (std::fabs(t.off_surface(p)) < 0x1p-10) continue;
+        CHECK(lostbits::dot(t.outward_normal(ray, on), ray.direction) < 0);
+        const auto bounded = t.bounded_point(ray, 1, on);
+        for (int k = 0; k < 3; ++k) CHECK(std::fabs(bounded.p[k] - on[k]) <= 0x1p-30);
+    }
+}
+
+}  // namespace lostbits::test::test_triangle_truth
