@@ -134,13 +134,13 @@ struct Work {
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
                 const choice::ChosenRows& chosen) {
-    const std::vector<MapRow>& rows = chosen.rows;
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
     if (kind == scene::sweep::SweepKind::search || kind == scene::sweep::SweepKind::every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fit = choice::fitting(rows, [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
+        fit = choice::rows_meeting(chosen, path.stem().string(),
+                                   [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
         fit = choice::rows_meeting(
             chosen, path.stem().string(),

@@ -218,7 +218,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
-    if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
+    if (kind == K::cases)
+        return [shapes = Shapes(scene::sweep::CaseFile(path).shapes())](Shapes forms) { return forms == shapes; };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));

@@ -66,7 +66,7 @@ void require_solids(const MapRow& row, const std::string& where, const Meets& me
         throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, words_to_meet(parts, meets)));
     }
     const std::string lacks = is_solid(shape)
-                                  ? fmt::format("no solids for it: it is a form for {}", row_of(shape).plural)
+                                  ? fmt::format("no solids for it: it is a form for {}", plurals(row.form->shapes()))
                                   : "no [march] table, which the forms of sdf.* need";
     throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }

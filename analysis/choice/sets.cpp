@@ -26,7 +26,7 @@ std::vector<Shape> listed(Shapes shapes) {
 }
 
 /// "spheres and boxes"
-std::string plurals(const std::vector<Shape>& shapes) {
+std::string joined_plurals(const std::vector<Shape>& shapes) {
     std::string text;
     for (std::size_t k = 0; k < shapes.size(); ++k)
         text += (k == 0 ? "" : k + 1 == shapes.size() ? " and " : ", ") + std::string(row_of(shapes[k]).plural);
@@ -118,8 +118,8 @@ std::string lacking_words(const std::vector<MapRow>& rows, Shapes shapes) {
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
     }
     if (lacking.empty()) return fmt::format("try -i {}", example);
-    return fmt::format("it has {}, and no selected form is for {}; try -i {}", plurals(listed(shapes)),
-                       plurals(lacking), example);
+    return fmt::format("it has {}, and no selected form is for {}; try -i {}", choice::plurals(shapes),
+                       joined_plurals(lacking), example);
 }
 
 /// What `rows_meeting` adds for these shapes.
@@ -143,7 +143,7 @@ void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, 
         fmt::print(stderr,
                    "lostbits: {}: it has {}, which are measured by a form for each; without -i by {} alone; name "
                    "forms, such as -i '{}.*' -i {}, for every combination of them\n",
-                   name, plurals(listed(shapes)), plain.info->name, name_of(plain.parts.front()->shape),
+                   name, choice::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
                    plain.parts.back()->info->name);
 }
 
@@ -159,6 +159,8 @@ std::optional<Shapes> several_shapes(const Meets& meets) {
     return std::nullopt;
 }
 
+std::string plurals(Shapes shapes) { return joined_plurals(listed(shapes)); }
+
 bool names_set(const std::string& word) {
     const auto all = intersect::table::intersectors();
     return word.find('+') != std::string::npos &&
@@ -169,6 +171,11 @@ Forms sets_named(const std::string& word, const char* option) {
     std::vector<Forms> parts;
     for (std::size_t begin = 0; begin <= word.size();) {
         const std::size_t end = std::min(word.find('+', begin), word.size());
+        if (end == begin)
+            throw InputError(
+                fmt::format("{} {}: no form stands on one side of a +; name a form for each shape, such "
+                            "as sphere.unified+box.signs",
+                            option, word));
         parts.push_back(select_forms({word.substr(begin, end - begin)}, option));
         begin = end + 1;
     }

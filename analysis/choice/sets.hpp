@@ -28,6 +28,9 @@ using Meets = std::function<bool(Shapes)>;
 /// The shapes of something with solids of several; nothing where they are of one.
 std::optional<Shapes> several_shapes(const Meets& meets);
 
+/// "spheres and boxes"
+std::string plurals(Shapes shapes);
+
 /// Whether a word of -i names a set, `sphere.unified+box.signs`, and not a form that has a + in its name.
 bool names_set(const std::string& word);
 /// The sets of such a word, whose parts are globs. InputError for parts that can be no set and for more than
