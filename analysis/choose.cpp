@@ -81,13 +81,14 @@ void refuse_others(const ChooseOptions& o, bool files) {
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
 std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
-                                          const std::function<bool(Shape)>& meets) {
+                                          const choice::Meets& meets) {
     const auto formats = choice::select_formats(o.formats);
     if (std::ranges::all_of(formats, choice::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
-    auto rows = choice::timed_on(id, choice::cross(choice::select_forms(o.forms), formats), meets);
+    auto all = choice::cross(choice::select_forms(o.forms), formats);
+    auto rows = choice::timed_on(id, {all, o.forms, quiet}, meets);
     choice::note_unmeasured(o.forms, rows, quiet);
     return rows;
 }
@@ -134,7 +135,7 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
                                               choice::data_folder(common.data));
     ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
-    request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shape shape) { return scene.meets(shape); });
+    request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated =
         std::stable_partition(request.rows.begin(), request.rows.end(),
                               [](const measure::map::MapRow& row) { return !choice::is_emulated(row.format); });
@@ -164,8 +165,8 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
         .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
     const auto& layout = dump->layout();
     ChoiceRequest request = request_of(o, common.stop);
-    request.rows = rows_of(o, id, common.quiet, [&](Shape shape) {
-        return layout.solid() ? *layout.solid() == shape : terms.solids.front().shape == shape;
+    request.rows = rows_of(o, id, common.quiet, [&](Shapes forms) {
+        return forms == (layout.solid() ? *layout.solid() : choice::shapes_of(terms.solids));
     });
     const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });
     if (emulated > 0 && !common.quiet)

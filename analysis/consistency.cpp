@@ -107,7 +107,8 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
-        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return is_solid(shape) && s.meets(shape); },
+        scenes, {rows, o.forms, common.quiet},
+        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);
@@ -116,7 +117,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        auto fitting = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); });
+        auto fitting = choice::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
         auto asked = measure::consistency::checks_for(scene, fitting, checks);
         if (asked.empty())
             throw InputError(fmt::format(

@@ -83,25 +83,26 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result) {
 
 /// The rows of the work: the file's, if it has answers, then the forms asked for. Where forms were `opened` and none is
 /// asked for, says so.
-std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, Shape shape, bool marches,
-                                          const intersect::table::Intersector* answers, bool opened) {
+std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, const choice::Meets& meets,
+                                          const intersect::table::Intersector* answers, const Common& common) {
     std::vector<measure::map::MapRow> rows;
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
-        if (!rows.empty() && opened)
+        const bool opened =
+            !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
+        if (!rows.empty() && opened && !common.quiet)
             fmt::print(stderr, "lostbits: the answers of the file alone are judged; forms are named with -i\n");
         if (!rows.empty()) return rows;
         throw NothingSelected(
             fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
-                        "answer, such as -i '{}.*'",
-                        o.file, name_of(shape)));
+                        "answer, such as -i '{}'",
+                        o.file, choice::globs_of([&meets](Shapes s) { return !s.has(Shape::sdf) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
-    const auto meets = [&](Shape s) { return s == shape || (!is_solid(s) && marches); };
-    const auto asked = choice::fitting(choice::cross(choice::select_forms(o.forms), formats), meets);
+    auto all = choice::cross(choice::select_forms(o.forms), formats);
+    const auto asked = choice::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
-        throw NothingSelected(
-            fmt::format("{}: no selected form handles its solids; try -i '{}'", o.file, choice::globs_of(meets)));
+        throw NothingSelected(o.file + ": no selected form handles its solids" + choice::words_to_meet(all, meets));
     rows.insert(rows.end(), asked.begin(), asked.end());
     return rows;
 }
@@ -141,18 +142,25 @@ Exit run(const JudgeWords& o, const Common& common) {
     const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows);
     JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
+    const Shapes shapes = dump->layout().solid() ? *dump->layout().solid() : choice::shapes_of(request.solids);
+    const choice::Meets meets = [&](Shapes forms) {
+        return forms == shapes || (forms == Shape::sdf && request.march.has_value());
+    };
     const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = choice::contract_of(o);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const measure::judge::FileForm answers(stem, shape, contract);
+    const measure::judge::FileForm answers(
+        stem, dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape, contract);
     request.answered = dump->layout().has_answers();
-    request.rows = rows_of(
-        o, *dump, shape, request.march.has_value(), request.answered ? &answers.form() : nullptr,
-        !common.quiet && !(common.doors.plugins.empty() && common.doors.pipes.empty() && common.doors.shaders.empty()));
+    request.rows = rows_of(o, *dump, meets, request.answered ? &answers.form() : nullptr, common);
     if (!o.forms.empty()) choice::note_unmeasured(o.forms, request.rows, common.quiet);
 
     if (!o.against.empty()) {
+        const auto other = choice::select_forms({o.against}, "--against");
+        const auto several = choice::several_shapes(meets);
+        if (several && !(other.front()->shapes() == *several))
+            throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
+                                         choice::words_to_meet({{other.front(), dump->format()}}, meets)));
         choice::hold_against(request.rows, o.against, common.quiet);
         if (request.answered && request.rows.front().form != &answers.form())
             throw InputError(

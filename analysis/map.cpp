@@ -86,7 +86,7 @@ struct SceneWork {
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{{.scene = &scene,
-                    .rows = choice::fitting(rows, [&](Shape shape) { return scene.meets(shape); }),
+                    .rows = choice::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
                     .metrics = {},
                     .limit = {.stop = o.scenes.stop}},
                    {}};
@@ -243,7 +243,7 @@ Exit run(MapOptions o, const Common& common) {
     }
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
-        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return s.meets(shape); },
+        scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     static_cast<void>(choice::parse_range(o.range, drawn));  // a mistake ends the run before any work

@@ -52,7 +52,7 @@ struct OffsetOptions {
 std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::vector<measure::map::MapRow>& all,
                                                  const OffsetOptions& o) {
     std::vector<measure::offset::OffsetRow> rows;
-    for (const auto& row : choice::fitting(all, [&](Shape shape) { return scene.meets(shape); })) {
+    for (const auto& row : choice::fitting(all, [&](Shapes forms) { return scene.meets(forms); })) {
         if (o.points != "projected") rows.push_back({row, HitPoint::computed});
         if (o.points != "computed") rows.push_back({row, HitPoint::projected});
     }
@@ -125,7 +125,8 @@ Exit run(const OffsetOptions& o, const Common& common) {
     const auto strategies = choice::select_strategies(o.strategies);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     const auto met = choice::drop_unfitting(
-        scenes, rows, common.quiet, [](const Scene& s, Shape shape) { return is_solid(shape) && s.meets(shape); },
+        scenes, {rows, o.forms, common.quiet},
+        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);

@@ -39,8 +39,10 @@ std::vector<Scene> renderable(std::vector<Scene> scenes) {
                             "`lostbits map`",
                             scene.path.string()));
         if (!scene.meets(scene::file::rendered_shape))
-            throw InputError(fmt::format("{}: render draws {}, and scene \"{}\" has none; use `lostbits map`",
-                                         scene.path.string(), row_of(scene::file::rendered_shape).plural, scene.id));
+            throw InputError(
+                fmt::format("{}: render draws {}, and scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
+                            row_of(scene::file::rendered_shape).plural, scene.id,
+                            Shapes(scene.shapes()).has(scene::file::rendered_shape) ? "other solids too" : "none"));
     }
     return scenes;
 }
@@ -97,7 +99,7 @@ Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
     const auto forms = choice::select_forms(choice::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
     const auto rows = choice::fitting(choice::cross(forms, choice::select_formats(o.formats)),
-                                      [](Shape shape) { return shape == scene::file::rendered_shape; });
+                                      [](Shapes forms) { return forms == scene::file::rendered_shape; });
     if (rows.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");

@@ -113,6 +113,7 @@ std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> row
             rows.push_back(row);
     }
     const auto place = [](const MapRow& row) {
+        if (row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
         const auto own = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
         const auto at = row.form - lostbits::intersect::table::intersectors().data();
         return std::pair{at < own, at};
@@ -132,16 +133,18 @@ struct Work {
 };
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const std::vector<MapRow>& rows) {
+                const choice::ChosenRows& chosen) {
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
     if (kind == scene::sweep::SweepKind::search || kind == scene::sweep::SweepKind::every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fit = choice::fitting(rows, [file = scene::sweep::CaseFile(path)](Shape shape) { return file.meets(shape); });
+        fit = choice::rows_meeting(chosen, path.stem().string(),
+                                   [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
-        fit = choice::fitting(
-            rows, [sweep = scene::sweep::SweepFile(path, data)](Shape shape) { return sweep.meets(shape); });
+        fit = choice::rows_meeting(
+            chosen, path.stem().string(),
+            [sweep = scene::sweep::SweepFile(path, data)](Shapes forms) { return sweep.meets(forms); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
@@ -156,10 +159,14 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
            });
 }
 
-/// Forms that are timed: those of -i, or all.
+/// Those of -i; without, all.
+std::vector<std::string> words_of(const ReportOptions& o) {
+    return o.forms.empty() ? std::vector<std::string>{"*"} : o.forms;
+}
+
+/// Forms that are timed.
 std::vector<MapRow> timed_rows(const ReportOptions& o) {
-    return choice::cross(choice::select_forms(o.forms.empty() ? std::vector<std::string>{"*"} : o.forms),
-                         choice::select_formats({"f32", "f64"}));
+    return choice::cross(choice::select_forms(words_of(o)), choice::select_formats({"f32", "f64"}));
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
@@ -179,8 +186,9 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
         if (!o.size.empty()) options.size = choice::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
-            auto fit = choice::fitting(rows_for(scene.id, rows, claims, o.forms.empty()),
-                                       [&](Shape shape) { return scene.meets(shape); });
+            auto chosen = rows_for(scene.id, rows, claims, o.forms.empty());
+            auto fit = choice::rows_meeting({chosen, words_of(o), true}, scene.id,
+                                            [&scene](Shapes forms) { return scene.meets(forms); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
@@ -196,11 +204,15 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named)});
         }
     }
-    for (const auto& path : subjects.sweeps)
-        plan_sweep(work, path, data, rows_for(path.stem().string(), rows, claims, o.forms.empty()));
+    for (const auto& path : subjects.sweeps) {
+        auto all = rows_for(path.stem().string(), rows, claims, o.forms.empty());
+        plan_sweep(work, path, data, {all, words_of(o), true});
+    }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
-    for (const std::string& word : o.choices)
-        work.choices.push_back(choice_of(word, o.size, timed_rows(o), data, o.stop));
+    for (const std::string& word : o.choices) {
+        auto timed = timed_rows(o);
+        work.choices.push_back(choice_of(word, o.size, {timed, words_of(o), true}, data, o.stop));
+    }
     work.offsets =
         offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size, data, o.stop);
     for (const Claim& c : claims) {
@@ -260,7 +272,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (o.trade) {
         for (const ShapeRow& solid : shape_rows) {
             const Shape shape = solid.shape;
-            const auto rows = choice::fitting(timed_rows(o), [shape](Shape form) { return form == shape; });
+            const auto rows = choice::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
             if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, common.stop));
         }
     }

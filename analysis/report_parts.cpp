@@ -194,7 +194,7 @@ SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     return part;
 }
 
-ChoiceWork choice_of(const std::string& word, const std::string& size, const std::vector<MapRow>& rows,
+ChoiceWork choice_of(const std::string& word, const std::string& size, const choice::ChosenRows& rows,
                      const std::filesystem::path& data, StopToken stop) {
     const auto refuse = [&word](const std::string& why) {
         throw InputError("--choose " + word + ": " + why +
@@ -232,8 +232,6 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     auto scenes = choice::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        if (std::ranges::none_of(shape_rows, [&](const ShapeRow& row) { return scene.meets(row.shape); }))
-            throw NothingSelected("--offsets " + scene.id + ": has solids of several shapes; choose a scene of one");
     }
     return scenes;
 }
@@ -261,8 +259,9 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto forms = choice::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
-    const auto rows = choice::fitting(choice::cross(forms, choice::select_formats({std::string(offset::usual_format)})),
-                                      [&scene](Shape shape) { return scene.meets(shape); });
+    auto all = choice::cross(forms, choice::select_formats({std::string(offset::usual_format)}));
+    const choice::Meets meets = [&scene](Shapes of) { return !of.has(Shape::sdf) && scene.meets(of); };
+    const auto rows = choice::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     request.rows = {{rows.front(), offset::HitPoint::computed}};
     request.quiet = false;  // no table of the page has it

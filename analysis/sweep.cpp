@@ -98,7 +98,7 @@ struct Chosen {
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o,
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = choice::fitting(chosen.rows, [&](Shape shape) { return file.meets(shape); });
+    const auto rows = choice::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = {.stop = common.stop}};
     request.metrics =
         chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::map::forms_of(rows),
@@ -129,7 +129,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     sweep.title += o.changes.in_title();
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
-        .rows = choice::fitting(chosen.rows, [&](Shape shape) { return sweep.meets(shape); }),
+        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
         .metrics = {},
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
@@ -178,7 +178,7 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     search.title += o.changes.in_title();
     measure::sweep::WorstRequest request{
         .search = &search,
-        .rows = choice::fitting(chosen.rows, [&](Shape shape) { return search.shape == shape; }),
+        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = common.stop}};
     Solid<double> any;  // labels do not depend on its numbers
@@ -205,8 +205,7 @@ void run_search(const std::filesystem::path& path, const Chosen& chosen, const S
     if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
-/// Of which shapes the forms must be.
-using Meets = std::function<bool(Shape)>;
+using choice::Meets;
 
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
@@ -218,14 +217,15 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (!o.worst && kind == K::search)
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     choice::check_changes(o.changes, kind, path.stem().string());
-    const auto only = [](Shape shape) { return [shape](Shape form) { return form == shape; }; };
-    if (kind == K::cases) return only(scene::sweep::CaseFile(path).shape());
+    const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
+    if (kind == K::cases)
+        return [shapes = Shapes(scene::sweep::CaseFile(path).shapes())](Shapes forms) { return forms == shapes; };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
-        std::vector<Shape> met;
-        std::ranges::copy_if(all_shapes, std::back_inserter(met), [&](Shape form) { return sweep.meets(form); });
-        return [met](Shape form) { return std::ranges::find(met, form) != met.end(); };
+        return [shapes = Shapes(sweep.shapes()), marches = sweep.meets(Shape::sdf)](Shapes forms) {
+            return forms == Shape::sdf ? marches : forms == shapes;
+        };
     }
     const scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     measure::metric::MetricSet made;
@@ -283,7 +283,7 @@ Exit run(SweepOptions o, const Common& common) {
         sweeps.push_back({path, kind, check_file(path, kind, o, data)});
     }
     const auto met = choice::drop_unfitting(
-        sweeps, chosen.rows, common.quiet, [](const Sweep& s, Shape shape) { return s.meets(shape); },
+        sweeps, {chosen.rows, o.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
     choice::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;

@@ -39,7 +39,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vecto
       division_(division) {
     request_.sweep = &sweep_;
     request_.share = division.share();
-    for (measure::map::MapRow row : choice::fitting(rows, [&](Shape shape) { return sweep_.meets(shape); })) {
+    for (measure::map::MapRow row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);

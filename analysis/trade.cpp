@@ -43,7 +43,7 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 /// The forms of a shape, on the sets of rays that it has.
 TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow>& all) {
     const Shape shape = *shape_named(shape_name);
-    const auto rows = choice::fitting(all, [shape](Shape form) { return form == shape; });
+    const auto rows = choice::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty())
         throw NothingSelected(fmt::format(
             "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", shape_name));
@@ -54,7 +54,7 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow
 }
 
 /// The forms that fit a scene, on its own rays.
-TradeRequest request_for(const Scene& scene, const std::vector<MapRow>& all) {
+TradeRequest request_for(const Scene& scene, const choice::ChosenRows& all) {
     const auto rows = choice::timed_on(scene, all);
     return {.shape = rows.front().form->shape,
             .scene = &scene,
@@ -65,12 +65,12 @@ TradeRequest request_for(const Scene& scene, const std::vector<MapRow>& all) {
 
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
+    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
     const auto data = choice::data_folder(common.data);
     std::optional<Scene> scene;
     if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
-    TradeRequest request = scene ? request_for(*scene, rows) : request_for(o.shape, rows);
-    const auto fits = [&request](Shape shape) { return shape == request.shape; };
+    TradeRequest request = scene ? request_for(*scene, {rows, o.forms, common.quiet}) : request_for(o.shape, rows);
+    const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
     choice::note_unmeasured(o.forms, choice::fitting(rows, fits), common.quiet);
     request.plan = plan_of(o);
     request.limit.stop = request.plan.stop = common.stop;

@@ -237,7 +237,10 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
     std::map<std::string, std::vector<std::string_view>> left_out;  // by what they are for
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_asked(std::string(form.info->name))) continue;
-        if (std::ranges::any_of(rows, [&form](const auto& row) { return row.form == &form; })) continue;
+        const auto asks_it = [&form](const auto& row) {
+            return row.form == &form || std::ranges::find(row.form->parts, &form) != row.form->parts.end();
+        };
+        if (std::ranges::any_of(rows, asks_it)) continue;
         const std::string formats = formats_of(form);
         left_out[fmt::format("for {} in {}", solids_of(form.shape), formats == "all" ? "every format" : formats)]
             .push_back(form.info->name);

@@ -108,13 +108,13 @@ std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::fil
 }
 
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene) {
-    const auto given = o.solids.shapes();
-    const std::size_t ways = given.size() + (scene ? 1 : 0);
-    if (ways > 1)
-        throw InputError(solid_options(false, ", ") +
-                         " and --scene each name the solids of all rays; write one of them");
-    if (ways == 0) return {};
-    return scene ? scene->shapes().front() : given.front();
+    const auto shapes = scene ? scene->shapes() : o.solids.shapes();
+    if (scene && !o.solids.empty())
+        throw InputError("--scene has the solids of all rays, and so have " + solid_options(false, " and ") +
+                         "; write one or the other");
+    if (shapes.empty()) return {};
+    const auto endless = std::ranges::find_if_not(shapes, told_end);
+    return endless == shapes.end() ? shapes.front() : *endless;
 }
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,

@@ -59,9 +59,14 @@ Ray<Real> given_ray(const RayWords& words) {
 template <class Meets>
 void require_solids(const MapRow& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
-    if (meets(shape)) return;
+    if (meets(row.form->shapes())) return;
+    if (is_solid(shape) && several_shapes(meets)) {
+        std::vector<MapRow> parts{row};
+        for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
+        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, words_to_meet(parts, meets)));
+    }
     const std::string lacks = is_solid(shape)
-                                  ? fmt::format("no solids for it: it is a form for {}", row_of(shape).plural)
+                                  ? fmt::format("no solids for it: it is a form for {}", plurals(row.form->shapes()))
                                   : "no [march] table, which the forms of sdf.* need";
     throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
 }
@@ -85,7 +90,7 @@ OneRay pixel_of(const RayWords& words, const Scene& scene) {
 
 AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
     const auto scene = std::make_shared<const Scene>(load_one(words, data));
-    require_solids(row, "scene " + scene->id, [&](Shape shape) { return scene->meets(shape); });
+    require_solids(row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
         throw InputError(
             "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
@@ -139,7 +144,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
+        require_solids(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
         row.judged = judged_of(words, file);
         return worst_of_cases(file, row, words.stop);
     }
@@ -148,7 +153,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
                          " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
                          "its tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes));
-    require_solids(row, "the sweep " + sweep.id, [&](Shape shape) { return sweep.meets(shape); });
+    require_solids(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
     row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
     return worst_along(sweep, row, words.stop);
 }
@@ -175,7 +180,7 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
             ": has no [[case]] tables, and --case names one of those; the rays of its "
             "results are in the column worst_explain of samples.csv, and --worst explains the worst of them");
     const scene::sweep::CaseFile file(path);
-    require_solids(row, "the file of cases " + file.id, [&](Shape shape) { return file.meets(shape); });
+    require_solids(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
     const auto [number, asked] = named_ray(file, words.named_case);
     row.judged = judged_of(words, file);
     const int rays = file.rays_of(number);
@@ -225,9 +230,10 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     std::vector<Solid<double>> solids;
     for (const Shape shape : words.solids.shapes())
         for (const std::string& text : words.solids.of(shape)) solids.push_back(solid_of(shape, text, words.as));
-    require_solids(row, "the ray", [&](Shape shape) {
-        return !is_solid(shape) || std::ranges::all_of(solids, [&](const auto& s) { return s.shape == shape; });
-    });
+    const auto is_for = [&row](const Solid<double>& solid) { return row.form->shapes().has(solid.shape); };
+    if (!std::ranges::all_of(solids, is_for))
+        require_solids(row, "the ray",
+                       [of = shapes_of(solids)](Shapes forms) { return forms == Shape::sdf || forms == of; });
     if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));

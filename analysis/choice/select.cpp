@@ -75,8 +75,20 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 }  // namespace
 
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
-    return select_rows(intersect::table::intersectors(), globs, "form", option,
-                       [](const Intersector& i) { return i.info->name; });
+    std::vector<std::string> alone;
+    std::vector<const Intersector*> forms, sets;
+    for (const std::string& word : globs) {
+        if (!names_set(word)) {
+            alone.push_back(word);
+            continue;
+        }
+        for (const Intersector* const set : sets_named(word, option))
+            if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
+    }
+    forms = select_rows(intersect::table::intersectors(), alone, "form", option,
+                        [](const Intersector& i) { return i.info->name; });
+    forms.insert(forms.end(), sets.begin(), sets.end());
+    return forms;
 }
 
 std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
@@ -152,12 +164,16 @@ void hold_against(std::vector<MapRow>& rows, const std::string& name, bool quiet
     const auto found = select_forms({name}, "--against");
     if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
     const Intersector& other = *found.front();
-    std::erase_if(
-        rows, [&other](const MapRow& row) { return row.form->shape != other.shape || !other.exists_in(row.format); });
+    const auto fits = [&other](const MapRow& row) {
+        // The forms of which sets are still to be made stay for those.
+        const bool part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
+        return (part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
+    };
+    std::erase_if(rows, [&fits](const MapRow& row) { return !fits(row); });
     if (rows.empty())
-        throw InputError(
-            fmt::format("--against {}: it is for a {}, in {}, and no selected form is so; choose by -i and -f", name,
-                        lostbits::name_of(other.shape), formats_of(other)));
+        throw InputError(fmt::format(
+            "--against {}: it is for a {}, in {}, and no selected form is so; choose by -i and -f", name,
+            other.is_set() ? "scene of several shapes" : lostbits::name_of(other.shape), formats_of(other)));
     for (MapRow& row : rows) {
         row.against = &other;
         if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))
@@ -250,11 +266,12 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     return rows;
 }
 
-std::string globs_of(const std::function<bool(Shape)>& meets) {
+std::string globs_of(const Meets& meets) {
     std::string globs;
-    for (const Shape shape : all_shapes) {
-        if (meets(shape)) globs += (globs.empty() ? "" : "' -i '") + std::string(name_of(shape)) + ".*";
-    }
+    const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
+    if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
+    for (const Shape shape : all_shapes)
+        if (meets(shape)) add(std::string(name_of(shape)) + ".*");
     return globs;
 }
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "analysis/choice/sets.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
@@ -22,7 +22,8 @@
 
 namespace lostbits::analysis::choice {
 
-/// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order. A name without a glob
+/// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
+/// words such as `sphere.press+box.*` (`sets_named`). A name without a glob
 /// character that is unknown is bad input, with did-you-mean, of the `option`; a glob that matches nothing selects
 /// nothing (exit 4).
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
@@ -70,42 +71,39 @@ std::string formats_of(const intersect::table::Intersector& form);
 std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
                                         const std::vector<Format>& formats);
 
-/// The rows whose forms have a shape that `meets(Shape)` accepts.
+/// The rows whose forms are for shapes that `meets(Shapes)` accepts.
 template <class Meets>
 std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow>& rows, const Meets& meets) {
     std::vector<measure::map::MapRow> chosen;
     std::ranges::copy_if(rows, std::back_inserter(chosen),
-                         [&](const measure::map::MapRow& row) { return meets(row.form->shape); });
+                         [&](const measure::map::MapRow& row) { return meets(row.form->shapes()); });
     return chosen;
 }
 
-/// `sphere.*, sdf.*`: the globs of the forms of these shapes.
-std::string globs_of(const std::function<bool(Shape)>& meets);
+/// `sphere.*' -i 'sdf.*`: the globs of the forms that meet something, or a set where its solids are of several shapes.
+std::string globs_of(const Meets& meets);
 
-/// Drops what no selected form handles and says so on stderr unless `quiet`; `meets(thing, Shape)` tells which shapes
-/// of forms can handle a thing, `name_of` its name. Returns the rows that can handle something of what stays.
-/// NothingSelected where nothing does.
-template <class Things, class Meets, class NameOf>
-std::vector<measure::map::MapRow> drop_unfitting(Things& things, const std::vector<measure::map::MapRow>& rows,
-                                                 bool quiet, Meets meets, NameOf name_of) {
+/// Adds the sets of forms that things with solids of several shapes are measured by (`rows_meeting`). Drops what no
+/// selected form handles then and says so on stderr unless quiet; `meets(thing, Shapes)` tells which forms can handle a
+/// thing, `name_of` its name. Returns the rows that can handle something of what stays. NothingSelected where nothing
+/// does.
+template <class Things, class MeetsThing, class NameOf>
+std::vector<measure::map::MapRow> drop_unfitting(Things& things, const ChosenRows& chosen, MeetsThing meets,
+                                                 NameOf name_of) {
+    const std::vector<measure::map::MapRow>& rows = chosen.rows;
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
-        const auto can = [&](Shape shape) { return meets(thing, shape); };
-        if (!fitting(rows, can).empty()) return false;
-        const std::string globs = globs_of(can);
-        left_out.push_back("no selected form handles " + std::string(name_of(thing)) +
-                           (globs.empty()
-                                ? ", and no other could: its solids are of several shapes, which marches alone "
-                                  "meet; choose another one"
-                                : "; try -i '" + globs + "'"));
+        const Meets can = [&](Shapes forms) { return meets(thing, forms); };
+        if (!rows_meeting(chosen, std::string(name_of(thing)), can).empty()) return false;
+        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + words_to_meet(rows, can));
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());
     for (const std::string& each : left_out) {
-        if (!quiet) std::fprintf(stderr, "lostbits: left out: %s\n", each.c_str());
+        if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", each.c_str());
     }
-    return fitting(rows, [&](Shape shape) {
-        return std::ranges::any_of(things, [&](const auto& thing) { return meets(thing, shape); });
+    return fitting(rows, [&](Shapes forms) {
+        return std::ranges::any_of(things, [&](const auto& thing) { return meets(thing, forms); });
     });
 }
 

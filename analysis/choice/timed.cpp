@@ -27,24 +27,17 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
                                  choice.names.front(), scenes.size(), names));
 }
 
-std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene,
-                                           const std::vector<measure::map::MapRow>& rows) {
-    return timed_on(scene.id, rows, [&scene](Shape shape) { return scene.meets(shape); });
+std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen) {
+    return timed_on(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
 }
 
-std::vector<measure::map::MapRow> timed_on(const std::string& id, const std::vector<measure::map::MapRow>& rows,
-                                           const std::function<bool(Shape)>& meets) {
+std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets) {
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
-    const auto can = [&meets](Shape shape) { return is_solid(shape) && meets(shape); };
-    auto timed = fitting(rows, can);
+    const Meets can = [&meets](Shapes forms) { return !forms.has(Shape::sdf) && meets(forms); };
+    auto timed = rows_meeting(chosen, id, can);
     if (!timed.empty()) return timed;
-    const std::string globs = globs_of(can);
-    throw NothingSelected(
-        globs.empty() ? fmt::format("{}: has solids of several shapes, which marches alone meet, and marches "
-                                    "are not timed; choose a scene of spheres or of boxes",
-                                    id)
-                      : fmt::format("none of the selected forms is for the solids of {}; try -i '{}'", id, globs));
+    throw NothingSelected("none of the selected forms is for the solids of " + id + words_to_meet(chosen.rows, can));
 }
 
 }  // namespace lostbits::analysis::choice

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,12 +18,10 @@ std::vector<Format> select_timed_formats(const std::vector<std::string>& names);
 /// The one scene that is named. InputError where its file has several variants and none is named.
 scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
 
-/// Those of the rows whose time on the scene means something: its solids' forms, but no marches. NothingSelected where
-/// that leaves none.
-std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene,
-                                           const std::vector<measure::map::MapRow>& rows);
-/// The same of anything with solids, which is called `id`: whether forms of a shape meet them.
-std::vector<measure::map::MapRow> timed_on(const std::string& id, const std::vector<measure::map::MapRow>& rows,
-                                           const std::function<bool(Shape)>& meets);
+/// Those of the rows whose time on the scene means something: its solids' forms, or sets of them (`rows_meeting`), but
+/// no marches. NothingSelected where that leaves none.
+std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
+/// The same of anything with solids, which is called `id`.
+std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets);
 
 }  // namespace lostbits::analysis::choice

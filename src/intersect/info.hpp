@@ -2,8 +2,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
+
+namespace lostbits {
+enum class Shape : std::uint8_t;
+}
 
 namespace lostbits::intersect {
 
@@ -48,16 +54,23 @@ struct Convention {
     AtOrigin at_origin = AtOrigin::hit;
     Inside inside = Inside::usual;
     bool endless = false;  ///< the ray goes on where it is said to end
+    /// Of a set of forms whose words differ: what each says, in the order of the shapes. Null: the same of all solids.
+    const Convention* by_shape = nullptr;
 
     constexpr Convention() = default;
     constexpr Convention(Touching touch, AtOrigin origin = AtOrigin::hit) : touching(touch), at_origin(origin) {}
     constexpr Convention(AtOrigin origin) : at_origin(origin) {}
     friend bool operator==(const Convention&, const Convention&) = default;
 
-    /// Whether it differs from the closed solid's in more than touching and an origin that is passed over. What is
-    /// proved many rays at a time knows those two alone.
+    /// That of solids of one shape.
+    [[nodiscard]] constexpr Convention of(Shape shape) const {
+        return by_shape ? by_shape[static_cast<std::size_t>(shape)] : *this;
+    }
+
+    /// Whether it differs from the closed solid's in more than touching and an origin that is passed over, or from
+    /// shape to shape. What is proved many rays at a time knows those two alone.
     [[nodiscard]] constexpr bool is_special() const {
-        return inside != Inside::usual || endless || at_origin == AtOrigin::exit;
+        return inside != Inside::usual || endless || at_origin == AtOrigin::exit || by_shape != nullptr;
     }
 };
 
@@ -80,12 +93,16 @@ struct Info {
     Formats formats = Formats::all;
     Inside inside = Inside::usual;
     bool endless = false;  ///< of a form that tells no t: it answers for rays without an end
+    /// Of a set of forms: their conventions by shape, by their own words, as closed solids and as open ones; null where
+    /// these are the same of all shapes.
+    std::array<const Convention*, 3> by_shape = {};
 
     /// The form's own, or the solid's that `judged` names: from inside, and of ends, it is asked what it says.
     [[nodiscard]] constexpr Convention convention(std::optional<Touching> judged = {}) const {
         Convention asked{judged.value_or(touching), judged ? AtOrigin::hit : at_origin};
         asked.inside = inside == Inside::near ? Inside::miss : inside;
         asked.endless = endless;
+        asked.by_shape = by_shape[!judged ? 0 : *judged == Touching::hit ? 1 : 2];
         return asked;
     }
 };

@@ -143,6 +143,28 @@ inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     return std::nullopt;
 }
 
+/// Some of the shapes; of one shape that alone.
+class Shapes {
+public:
+    constexpr Shapes() = default;
+    constexpr Shapes(Shape one) : bits_(1U << static_cast<unsigned>(one)) {}
+    constexpr Shapes(std::span<const Shape> all) {
+        for (const Shape one : all) *this |= one;
+    }
+
+    [[nodiscard]] constexpr bool has(Shape one) const { return (bits_ & Shapes(one).bits_) != 0; }
+    /// Whether they are more than one.
+    [[nodiscard]] constexpr bool are_several() const { return (bits_ & (bits_ - 1)) != 0; }
+    constexpr Shapes& operator|=(Shapes other) {
+        bits_ |= other.bits_;
+        return *this;
+    }
+    friend constexpr bool operator==(Shapes, Shapes) = default;
+
+private:
+    unsigned bits_ = 0;
+};
+
 inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
 
 /// A shape and its numbers in storage type S; what lies beyond those of the shape is zero.

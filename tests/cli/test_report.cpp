@@ -207,8 +207,6 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign --choose near-benign:18:p0", 2, "p99.9");
     refused("near-benign --choose near-bening:18", 2, "did you mean \"near-benign\"?");
     refused("near-benign --choose rtg-fig-7-4:18", 2, "rtg-fig-7-4.r1e6");
-    refused("near-benign --choose sdf-union:18", 4, "marches are not timed");
-    refused("near-benign --offsets sdf-union", 4, "several shapes");
     refused("near-benign --offsets sphereflake-near", 2, "at most 1000");
     const Scratch scratch;
     const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));

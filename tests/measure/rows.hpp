@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/table/sets.hpp"
 #include "measure/map/map.hpp"
 #include "scratch.hpp"
 
@@ -18,6 +19,8 @@ inline const intersect::table::Intersector& form_named(std::string_view name) {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         if (form.info->name == name) return form;
     }
+    if (const auto plus = name.find('+'); plus != std::string_view::npos)
+        return intersect::table::set_of({&form_named(name.substr(0, plus)), &form_named(name.substr(plus + 1))});
     throw std::logic_error("no form " + std::string(name));
 }
 

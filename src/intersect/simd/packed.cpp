@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <concepts>
 #include <deque>
 #include <string>
 #include <utility>
@@ -147,15 +148,46 @@ std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa)
     return row;
 }
 
+/// The packed kernels of a set: those of the form for the target's shape. `own` is the set.
+template <class S, Isa isa>
+void run_of_set(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
+    const auto& set = *static_cast<const table::Intersector*>(own);
+    const PackedRow row = packed_kernels(set.of(target.solids.front().shape), isa);
+    if constexpr (std::same_as<S, float>) row.f32(rays, target, hits);
+    else row.f64(rays, target, hits);
+}
+
+template <Isa isa>
+PackedRow kernels_of_set(const table::Intersector& set) {
+    auto* const own = const_cast<table::Intersector*>(&set);
+    PackedRow row = native_kernels(set);
+    if (row.f32) row.f32 = {run_of_set<float, isa>, own};
+    if (row.f64) row.f64 = {run_of_set<double, isa>, own};
+    return row;
+}
+
+PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
+    switch (isa) {
+        case Isa::w128: return kernels_of_set<Isa::w128>(set);
+        case Isa::w256: return kernels_of_set<Isa::w256>(set);
+        case Isa::w512: return kernels_of_set<Isa::w512>(set);
+        case Isa::scalar: break;
+    }
+    return native_kernels(set);
+}
+
 }  // namespace
 
 PackedRow packed_kernels(const table::Intersector& form, Isa isa) {
+    if (form.is_set()) return kernels_of_set(form, isa);
     return found_in_packs(form, isa).value_or(native_kernels(form));
 }
 
 PackedRow packed_kernels(const table::Intersector& form) { return packed_kernels(form, current_isa()); }
 
 bool is_packed(const table::Intersector& form, Isa isa) {
+    if (form.is_set())
+        return std::ranges::all_of(form.parts, [isa](const table::Intersector* part) { return is_packed(*part, isa); });
     return isa != Isa::scalar && found_in_packs(form, isa).has_value();
 }
 

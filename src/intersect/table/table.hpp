@@ -39,30 +39,34 @@ struct HitBatch {
     std::span<MarchRecord> march = {};
 };
 
-/// What a row runs over a batch: a plain function, or one together with what it needs of its own, such as a library
-/// that was loaded or a process that was started, which outlives every copy. Empty where there is none.
-template <class S>
-class Kernel {
+template <class Signature>
+class Function;
+
+/// A plain function, or one together with what it needs of its own, such as a library that was loaded, a process that
+/// was started or the forms of a set, which outlives every copy. Empty where there is none.
+template <class R, class... A>
+class Function<R(A...)> {
 public:
-    using Plain = void (*)(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&);
-    using Bound = void (*)(void* own, const RayBatch<S>&, const Target<S>&, const HitBatch<S>&);
+    using Plain = R (*)(A...);
+    using Bound = R (*)(void* own, A...);
 
-    constexpr Kernel(std::nullptr_t = nullptr) {}
-    constexpr Kernel(Plain plain) : plain_(plain) {}
-    constexpr Kernel(Bound bound, void* own) : bound_(bound), own_(own) {}
+    constexpr Function(std::nullptr_t = nullptr) {}
+    constexpr Function(Plain plain) : plain_(plain) {}
+    constexpr Function(Bound bound, void* own) : bound_(bound), own_(own) {}
 
-    void operator()(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
-        if (plain_) plain_(rays, target, hits);
-        else bound_(own_, rays, target, hits);
-    }
+    R operator()(A... a) const { return plain_ ? plain_(a...) : bound_(own_, a...); }
     explicit constexpr operator bool() const { return plain_ != nullptr || bound_ != nullptr; }
-    friend constexpr bool operator==(const Kernel&, const Kernel&) = default;
+    friend constexpr bool operator==(const Function&, const Function&) = default;
 
 private:
     Plain plain_ = nullptr;
     Bound bound_ = nullptr;
     void* own_ = nullptr;
 };
+
+/// What a row runs over a batch.
+template <class S>
+using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&)>;
 
 /// A march as the format runs it, sample by sample, and its answer.
 struct MarchLog {
@@ -71,32 +75,35 @@ struct MarchLog {
     Stop stop = Stop::max_steps;
 };
 
-/// One form in every arithmetic. What is null or empty does not exist: a form written for one format has no kernel in
-/// the others, and one that is not a template of ours runs natively alone.
+/// One form in every arithmetic, or one for each of several shapes (`sets.hpp`). What is null or empty does not exist:
+/// a form written for one format has no kernel in the others, and one that is not a template of ours runs natively
+/// alone.
 struct Intersector {
     const Info* info;
-    Shape shape;  ///< of the solids that it may be given one of; `sdf`: all of any shape at once
+    Shape shape;  ///< of the solids that it may be given one of; `sdf`: all of any shape at once; of a set the first
     Kernel<float> native32;
     Kernel<double> native64;
     /// Inputs are rounded to the format on the way in.
-    void (*rounded)(const FloatFormat&, const RayBatch<double>&, const Target<double>&,
-                    const HitBatch<double>&) = nullptr;
-    Hit<Ball> (*ball)(const Ray<Ball>&, const Target<Ball>&) = nullptr;
-    Hit<Interval> (*interval)(const Ray<Interval>&, const Target<Interval>&) = nullptr;
+    Function<void(const FloatFormat&, const RayBatch<double>&, const Target<double>&, const HitBatch<double>&)>
+        rounded = nullptr;
+    Function<Hit<Ball>(const Ray<Ball>&, const Target<Ball>&)> ball = nullptr;
+    Function<Hit<Interval>(const Ray<Interval>&, const Target<Interval>&)> interval = nullptr;
     /// Every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
-    MarchLog (*log)(const Format&, const Ray<double>&, const Target<double>&) = nullptr;
+    Function<MarchLog(const Format&, const Ray<double>&, const Target<double>&)> log = nullptr;
     /// Every operation of one evaluation, onto a tape that it clears first. Inputs are numbers of the format.
-    void (*record)(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&) = nullptr;
+    Function<void(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&)> record = nullptr;
     /// The same with every loop run to its bound whatever its decisions: all operations that the form can ever do.
-    void (*record_all)(const Target<double>&, Tape&) = nullptr;
+    Function<void(const Target<double>&, Tape&)> record_all = nullptr;
     /// The operations of one evaluation in binary32, as the form is written (see `Counted`).
-    OperationCounts (*count)(const Ray<float>&, const Target<float>&, float tmax) = nullptr;
+    Function<OperationCounts(const Ray<float>&, const Target<float>&, float tmax)> count = nullptr;
     /// The answer with the form's own bound; nothing in formats other than binary32 and binary64. Inputs are numbers of
     /// the format.
-    std::optional<BoundedAnswer> (*bounded)(const Format&, const Ray<double>&, const Target<double>&,
-                                            double tmax) = nullptr;
+    Function<std::optional<BoundedAnswer>(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
+        bounded = nullptr;
     /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
-    Way (*way)(const Format&, const Ray<double>&, const Target<double>&, double tmax) = nullptr;
+    Function<Way(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
+    /// Of a set its forms, in the order of their shapes.
+    std::span<const Intersector* const> parts = {};
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {
@@ -108,6 +115,19 @@ struct Intersector {
     }
     /// Whether the formula itself is there, in any arithmetic: widths between the formats, enclosures, tapes.
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
+    [[nodiscard]] bool is_set() const { return !parts.empty(); }
+    /// The form that is asked about solids of a shape that it is for.
+    [[nodiscard]] const Intersector& of(Shape solid) const {
+        for (const Intersector* const part : parts)
+            if (part->shape == solid) return *part;
+        return *this;
+    }
+    /// The shapes of the solids that it is for; `sdf` for the forms that march.
+    [[nodiscard]] Shapes shapes() const {
+        Shapes all = shape;
+        for (const Intersector* const part : parts) all |= part->shape;
+        return all;
+    }
 };
 
 /// Every row: the catalogue's forms in their order, then what was enrolled, in the order in which it came.

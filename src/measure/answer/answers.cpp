@@ -244,7 +244,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
                                                   ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
                                                   : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
-    if (inputs.index && form.shape == scene::sphere::Sphereflake::shape) {
+    if (inputs.index && form.shapes() == scene::sphere::Sphereflake::shape) {
         meet_many(form, rays, inputs, answers);
         return answers;
     }

@@ -60,7 +60,23 @@ SettingOf::SettingOf(const scene::file::Scene& scene) : solids_(scene::rays::sha
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
+namespace {
+
+/// What `names` says of each form of a set, each once.
+template <class Names>
+auto of_parts(const Intersector& set, const Setting& setting, const Names& names) {
+    decltype(names(set, setting)) all;
+    for (const Intersector* const part : set.parts) {
+        for (const auto& name : names(*part, setting))
+            if (std::ranges::find(all, name) == all.end()) all.push_back(name);
+    }
+    return all;
+}
+
+}  // namespace
+
 std::vector<std::string> operation_names(const Intersector& form, const Setting& setting) {
+    if (form.is_set()) return of_parts(form, setting, operation_names);
     std::vector<std::string> operations;
     const auto target = target_of(form, setting);
     if (!target) return operations;
@@ -76,6 +92,7 @@ std::vector<std::string> operation_names(const Intersector& form, const Setting&
 }
 
 std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
+    if (form.is_set()) return of_parts(form, setting, labels_of);
     std::vector<std::string_view> labels;
     const auto target = target_of(form, setting);
     if (!target) return labels;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "intersect/doors/contract.hpp"
 #include "intersect/table/recording.hpp"
+#include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/conditioning.hpp"
@@ -46,18 +48,33 @@ bool is_other_question(const Intersector& a, const Intersector& b, const OneRay&
            ray.rounded_truth(*a.info, binary64) != ray.rounded_truth(*b.info, binary64);
 }
 
+/// What is held against the form: one of its shape; of a set, it with this form for the solid that is explained, where
+/// that is another set. Null for a form that has no place in it.
+const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
+    if (!asked.is_set()) return other.shape == asked.shape ? &other : nullptr;
+    if (other.is_set()) return other.shapes() == asked.shapes() ? &other : nullptr;
+    if (other.shape != shape) return nullptr;
+    std::vector<const Intersector*> parts(asked.parts.begin(), asked.parts.end());
+    *std::ranges::find(parts, shape, &Intersector::shape) = &other;
+    return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
+}
+
 void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector* const> beside) {
-    for (const Intersector& other : intersect::table::intersectors()) {
-        if (&other == x.form) continue;
-        const bool named = std::ranges::find(beside, &other) != beside.end();
-        if (other.shape != x.form->shape || !other.exists_in(x.format)) {
-            if (named) x.unasked.push_back(&other);
+    std::vector<const Intersector*> all;
+    for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
+    std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
+    for (const Intersector* const other : all) {
+        const bool named = std::ranges::find(beside, other) != beside.end();
+        const Intersector* const held = with_form(*x.form, x.shape, *other);
+        if (held == x.form) continue;
+        if (held == nullptr || !held->exists_in(x.format)) {
+            if (named) x.unasked.push_back(other);
             continue;
         }
-        if (!intersect::doors::is_harmless(other) && !named) continue;
+        if (!intersect::doors::is_harmless(*other) && !named) continue;
         try {
-            Standing s = standing_of(other, x.format, ray);
-            s.other_question = is_other_question(*x.form, other, ray);
+            Standing s = standing_of(*held, x.format, ray);
+            s.other_question = is_other_question(*x.form, *held, ray);
             const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.shape.precision);
             if (s.beats(x.standing) && !lost_all && !s.other_question) x.better.push_back(s);
             if (named) x.beside.push_back(s);
@@ -141,6 +158,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     if (given.x != received.x || given.y != received.y || given.z != received.z) x.given = given;
     x.solids = static_cast<int>(in.all.solids.size());
     x.solid = std::max(0, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+    x.shape = in.all.solids[static_cast<std::size_t>(x.solid)].shape;
     const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const intersect::Target<double> target = aim;
     const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];

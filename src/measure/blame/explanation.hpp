@@ -44,6 +44,7 @@ struct Explanation {
     bool rounded_inputs = false;                     ///< the format cannot hold the ray or a solid as they were given
     std::optional<intersect::Touching> judged = {};  ///< as closed or open solids; absent: by each form's own word
     int solid = 0, solids = 1;  ///< which of the scene's solids the form was asked of, from 0; of a march all together
+    Shape shape = {};           ///< of that solid
     Tape tape = {};
     Attribution attribution = {};
     std::optional<Counterfactuals> culprit_alone = {};  ///< of the culprit, where there is one

@@ -9,6 +9,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/sets.hpp"
 #include "measure/claim/claim_choice.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
@@ -85,20 +86,39 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
     return result;
 }
 
-MapRow claim_row(const Claim& claim) {
-    std::vector<std::string> names;
-    for (const intersect::table::Intersector& i : intersect::table::intersectors()) {
-        names.emplace_back(i.info->name);
-        if (i.info->name != claim.form) continue;
-        const Format format = claim_format(claim);
-        if (!i.exists_in(format))
-            scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format +
-                                               "; `lostbits list forms` shows its formats");
-        return {&i, format, claim.convention};
+namespace {
+
+const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
+    const auto rows = intersect::table::intersectors();
+    const auto found = std::ranges::find_if(
+        rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
+    if (found != rows.end()) return *found;
+    if (form.find('+') == std::string::npos) {
+        std::vector<std::string> names;
+        for (const intersect::table::Intersector& row : rows) names.emplace_back(row.info->name);
+        scene::toml::fail(claim.where, "unknown form \"" + form + "\"; " + scene::toml::did_you_mean(form, names) +
+                                           "; a form of your own comes by --plugin, --pipe or --shader");
     }
-    scene::toml::fail(claim.where, "unknown form \"" + claim.form + "\"; " +
-                                       scene::toml::did_you_mean(claim.form, names) +
-                                       "; a form of your own comes by --plugin, --pipe or --shader");
+    std::vector<const intersect::table::Intersector*> parts;
+    for (std::size_t begin = 0; begin <= form.size();) {
+        const std::size_t end = std::min(form.find('+', begin), form.size());
+        parts.push_back(&form_named(claim, form.substr(begin, end - begin)));
+        begin = end + 1;
+    }
+    if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())
+        scene::toml::fail(claim.where, "form \"" + form + "\": " + why);
+    return intersect::table::set_of(parts);
+}
+
+}  // namespace
+
+MapRow claim_row(const Claim& claim) {
+    const intersect::table::Intersector& form = form_named(claim, claim.form);
+    const Format format = claim_format(claim);
+    if (!form.exists_in(format))
+        scene::toml::fail(claim.where, claim.form + " does not exist in " + claim.format +
+                                           "; `lostbits list forms` shows its formats");
+    return {&form, format, claim.convention};
 }
 
 namespace {

@@ -40,7 +40,7 @@ double trace_value(const Claim& claim, const scene::file::Scene& scene, truth::T
 
 /// What a picture can be made by.
 struct Rendered {
-    [[nodiscard]] static bool meets(Shape shape) { return shape == scene::file::rendered_shape; }
+    [[nodiscard]] static bool meets(Shapes forms) { return forms == scene::file::rendered_shape; }
 };
 
 }  // namespace

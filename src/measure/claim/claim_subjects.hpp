@@ -74,7 +74,7 @@ inline std::vector<scene::claim::Claim> claims_at(const std::vector<scene::claim
 template <class Subject>
 map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
     const map::MapRow row = claim_row(claim);
-    if (subject.meets(row.form->shape)) return row;
+    if (subject.meets(row.form->shapes())) return row;
     scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
                                        (!is_solid(row.form->shape) ? "no [march] table" : "other solids") +
                                        "; name another form, or another scene or sweep");

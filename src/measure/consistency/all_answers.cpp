@@ -64,11 +64,18 @@ AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Sol
             stored.push_back(transformed(solid, [](double x) { return static_cast<S>(x); }));
         const std::span<const Solid<S>> all = stored;
         StoredBatch<S> batch(rays);
-        const std::size_t step = calls == Calls::together ? n : 1;
-        for (std::size_t begin = 0; begin < n; begin += step) {
+        // A target has solids of one shape.
+        const auto end_of = [&](std::size_t begin) {
+            if (calls == Calls::one_by_one) return begin + 1;
+            if (all.size() == 1) return n;
+            const auto other = [&](const Solid<S>& solid) { return solid.shape != all[begin].shape; };
+            return static_cast<std::size_t>(std::ranges::find_if(all.subspan(begin), other) - all.begin());
+        };
+        for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
             asked.stop.check();
-            const auto own = all.size() == 1 ? all : all.subspan(begin, step);
-            kernel(batch.rays(begin, step), intersect::Target<S>(own), batch.hits(begin, step));
+            end = end_of(begin);
+            const auto own = all.size() == 1 ? all : all.subspan(begin, end - begin);
+            kernel(batch.rays(begin, end - begin), intersect::Target<S>(own), batch.hits(begin, end - begin));
         }
         answers = std::move(batch).answers();
     });
@@ -80,9 +87,9 @@ bool tells_t(const intersect::Info& info) { return info.roots != intersect::Root
 std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBlock& rays,
                                            std::span<const Solid<double>> solids) {
     std::vector<std::uint8_t> meets(rays.size());
-    const bool told = told_end(asked.form.shape);
-    const bool both = asked.form.info->roots == intersect::Roots::both;
     for (const Solid<double>& solid : solids) {
+        const bool told = told_end(solid.shape);
+        const bool both = asked.form.of(solid.shape).info->roots == intersect::Roots::both;
         const AllAnswers a = ask(asked, rays, std::span(&solid, 1));
         for (std::size_t i = 0; i < meets.size(); ++i) {
             const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };

@@ -1,5 +1,7 @@
 #include "measure/consistency/check.hpp"
 
+#include <algorithm>
+
 namespace lostbits::measure::consistency {
 
 using intersect::table::Intersector;
@@ -17,7 +19,7 @@ RowOnBand::RowOnBand(const Scene& of, const map::MapRow& asked, const truth::Ban
 
 scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    if (told_end(row.form->shape)) group.rays.tmax = {tmax};
+    if (std::ranges::all_of(solids, told_end, &Solid<double>::shape)) group.rays.tmax = {tmax};
     if (solids.size() <= truth::Band::most_given) group.solids = solids;
     return group;
 }

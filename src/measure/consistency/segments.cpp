@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/side.hpp"
@@ -34,8 +35,11 @@ std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphe
 
 }  // namespace
 
-Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
-                                   intersect::Touching touching) {
+namespace {
+
+/// Of solids of one shape.
+Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+                                  intersect::Touching touching) {
     const bool ends = !solids.empty() && told_end(solids.front().shape);
     const intersect::Convention convention(touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
     const Truth first = truth::find_truth(ray, solids, {}, convention, ends ? end : HUGE_VAL);
@@ -46,6 +50,22 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
     if (*side == 0) side = side_of_end(ray, solids[static_cast<std::size_t>(first.object)], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
+}
+
+}  // namespace
+
+Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+                                   intersect::Convention convention) {
+    bool unresolved = false;
+    for (const ShapeRow& row : shape_rows) {
+        std::vector<Solid<double>> alike;
+        std::ranges::copy_if(solids, std::back_inserter(alike),
+                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
+        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape).touching);
+        if (meets == Truth::Decision::hit) return meets;
+        unresolved = unresolved || meets == Truth::Decision::unresolved;
+    }
+    return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
 }
 
 SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
@@ -82,9 +102,9 @@ bool is_ray(const SegmentInTwoWays& s) {
 
 Accord accord_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
     if (first == second) return Accord::agree;
-    const intersect::Touching touching = on.row.convention().touching;
-    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.solids, touching);
-    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.solids, touching);
+    const intersect::Convention convention = on.row.convention();
+    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.solids, convention);
+    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.solids, convention);
     if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return Accord::unresolved;
     return accord_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
 }

@@ -22,9 +22,9 @@ struct SegmentInTwoWays {
 /// p and q are numbers of the format.
 SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end);
 
-/// Whether a ray that ends there truly meets any of the solids, all of one shape: a sphere at 0 < t < end, a closed (or
+/// Whether a ray that ends there truly meets any of the solids: a sphere at 0 < t < end, a closed (or
 /// open) box at 0 ≤ t ≤ end (or <). Of boxes the form is told the end and is held to what it says of touching.
 truth::Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
-                                          intersect::Touching touching);
+                                          intersect::Convention convention);
 
 }  // namespace lostbits::measure::consistency

@@ -169,7 +169,7 @@ private:
 
     void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
         const std::size_t n = all.size();
-        const intersect::Info& info = *work_.row_.form->info;
+        const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(own().shape).info;
         std::array<std::vector<S>, 6> numbers;
         for (const NewRay& r : all) {
             Vec<double> w = r.ray.direction;
@@ -190,7 +190,7 @@ private:
         for (std::size_t k = 0; k < n; ++k) {
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
-            const double first = hit[k] == 0 ? truth::missing : first_told(info, r, {t[k], near[k], far[k]});
+            const double first = hit[k] == 0 ? truth::missing : first_told(told, r, {t[k], near[k], far[k]});
             if (side == Side::outside) {
                 if (!std::isnan(first)) r.faults |= bit_of(Fault::self_hit_by_form);
             } else if (std::isnan(first)) {

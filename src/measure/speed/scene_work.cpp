@@ -29,10 +29,11 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
 
 /// Of each solid, the first that has the same numbers.
 std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
-    std::map<std::array<double, most_numbers>, int> places;
+    std::map<std::pair<Shape, decltype(Solid<double>::numbers)>, int> places;
     std::vector<int> first;
     for (const Solid<double>& solid : solids)
-        first.push_back(places.emplace(solid.numbers, static_cast<int>(first.size())).first->second);
+        first.push_back(
+            places.emplace(std::pair(solid.shape, solid.numbers), static_cast<int>(first.size())).first->second);
     return first;
 }
 

@@ -133,6 +133,7 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
             const intersect::simd::PackedRow packed = packed_kernels(*row.form, isa);
             add({.measured = row, .form = form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
+        if (row.form->is_set()) continue;
         const auto number = static_cast<std::size_t>(row.form - intersect::table::intersectors().data());
         if (number >= intersect::table::catalogue().size()) continue;  // nobody compiled it with other flags
         for (const intersect::simd::Variant& variant : intersect::simd::variants()) {

@@ -202,6 +202,13 @@ const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const 
 }
 
 bool Band::asks_anew(std::size_t i, Convention convention) const {
+    if (convention.by_shape) {
+        const Truth* const closed = truths_.find_whole(i);
+        return std::ranges::any_of(all_shapes, [&](Shape shape) {
+            const Convention own = convention.of(shape);
+            return (closed && matters(own, *closed)) || asks_anew(i, own);
+        });
+    }
     const std::vector<double>& ends = ideal_ ? ideal_->tmax : shared_.tmax;
     if (convention.endless && !ends.empty()) return true;
     const Truth* const whole = truths_.find_whole(i);
@@ -231,7 +238,8 @@ void Band::find_condition() {
 double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return lostbits::measure::truth::condition(ray, solids[static_cast<std::size_t>(object)], convention);
+        const auto solid = solids[static_cast<std::size_t>(object)];
+        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape));
     });
 }
 
@@ -341,8 +349,8 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
     const Truth truth = this->truth(i, convention);
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return round_truth(truth, ray, solids[static_cast<std::size_t>(truth.object)], format, length,
-                           convention.inside);
+        const auto solid = solids[static_cast<std::size_t>(truth.object)];
+        return round_truth(truth, ray, solid, format, length, convention.of(solid.shape).inside);
     });
 }
 

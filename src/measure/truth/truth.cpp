@@ -124,14 +124,15 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& terms) {
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& all) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
-    if (!is_ray(ray) || !(terms.tmax >= 0 || terms.convention.endless)) return best;
+    if (!is_ray(ray)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t at = 0; at < solids.size(); ++at) {
         const Solid<S>& solid = solids[at];
-        if (!is_proper_solid(solid)) continue;
+        const Terms terms{all.limit, all.convention.of(solid.shape), all.tmax};
+        if (!(terms.tmax >= 0 || terms.convention.endless) || !is_proper_solid(solid)) continue;
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };

@@ -257,6 +257,9 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     text += verdict_text(x, march) + "\n";
     if (x.solids > 1 && is_solid(x.form->shape))
         text += fmt::format("Of the solids 0 to {}, this is solid {}.\n", x.solids - 1, x.solid);
+    if (x.form->is_set())
+        text += fmt::format("It is a {}, and {} is the form that is asked about it.\n", name_of(x.shape),
+                            x.form->of(x.shape).info->name);
     if (x.judged)
         text +=
             fmt::format("Judged by {} solids: what a ray only touches is a {}.\n", intersect::convention_name(x.judged),

@@ -62,11 +62,15 @@ std::string wrong_solid_sentence(const Explanation& x) {
     const std::string says = missed.hit ? fmt::format("a hit at {}, {}", file::decimal(missed.t),
                                                       missed.t > x.standing.t ? "behind" : "which is not before")
                                         : "a miss";
+    const Shape other = missed.alone.solids.front().shape;
+    const auto named = [&x](int solid, Shape shape) {
+        return x.form->is_set() ? fmt::format("{}, a {}", solid, lostbits::name_of(shape)) : std::to_string(solid);
+    };
     return fmt::format(
         "The wrong solid: the form hits solid {}, but the ray first meets solid {} (counted from 0). Of that solid "
         "alone it reports {}. What follows is about solid {}; the other one: {}\n",
-        x.solid, missed.solid, says, x.solid,
-        explain_command(name_of_ray(&missed.alone), {x.form, x.format, x.judged}));
+        named(x.solid, x.shape), named(missed.solid, other), says, x.solid,
+        explain_command(name_of_ray(&missed.alone), {&x.form->of(other), x.format, x.judged}));
 }
 
 /// How much of the error is rounding's, in ulps; NaN where that is not asked.
@@ -177,7 +181,7 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                                 fares(s));
     }
     for (const auto* form : x.unasked)
-        text += form->shape != x.form->shape
+        text += !(form->shapes() == x.form->shapes())
                     ? fmt::format("{} is a form for another shape, and was not asked.\n", form->info->name)
                     : fmt::format("{} does not exist in {}, and was not asked.\n", form->info->name, x.format.name);
     return text;

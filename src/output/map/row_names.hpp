@@ -14,9 +14,11 @@ namespace lostbits::output::map {
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
 
-/// `unified` of `sphere.unified`: where all forms are of one shape. What is not of the catalogue keeps its whole name.
+/// `unified` of `sphere.unified`: where all forms are of one shape. What is not of the catalogue keeps its whole name,
+/// and so does a set.
 [[nodiscard]] inline std::string short_name(const intersect::Info& info) {
-    return std::string(info.name.substr(is_of_catalogue(info) ? info.name.find('.') + 1 : 0));
+    const bool is_alone = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
+    return std::string(info.name.substr(is_alone ? info.name.find('.') + 1 : 0));
 }
 
 /// What a form says of itself, for captions; one from outside need not say anything.

@@ -225,9 +225,9 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 }
 
 /// A march does not have one tape for all rays: each ray takes its own number of samples. Nor does a form that filters:
-/// most rays stop at its cheap way.
+/// most rays stop at its cheap way. A set has a tape for each shape.
 bool is_taped(const MapRow& row) {
-    return is_solid(row.form->shape) && row.form->is_template() && row.form->way == nullptr;
+    return is_solid(row.form->shape) && row.form->is_template() && row.form->way == nullptr && !row.form->is_set();
 }
 
 const char* coding_name(const Format& format) {

@@ -43,7 +43,7 @@ std::vector<Column> case_columns(const CaseRequest& request) {
              "right ({}), within_inputs (every decision is right, and every answer {}: half an ulp in each input "
              "would cost the rest), wrong_value, or the most frequent wrong decision",
              right_means(*request.file), within_means(*request.file))}};
-    for (Column& c : map::SummaryTable{request.metrics, {request.file->shape()}}.columns()) {
+    for (Column& c : map::SummaryTable{request.metrics, request.file->shapes()}.columns()) {
         if (c.name == "rays") c.meaning = "rays of the case";
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "0";
@@ -151,7 +151,7 @@ CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& fo
     : request_(request), folder_(folder), named_(std::move(named)), csv_(folder / "cases.csv", case_columns(request)) {}
 
 void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
-    const map::SummaryTable table{request_.metrics, {request_.file->shape()}};
+    const map::SummaryTable table{request_.metrics, request_.file->shapes()};
     for (std::size_t i = 0; i < cases.size(); ++i) {
         for (std::size_t r = 0; r < request_.rows.size(); ++r) {
             const Verdict verdict =

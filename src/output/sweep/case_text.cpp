@@ -47,13 +47,18 @@ std::string head_of_cases(const std::string& title, const std::string& source) {
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
     std::string solids;
-    for (const Solid<double>& solid : one.solids) solids += (solids.empty() ? "" : ", ") + solid_text(solid);
+    for (const ShapeRow& row : shape_rows) {
+        std::string of_shape;
+        for (const Solid<double>& solid : one.solids)
+            if (solid.shape == row.shape) of_shape += (of_shape.empty() ? "" : ", ") + solid_text(solid);
+        if (!of_shape.empty()) solids += fmt::format("{} = [{}]\n", row.plural, of_shape);
+    }
     const Ray<double> ray = one.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
     const bool ends = !one.rays.tmax.empty() && !std::isinf(one.rays.tmax[0]);
-    return fmt::format("\n[[case]]\nname = {}\n{} = [{}]\nrays = [{{ origin = {}, direction = {}{} }}]\n", quoted(name),
-                       row_of(one.solids.front().shape).plural, solids, hex_list(origin), hex_list(direction),
+    return fmt::format("\n[[case]]\nname = {}\n{}rays = [{{ origin = {}, direction = {}{} }}]\n", quoted(name), solids,
+                       hex_list(origin), hex_list(direction),
                        ends ? fmt::format(", tmax = \"{}\"", file::hex(one.rays.tmax[0])) : "");
 }
 

@@ -140,10 +140,6 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.reject_unknown_keys();
     if (scene.shapes().empty())
         file.fail_at(shape_rows.front().name, "is missing; a scene has at least one " + tables_of_solids());
-    if (scene.shapes().size() > 1 && !scene.march)
-        file.fail_at(name_of(scene.shapes()[1]), "and [[" + std::string(name_of(scene.shapes()[0])) +
-                                                     "]] in one scene need a form that marches; write two scenes, or "
-                                                     "add a [march] table");
     return scene;
 }
 
@@ -167,7 +163,7 @@ std::vector<Shape> Scene::shapes() const {
     return found;
 }
 
-bool Scene::meets(Shape shape) const { return !is_solid(shape) ? march.has_value() : shapes() == std::vector{shape}; }
+bool Scene::meets(Shapes forms) const { return forms == Shape::sdf ? march.has_value() : forms == Shapes(shapes()); }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
     return SceneFile(path).load(options);

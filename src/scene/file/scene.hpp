@@ -47,7 +47,7 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<Solid<Real>> listed;  ///< as written, in world units, shape by shape; of several only with `march`
+    std::vector<Solid<Real>> listed;                       ///< as written, in world units, shape by shape
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Appearance appearance;                                 ///< for pictures of it
@@ -56,9 +56,9 @@ struct Scene {
     [[nodiscard]] std::uint64_t pixels() const {
         return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     }
-    /// Whether the forms of a shape can be asked about the scene: all of its solids are of that shape, or, for `sdf`,
+    /// Whether the forms for these shapes can be asked about the scene: they are those of its solids, or, for `sdf`,
     /// the scene has constants for the march.
-    [[nodiscard]] bool meets(Shape shape) const;
+    [[nodiscard]] bool meets(Shapes forms) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// All of them: the listed, the flake. Some 300 bytes each: many are a `rays::SolidList`.

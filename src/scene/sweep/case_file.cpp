@@ -110,8 +110,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
-        if (ray.has("tmax") && !told_end(c.solids.front().shape))
-            ray.fail_at("tmax", no_end_words(c.solids.front().shape));
+        const auto endless = std::ranges::find_if_not(c.solids, told_end, &SolidSpec::shape);
+        if (ray.has("tmax") && endless != c.solids.end()) ray.fail_at("tmax", no_end_words(endless->shape));
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
@@ -139,12 +139,6 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end())
             table.fail_at("name",
                           "is \"" + c.name + "\", which is also the name of another case; give each its own name");
-        const auto other = [&](const SolidSpec& s) {
-            return s.shape != (cases_.empty() ? c : cases_.front()).solids.front().shape;
-        };
-        if (std::ranges::any_of(c.solids, other))
-            toml::fail(table.where(),
-                       "has a different shape from the cases before it; all cases of a file have one shape");
         for (const SolidSpec& spec : c.solids) {
             Solid<double> solid(spec.shape);
             std::ranges::transform(spec.numbers, solid.numbers.begin(),
@@ -158,6 +152,17 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
     }
     file.reject_unknown_keys();
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
+}
+
+std::vector<Shape> CaseFile::shapes() const {
+    std::vector<Shape> all;
+    for (const ShapeRow& row : shape_rows) {
+        const auto has_one = [&row](const Case& c) {
+            return std::ranges::find(c.solids, row.shape, &SolidSpec::shape) != c.solids.end();
+        };
+        if (std::ranges::any_of(cases_, has_one)) all.push_back(row.shape);
+    }
+    return all;
 }
 
 std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::Where& where) const {

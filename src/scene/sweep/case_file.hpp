@@ -29,8 +29,9 @@ public:
     /// How many rays the case has; each of its groups has them all.
     [[nodiscard]] int rays_of(std::size_t i) const { return static_cast<int>(cases_[i].rays.size()); }
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
-    [[nodiscard]] Shape shape() const { return cases_.front().solids.front().shape; }
-    [[nodiscard]] bool meets(Shape form) const { return form == shape(); }
+    /// Of the solids of all cases, each once; a case need not have them all.
+    [[nodiscard]] std::vector<Shape> shapes() const;
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(shapes()); }
     /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
     [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const toml::Where& where) const;
 

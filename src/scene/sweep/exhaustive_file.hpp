@@ -44,7 +44,7 @@ public:
     /// The floats between two others, both of them among those of the file. InputError, `where` in front, otherwise.
     void narrow(const Real& from, const Real& to, const toml::Where& where);
 
-    [[nodiscard]] bool meets(Shape form) const { return form == solid.shape; }
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == solid.shape; }
     /// A ray and its solid with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Solid<float> solid_at(float value) const;

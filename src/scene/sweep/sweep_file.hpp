@@ -58,8 +58,8 @@ public:
     };
     std::vector<Mark> marks;
 
-    /// Whether the forms of a shape can handle the sweep.
-    [[nodiscard]] bool meets(Shape shape) const { return !is_solid(shape) ? marches_ : shapes_ == std::vector{shape}; }
+    /// Whether the forms for these shapes can handle the sweep.
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_); }
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
 

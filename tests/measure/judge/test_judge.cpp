@@ -163,6 +163,7 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("grazing", {"sphere.unified"}, "f64");
     hold_map_and_judge("raycast-course", {"sphere.schoolbook"}, "f32");  // several spheres
     hold_map_and_judge("sdf-union", {"sdf.sphere_trace"}, "f32");
+    hold_map_and_judge("spheres-on-floor", {"sphere.schoolbook+box.signs", "sphere.two_step+box.inclusive"}, "f32");
     hold_map_and_judge("box-offset", {"box.signs", "box.exclusive"}, "f32");
 }
 

@@ -114,11 +114,12 @@ TEST_CASE("refinement takes the model error away", "[measure][march]") {
     CHECK(plain < 1e-2 / 0x1p-51);
 }
 
-TEST_CASE("mixed solids are met by marches alone", "[measure][march]") {
+TEST_CASE("mixed solids are met by marches and by forms for all of their shapes", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 8);
     CHECK(scene.meets(Shape::sdf));
     CHECK_FALSE(scene.meets(Shape::sphere));
     CHECK_FALSE(scene.meets(Shape::box));
+    CHECK(scene.meets(Shapes(scene.shapes())));
     CHECK(scene.shapes() == std::vector{Shape::sphere, Shape::box});
     CHECK_FALSE(scene_of("near-benign", 8).meets(Shape::sdf));
 }

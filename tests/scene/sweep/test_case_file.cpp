@@ -65,7 +65,7 @@ TEST_CASE("cases are read in order, each with its rays and solids") {
     CHECK(file.right_within_bits == 3);
     REQUIRE(file.size() == 2);
     CHECK(file.name(1) == "two");
-    CHECK(file.shape() == Shape::sphere);
+    CHECK(file.shapes() == std::vector{Shape::sphere});
     CHECK(file.matching("t*o", {}) == std::vector<std::size_t>{1});
     CHECK(error_of([&] {
               static_cast<void>(file.matching("tow", {"claims.toml", 4, 2}));
@@ -138,7 +138,7 @@ boxes = [{ lo = [1, -2, 3], hi = [2, 5, 9] }]
 rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 )";
     const scene::sweep::CaseFile file = loaded_cases(boxes);
-    CHECK(file.shape() == Shape::box);
+    CHECK(file.shapes() == std::vector{Shape::box});
     std::set<std::array<double, 6>> images;
     for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
         REQUIRE(g.solids.size() == 1);
@@ -155,14 +155,12 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
         CHECK((b.hi.x - b.lo.x) * (b.hi.y - b.lo.y) * (b.hi.z - b.lo.z) == 1 * 7 * 6);
     }
     CHECK(images.size() == 48);
-    CHECK(case_error(
-              replaced(
-                  good_cases, "[[case]]\nname = \"two\"",
-                  "[[case]]\nname = \"b\"\nboxes = [{ lo = [0, 0, 0], hi = [1, 1, 1] }]\nrays = [{ origin = [0, 0, 0], "
-                  "direction = [1, 0, 0] }]\n[[case]]\nname = \"two\""))
-              .starts_with("c.toml:8:1: has a different shape from the cases before it"));
-    CHECK(case_error(replaced(boxes, "rays =", "spheres = [{ centre = [0, 0, 0], radius = 1 }]\nrays ="))
-              .starts_with("c.toml:4:1: has a different shape"));
+    const std::string mixed = replaced(boxes, "rays =", "spheres = [{ centre = [7, 0, 0], radius = 1 }]\nrays =");
+    const scene::sweep::CaseFile several = loaded_cases(mixed);
+    CHECK(several.shapes() == std::vector{Shape::sphere, Shape::box});
+    CHECK(several.rays(0, binary32)[0].solids.size() == 2);
+    CHECK_FALSE(several.meets(Shape::box));
+    CHECK(case_error(replaced(mixed, "direction =", "tmax = 4, direction =")).find("tmax") != std::string::npos);
 }
 
 TEST_CASE("the corners of a box keep the zeros of the file, whichever way round") {

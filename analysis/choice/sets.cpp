@@ -1,0 +1,201 @@
+#include "analysis/choice/sets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+
+#include "analysis/choice/select.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::analysis::choice {
+
+using intersect::table::Intersector;
+using measure::map::MapRow;
+
+namespace {
+
+using Forms = std::vector<const Intersector*>;
+
+std::vector<Shape> listed(Shapes shapes) {
+    std::vector<Shape> all;
+    for (const ShapeRow& row : shape_rows)
+        if (shapes.has(row.shape)) all.push_back(row.shape);
+    return all;
+}
+
+/// "spheres and boxes"
+std::string joined_plurals(const std::vector<Shape>& shapes) {
+    std::string text;
+    for (std::size_t k = 0; k < shapes.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == shapes.size() ? " and " : ", ") + std::string(row_of(shapes[k]).plural);
+    return text;
+}
+
+/// "22 of spheres and 11 of boxes make 242 sets"
+std::string count_words(const std::vector<Forms>& by_shape, std::size_t count) {
+    std::string text;
+    for (std::size_t k = 0; k < by_shape.size(); ++k)
+        text += fmt::format("{}{} of {}",
+                            k == 0                     ? ""
+                            : k + 1 == by_shape.size() ? " and "
+                                                       : ", ",
+                            by_shape[k].size(), row_of(by_shape[k].front()->shape).plural);
+    return fmt::format("{} make {} sets, one form for each shape", text, count);
+}
+
+/// Every combination of one form of each list that can be a set. InputError, which begins with `who`, for too many, and
+/// where none of them can be a set.
+Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
+    std::size_t count = 1;
+    for (const Forms& forms : by_shape) count *= forms.size();
+    if (count > most_sets)
+        throw InputError(fmt::format("{}: {}, and {} are the most; name fewer forms, such as -i '{}.*' -i {}", who,
+                                     count_words(by_shape, count), most_sets, name_of(by_shape.front().front()->shape),
+                                     by_shape.back().front()->info->name));
+    Forms sets;
+    std::string refusal;
+    for (std::size_t i = 0; i < count; ++i) {
+        Forms parts;
+        std::size_t rest = i;
+        for (auto forms = by_shape.rbegin(); forms != by_shape.rend(); ++forms) {
+            parts.insert(parts.begin(), (*forms)[rest % forms->size()]);
+            rest /= forms->size();
+        }
+        const std::string why = intersect::table::refusal_of_set(parts);
+        if (why.empty()) sets.push_back(&intersect::table::set_of(parts));
+        else if (refusal.empty()) refusal = why;
+    }
+    if (sets.empty()) throw InputError(who + ": " + refusal);
+    return sets;
+}
+
+/// The forms of the rows, each once: those of one shape, or the sets.
+Forms forms_in(const std::vector<MapRow>& rows, const std::function<bool(const Intersector&)>& which) {
+    Forms forms;
+    for (const MapRow& row : rows)
+        if (which(*row.form) && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    return forms;
+}
+
+Forms forms_for(const std::vector<MapRow>& rows, Shape shape) {
+    return forms_in(rows, [shape](const Intersector& form) { return !form.is_set() && form.shape == shape; });
+}
+
+const Intersector& plain_form(Shape shape) {
+    const auto forms = intersect::table::intersectors(shape);
+    const auto plain = std::ranges::find_if(forms, [](const Intersector& form) {
+        return form.info->direction == intersect::Direction::any && form.info->convention() == intersect::Convention();
+    });
+    return plain == forms.end() ? forms.front() : *plain;
+}
+
+/// A set in each format of the rows, held against what they are held against where that is for the same shapes.
+void add_rows(std::vector<MapRow>& rows, const Forms& sets) {
+    const std::vector<MapRow> asked = rows;
+    for (const Intersector* const set : sets) {
+        for (MapRow row : asked) {
+            row.form = set;
+            const auto same = [&row](const MapRow& other) {
+                return other.form == row.form && other.format == row.format;
+            };
+            if (!set->exists_in(row.format) || std::ranges::any_of(rows, same)) continue;
+            if (row.against != nullptr && !(row.against->shapes() == set->shapes())) continue;
+            rows.push_back(row);
+        }
+    }
+}
+
+/// Which of the shapes no row is for, and what to write.
+std::string lacking_words(const std::vector<MapRow>& rows, Shapes shapes) {
+    std::vector<Shape> lacking;
+    std::string example;
+    for (const Shape shape : listed(shapes)) {
+        const Forms forms = forms_for(rows, shape);
+        if (forms.empty()) lacking.push_back(shape);
+        example +=
+            (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
+    }
+    if (lacking.empty()) return fmt::format("try -i {}", example);
+    return fmt::format("it has {}, and no selected form is for {}; try -i {}", choice::plurals(shapes),
+                       joined_plurals(lacking), example);
+}
+
+/// What `rows_meeting` adds for these shapes.
+void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
+    for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
+        std::vector<MapRow> parts;
+        for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
+        for (const Shape shape : listed(shapes))
+            if (!set->shapes().has(shape))
+                throw InputError(fmt::format("-i {}: {}: {}", set->info->name, name, lacking_words(parts, shapes)));
+    }
+    std::vector<Forms> by_shape;
+    for (const Shape shape : listed(shapes)) by_shape.push_back(forms_for(chosen.rows, shape));
+    if (std::ranges::any_of(by_shape, &Forms::empty)) return;
+    const bool all = std::ranges::find(chosen.words, "*") != chosen.words.end();
+    if (!all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
+    if (std::ranges::any_of(chosen.rows, [&meets](const MapRow& row) { return meets(row.form->shapes()); })) return;
+    const Intersector& plain = plain_set(shapes);
+    add_rows(chosen.rows, {&plain});
+    if (!chosen.quiet)
+        fmt::print(stderr,
+                   "lostbits: {}: it has {}, which are measured by a form for each; without -i by {} alone; name "
+                   "forms, such as -i '{}.*' -i {}, for every combination of them\n",
+                   name, choice::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
+                   plain.parts.back()->info->name);
+}
+
+}  // namespace
+
+std::optional<Shapes> several_shapes(const Meets& meets) {
+    for (std::size_t some = 0; some < std::size_t{1} << shape_rows.size(); ++some) {
+        Shapes shapes;
+        for (const ShapeRow& row : shape_rows)
+            if ((some >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
+        if (shapes.are_several() && meets(shapes)) return shapes;
+    }
+    return std::nullopt;
+}
+
+std::string plurals(Shapes shapes) { return joined_plurals(listed(shapes)); }
+
+bool names_set(const std::string& word) {
+    const auto all = intersect::table::intersectors();
+    return word.find('+') != std::string::npos &&
+           std::ranges::none_of(all, [&word](const Intersector& form) { return form.info->name == word; });
+}
+
+Forms sets_named(const std::string& word, const char* option) {
+    std::vector<Forms> parts;
+    for (std::size_t begin = 0; begin <= word.size();) {
+        const std::size_t end = std::min(word.find('+', begin), word.size());
+        if (end == begin)
+            throw InputError(
+                fmt::format("{} {}: no form stands on one side of a +; name a form for each shape, such "
+                            "as sphere.unified+box.signs",
+                            option, word));
+        parts.push_back(select_forms({word.substr(begin, end - begin)}, option));
+        begin = end + 1;
+    }
+    return combinations(parts, fmt::format("{} {}", option, word));
+}
+
+const Intersector& plain_set(Shapes shapes) {
+    Forms parts;
+    for (const Shape shape : listed(shapes)) parts.push_back(&plain_form(shape));
+    return intersect::table::set_of(parts);
+}
+
+std::vector<MapRow> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
+    if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
+    return fitting(chosen.rows, meets);
+}
+
+std::string words_to_meet(const std::vector<MapRow>& rows, const Meets& meets) {
+    if (const auto several = several_shapes(meets)) return ": " + lacking_words(rows, *several);
+    return "; try -i '" + globs_of(meets) + "'";
+}
+
+}  // namespace lostbits::analysis::choice

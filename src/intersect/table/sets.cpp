@@ -1,0 +1,163 @@
+#include "intersect/table/sets.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+
+#include "number/error.hpp"
+
+namespace lostbits::intersect::table {
+
+namespace {
+
+/// A set and what its row points to.
+struct Made {
+    std::vector<const Intersector*> parts;
+    std::string name, title, source;
+    /// In the order of `Info::by_shape`, then of the shapes.
+    std::array<std::array<Convention, all_shapes.size()>, 3> conventions;
+    Info info;
+    Intersector row;
+};
+
+template <class S>
+Shape shape_of_target(const Target<S>& target) {
+    return target.solids.front().shape;
+}
+
+/// The shape that a function of a row is asked about: that of its target.
+template <class First, class... Rest>
+Shape asked_shape(const First& first, const Rest&... rest) {
+    if constexpr (requires { shape_of_target(first); }) return shape_of_target(first);
+    else return asked_shape(rest...);
+}
+
+/// `Which` of the row: that of the form for the target's shape, where every form of the set has it.
+template <auto Which, class R, class... A>
+void pass_on(Made& set, Function<R(A...)> Intersector::*) {
+    if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*Which); }))
+        return;
+    set.row.*Which = {
+        [](void* own, A... a) -> R { return (static_cast<Intersector*>(own)->of(asked_shape(a...)).*Which)(a...); },
+        &set.row};
+}
+
+/// What does not filter settles every ray in its own arithmetic.
+Way way_of_part(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
+    const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
+    return form.way ? form.way(format, ray, target, tmax) : Way::own;
+}
+
+void pass_all_on(Made& set) {
+    pass_on<&Intersector::native32>(set, &Intersector::native32);
+    pass_on<&Intersector::native64>(set, &Intersector::native64);
+    pass_on<&Intersector::rounded>(set, &Intersector::rounded);
+    pass_on<&Intersector::ball>(set, &Intersector::ball);
+    pass_on<&Intersector::interval>(set, &Intersector::interval);
+    pass_on<&Intersector::record>(set, &Intersector::record);
+    pass_on<&Intersector::record_all>(set, &Intersector::record_all);
+    pass_on<&Intersector::count>(set, &Intersector::count);
+    pass_on<&Intersector::bounded>(set, &Intersector::bounded);
+    if (std::ranges::any_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->way); }))
+        set.row.way = {way_of_part, &set.row};
+}
+
+/// `member` of the forms where they agree on it, `otherwise` where they do not.
+template <class T>
+T common(const Made& set, T Info::*member, T otherwise) {
+    const T first = set.parts.front()->info->*member;
+    const auto same = [&](const Intersector* part) { return part->info->*member == first; };
+    return std::ranges::all_of(set.parts, same) ? first : otherwise;
+}
+
+bool any_is(const Made& set, Roots roots) {
+    return std::ranges::any_of(set.parts, [roots](const Intersector* part) { return part->info->roots == roots; });
+}
+
+void fill_conventions(Made& set) {
+    constexpr std::array<std::optional<Touching>, 3> judged{std::nullopt, Touching::hit, Touching::miss};
+    for (std::size_t j = 0; j < judged.size(); ++j) {
+        bool same = true;
+        for (const Intersector* const part : set.parts) {
+            const Convention own = part->info->convention(judged[j]);
+            set.conventions[j][static_cast<std::size_t>(part->shape)] = own;
+            same = same && own == set.parts.front()->info->convention(judged[j]);
+        }
+        set.info.by_shape[j] = same ? nullptr : set.conventions[j].data();
+    }
+}
+
+void fill(Made& set) {
+    for (const Intersector* const part : set.parts) {
+        const auto add = [&set](std::string& text, std::string_view separator, std::string_view words) {
+            text.append(text.empty() ? "" : separator).append(words);
+        };
+        add(set.name, "+", part->info->name);
+        add(set.title, "; ", part->info->title);
+        if (set.source != part->info->source) add(set.source, "; ", part->info->source);
+    }
+    set.info = {
+        .name = set.name,
+        .title = set.title,
+        .source = set.source,
+        .direction = common(set, &Info::direction, Direction::unit),
+        .roots = common(set, &Info::roots, any_is(set, Roots::near_only) ? Roots::near_only : Roots::first_only),
+        .touching = common(set, &Info::touching, Touching::hit),
+        .at_origin = common(set, &Info::at_origin, AtOrigin::hit),
+        .formats = common(set, &Info::formats, Formats::binary32_only),
+        .inside = common(set, &Info::inside, Inside::usual),
+        .endless = common(set, &Info::endless, false)};
+    fill_conventions(set);
+    set.row = {.info = &set.info,
+               .shape = set.parts.front()->shape,
+               .native32 = nullptr,
+               .native64 = nullptr,
+               .parts = set.parts};
+    pass_all_on(set);
+}
+
+}  // namespace
+
+namespace {
+
+bool share_a_format(const std::vector<const Intersector*>& parts) {
+    const auto all = [&parts](auto which) {
+        return std::ranges::all_of(parts, [which](const Intersector* part) { return static_cast<bool>(part->*which); });
+    };
+    return all(&Intersector::native32) || all(&Intersector::native64) || all(&Intersector::rounded);
+}
+
+}  // namespace
+
+std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
+    const auto name = [](const Intersector* part) { return std::string(part->info->name); };
+    for (const Intersector* const part : parts) {
+        if (!is_solid(part->shape)) return name(part) + " marches along the field of all solids at once; name it alone";
+        const auto same = std::ranges::find(parts, part->shape, &Intersector::shape);
+        if (*same != part)
+            return name(*same) + " and " + name(part) + " are both for " + std::string(row_of(part->shape).plural) +
+                   "; name one form for each shape";
+    }
+    if (!share_a_format(parts)) return "these forms have no format in common";
+    const auto tells_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
+    const auto silent = std::ranges::find_if_not(parts, tells_t), telling = std::ranges::find_if(parts, tells_t);
+    if (silent == parts.end() || telling == parts.end()) return "";
+    return name(*silent) + " only says whether it hits, and " + name(*telling) +
+           " tells t: which of their solids comes first cannot be found; name forms that all tell t";
+}
+
+const Intersector& set_of(std::vector<const Intersector*> parts) {
+    std::ranges::sort(parts, {}, &Intersector::shape);
+    if (const std::string why = refusal_of_set(parts); !why.empty()) throw InputError(why);
+    static std::mutex mutex;
+    static std::deque<Made> all;
+    const std::lock_guard lock(mutex);
+    const auto made = std::ranges::find(all, parts, &Made::parts);
+    if (made != all.end()) return made->row;
+    Made& set = all.emplace_back();
+    set.parts = std::move(parts);
+    fill(set);
+    return set.row;
+}
+
+}  // namespace lostbits::intersect::table

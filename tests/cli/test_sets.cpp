@@ -1,0 +1,137 @@
+// Scenes and rays with solids of several shapes, measured by sets of forms.
+#include <filesystem>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+namespace test_sets {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string floor_map = "map spheres-on-floor --size 16x8 -f f32";
+
+std::string into(const Scratch& scratch, const std::string& folder = "out") {
+    return " -o '" + (scratch.path() / folder).string() + "'";
+}
+
+}  // namespace
+
+TEST_CASE("every combination of one form a shape is a set, and two hundred are the most") {
+    const Scratch scratch;
+    REQUIRE(run(floor_map + " -i 'sphere.p*' -i 'box.e*' -i box.signs" + into(scratch)).code == 0);
+    const auto rows = read_csv(scratch.path() / "out/spheres-on-floor/summary.csv");
+    REQUIRE(rows.size() == 4 * 4);
+    CHECK(rows.front().at("form") == "sphere.press+box.exclusive");
+    REQUIRE(run(floor_map + " -i 'sphere.p*+box.[es]*'" + into(scratch, "word")).code == 0);
+    CHECK(read_csv(scratch.path() / "word/spheres-on-floor/summary.csv") == rows);
+
+    const auto many = run(floor_map + " -i 'sphere.*' -i 'box.*'" + into(scratch, "many"));
+    CHECK(many.code == 2);
+    CHECK(has(many.err, "make 242 sets, one form for each shape, and 200 are the most; name fewer forms"));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "many"));
+}
+
+TEST_CASE("without -i a scene of several shapes is measured by the plain set, which is said") {
+    const Scratch scratch;
+    const auto r = run(floor_map + into(scratch));
+    REQUIRE(r.code == 0);
+    CHECK(has(r.err,
+              "it has spheres and boxes, which are measured by a form for each; without -i by "
+              "sphere.schoolbook+box.inclusive alone"));
+    CHECK(read_csv(scratch.path() / "out/spheres-on-floor/summary.csv").size() == 1);
+}
+
+TEST_CASE("a set that lacks a shape, or cannot be one, is told what to write, and nothing is written") {
+    struct Bad {
+        std::string words;
+        int code;
+        const char* says;
+    };
+    const Bad bad[] = {
+        {floor_map + " -i sphere.press", 4, "no selected form is for boxes; try -i sphere.press+box.inclusive"},
+        {floor_map + " -i 'box.*'", 4, "no selected form is for spheres; try -i sphere.schoolbook+box.baseline"},
+        {floor_map + " -i sphere.press+sphere.unified", 2, "are both for spheres; name one form for each shape"},
+        {floor_map + " -i sphere.press+sdf.sphere_trace", 2, "marches along the field of all solids"},
+        {floor_map + " -i sphere.press+", 2, "no form stands on one side of a +"},
+        {floor_map + " -i sphere.pres+box.signs", 2, "did you mean \"sphere.press\"?"},
+        {"map near-benign -i sphere.press+box.signs", 4, "no selected form handles near-benign; try -i 'sphere.*'"},
+        {"render spheres-on-floor", 2, "has other solids too"},
+    };
+    for (const Bad& b : bad) {
+        const Scratch scratch;
+        const auto r = run(b.words + into(scratch));
+        INFO(b.words << "\n" << r.err);
+        CHECK(r.code == b.code);
+        CHECK(has(r.err, b.says));
+        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+    }
+    const auto r = run("explain spheres-on-floor --pixel 1,1 -i sphere.press");
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "no selected form is for boxes; try -i sphere.press+box.inclusive"));
+}
+
+TEST_CASE("a hit of the wrong solid says which shape that has") {
+    const Scratch scratch;
+    const std::string ray = "explain --sphere=0,0,0,1 --box=-2,-2,1,2,0.25,2 ";
+    const std::string grazing = "--ray=0,0.9999999,-900,0,0,1 -f f32 ";
+    const auto wrong = run(ray + grazing + "-i sphere.schoolbook+box.signs");
+    INFO(wrong.out << wrong.err);
+    REQUIRE(wrong.code == 0);
+    CHECK(has(wrong.out, "It is a "));
+    CHECK(has(run(ray + "--ray=0,0,-900,0,0,1 -i sphere.unified+box.signs").out,
+              "It is a sphere, and sphere.unified is the form that is asked about it."));
+    REQUIRE(run(floor_map + " --size 64x32 -i sphere.schoolbook+box.signs" + into(scratch)).code == 0);
+    const auto row = read_csv(scratch.path() / "out/spheres-on-floor/summary.csv").front();
+    CHECK(row.at("fault_outcome") == "false_hit");
+    CHECK(std::stoi(row.at("wrong_object")) > 0);
+}
+
+TEST_CASE("answers to spheres and boxes together are judged against the nearest of all") {
+    const Scratch scratch;
+    // Along the axes of both every t is exact: 9 to the sphere, 12 to the box behind it, 2 past the sphere.
+    const std::string file = scratch.write("rays.csv",
+                                           "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-10,0,0,1,1,9\n0,1.5,-10,0,0,1,1,12\n"
+                                           "1.5,0,-10,0,0,2,1,6\n0,9,-10,0,0,1,0,nan\n0,0,-10,0,0,1,1,12\n");
+    const std::string solids = " --sphere 0,0,0,1 --box=-2,-2,2,2,2,3 --sphere 0,0,8,1";
+    const auto r = run("judge '" + file + "'" + solids + " -i sphere.unified+box.signs" + into(scratch));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto rows = read_csv(scratch.path() / "out/rays/summary.csv");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].at("agree_hit") == "4");
+    CHECK(rows[0].at("agree_miss") == "1");
+    CHECK(rows[0].at("ulp_error_p50") == "0");
+    CHECK(std::stod(rows[0].at("relative_error_max")) == Approx(1.0 / 3));  // 12 where 9 is true
+    CHECK(rows[1].at("form") == "sphere.unified+box.signs");
+    CHECK(rows[1].at("ulp_error_max") == "0");
+    // Its worst rays are a file of cases of both shapes, which a sweep reads back.
+    const auto again = run("sweep '" + (scratch.path() / "out/rays/worst.toml").string() +
+                           "' -i sphere.unified+box.signs" + into(scratch, "again"));
+    INFO(again.err);
+    CHECK(again.code == 0);
+}
+
+TEST_CASE("offsets, consistency and choices measure sets, with the same bytes on any threads and registers") {
+    const Scratch scratch;
+    for (const std::string& words :
+         {std::string("offsets spheres-on-floor --size 8x4"),
+          std::string("consistency spheres-on-floor --size 8x4 -i sphere.two_step+box.signs -f f32"),
+          std::string("map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16")}) {
+        INFO(words);
+        REQUIRE(run(words + " -j 1 --isa scalar" + into(scratch, "one")).code == 0);
+        REQUIRE(run(words + " -j 4" + into(scratch, "many")).code == 0);
+        const auto r = run("diff --strict '" + (scratch.path() / "one").string() + "' '" +
+                           (scratch.path() / "many").string() + "'");
+        INFO(r.out << r.err);
+        CHECK(r.code == 0);
+        std::filesystem::remove_all(scratch.path() / "one");
+        std::filesystem::remove_all(scratch.path() / "many");
+    }
+    CHECK(
+        run("choose spheres-on-floor --size 8x4 --quick --bits 4 -i sphere.press -i box.signs" + into(scratch)).code ==
+        0);
+}
+
+}  // namespace test_sets
