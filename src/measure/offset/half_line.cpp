@@ -43,7 +43,7 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
 
 /// Nothing is inside; what crosses the rim does not meet the open surface.
 template <class E>
-std::optional<Meeting> enclosed(const Crossing<E>& s) {
+std::optional<Meeting> enclosed(const FlatSpan<E>& s) {
     const Tri on = s.closed && s.at.n <= E(0) && s.at.n >= E(0), meets = s.open && s.at.n > E(0);
     if (on.is_unknown() || meets.is_unknown()) return std::nullopt;
     return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
@@ -85,7 +85,7 @@ std::optional<bool> passes(const SlabSpan<E>& s) {
 }
 
 template <class E>
-std::optional<bool> passes(const Crossing<E>& s) {
+std::optional<bool> passes(const FlatSpan<E>& s) {
     const Tri hit = s.open && s.at.n > E(0) && s.at.n < s.at.m;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }

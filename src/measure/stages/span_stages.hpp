@@ -2,7 +2,7 @@
 // (geometry/span.hpp). The numbers carry the bounds, so that no lemma is needed.
 #pragma once
 
-#include "geometry/crossing.hpp"
+#include "geometry/flat_span.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/span.hpp"
 #include "measure/stages/problem.hpp"
@@ -111,7 +111,7 @@ Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const typename Running<
 
 /// As `truth::enclose` has it for the usual convention, where neither the rim nor the origin is met.
 template <class W>
-Met<Running<W>> first_met(const Crossing<Running<W>>& s) {
+Met<Running<W>> first_met(const FlatSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
     const Running<W> zero(0), one(1);
     const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);

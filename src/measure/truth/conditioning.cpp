@@ -133,7 +133,7 @@ double reach_in(const Problem<E, N>& problem, const SlabSpan<Dual<E, N>>& s, dou
 }
 
 template <class E, std::size_t N>
-double reach_in(const Problem<E, N>& problem, const Crossing<Dual<E, N>>& s, double t, double linear, double relative) {
+double reach_in(const Problem<E, N>& problem, const FlatSpan<Dual<E, N>>& s, double t, double linear, double relative) {
     if (t != 0) return linear;
     const E aside = E(relative) * moved(problem, s.at.n);
     return abs(s.at.n.value()) <= aside ? as_double(E(aside / s.at.m.value())) : 0;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "geometry/crossing.hpp"
+#include "geometry/flat_span.hpp"
 #include "intersect/info.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
@@ -139,7 +139,7 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const E* tmax, intersect::Conventi
 /// The line against a surface without thickness. On the rim it touches; a surface at the origin is a root at t = 0, as
 /// entry and exit at once, and counts by the convention. There is no inside, and no end, whatever `tmax`.
 template <class E>
-Enclosed<E> enclose(const Crossing<E>& s, const E*, intersect::Convention convention) {
+Enclosed<E> enclose(const FlatSpan<E>& s, const E*, intersect::Convention convention) {
     const E zero(0);
     const Tri hit = s.closed && s.at.n >= zero;
     if (hit.is_no()) return {Tri::no, zero, zero};

@@ -77,7 +77,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, inte
 
 /// For a ray that crosses and m > 0: the same of the one t.
 template <class E>
-std::optional<int> side_of(const Crossing<E>& s, const E& m, Length length, intersect::Inside) {
+std::optional<int> side_of(const FlatSpan<E>& s, const E& m, Length length, intersect::Inside) {
     return side_of_fraction(s.at, m, length, s.d2);
 }
 

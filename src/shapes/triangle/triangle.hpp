@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "geometry/crossing.hpp"
+#include "geometry/flat_span.hpp"
 #include "geometry/key.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/rounding_bound.hpp"
@@ -71,7 +71,7 @@ struct Triangle {
     /// t = a·n/(d·n): n from the vertices and not from o, so that nothing cancels however far away o is. Source: signed
     /// volumes, Segura and Feito, Algorithms to test ray-triangle intersection, 2001. All are dyadic polynomials of
     /// degree three, t one over the other: for doubles an interval of 3 (1024 + 1074) + 6 < 6400 bits decides each.
-    [[nodiscard]] Crossing<T> span(const Ray<T>& ray) const {
+    [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0);
         const Vec<T>& d = ray.direction;
         const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin, n = normal();
