@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "geometry/range.hpp"
+
 namespace lostbits::measure::stages {
 
 /// A column: the numbers of the pack at `i` lie at `from + i * step`. A step of 0 repeats the same register.
@@ -25,7 +27,8 @@ template <class S>
 struct RawProblems {
     RawColumn<S> ray[6], solid[6];
     RawColumn<S> ray_low[6], solid_low[6];  ///< second words, where there are any
-    RawColumn<S> tmax;
+    RawColumn<S> tmin, tmax;                ///< read by the stages of rays that have a range
+    OpenEnds open;
     RawFindings out;
     std::size_t size;
 };
@@ -33,7 +36,7 @@ struct RawProblems {
 /// As many problems, their columns still to be named.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
-    return {{}, {}, {}, {}, {}, out, size};
+    return {{}, {}, {}, {}, {}, {}, {}, out, size};
 }
 
 /// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
@@ -49,12 +52,18 @@ struct RawDirections {
     std::size_t size;
 };
 
-/// The stages of one shape, by [Wanted].
-struct RawStages {
+/// What proves answers, by [Wanted].
+struct RawKernels {
     void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
     void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
     void (*of_two_words[3])(const RawProblems<double>&);   ///< two
-    void (*unit_directions)(const RawDirections&);         ///< the same for every shape
+};
+
+/// The stages of one shape.
+struct RawStages {
+    RawKernels ahead;                               ///< of rays of which all counts that lies ahead
+    RawKernels ranged;                              ///< of rays with a range
+    void (*unit_directions)(const RawDirections&);  ///< the same for every shape
 };
 
 /// One function a register width, each in an object of its own: those of every shape, in the order of the list.

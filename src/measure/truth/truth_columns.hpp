@@ -22,7 +22,8 @@ struct ProblemColumns {
     std::array<std::span<const S>, 6> ray;    ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                            ///< a sphere or a box
     std::array<std::span<const S>, 6> solid;  ///< as in `Solid::numbers`; a sphere leaves the last two empty
-    std::span<const S> tmax = {};             ///< where the rays end (boxes only); empty: nowhere
+    std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
+    OpenEnds open = {};
     /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
     std::array<std::span<const S>, 6> ray_low = {}, solid_low = {};
 };
