@@ -57,7 +57,8 @@ void refuse_others(const ChooseOptions& o, bool files) {
         {"--file-format", !o.format.empty()},        {"--skip", o.skip != 0},
         {"--scene", !o.RayFileWords::scene.empty()}, {"--miss", !o.miss.empty()},
         {"--direction", o.direction != "any"},       {"--touching", o.touching != "hit"},
-        {"--at-origin", o.at_origin != "hit"},       {"--inside", o.inside != "usual"}};
+        {"--at-origin", o.at_origin != "hit"},       {"--inside", o.inside != "usual"},
+        {"--open-ends", o.open_ends != "none"}};
     std::vector<std::pair<std::string, bool>> solids;
     for (const ShapeRow& row : shape_rows)
         solids.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());

@@ -150,6 +150,7 @@ void add_consistency(const shell::Command& program, const Common& common) {
         "segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
     o->scenes.stop = common.stop;
+    o->scenes.all_ahead = true;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
     command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
     command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");

@@ -92,9 +92,13 @@ void add_explain(const shell::Command& program, const Common& common) {
         command.add(
             fmt::format("--{}", row.name), words.solids.of(row.shape),
             fmt::format("A {} for --ray, in place of a scene: {}; may be repeated", row.name, option_words(row.shape)));
-    command.add("--tmax", words.tmax, "Where the ray ends; with --box");
+    command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
+    command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
+    command.add("--open-ends", words.open_ends,
+                "Which of the two do not belong to the range: a t there is no hit (default: none)",
+                shell::one_of({"none", "tmin", "tmax", "both"}));
     command.add("--as", words.as,
-                "A format that the numbers of --ray, --sphere, --box and --tmax are rounded to first");
+                "A format that the numbers of --ray, --sphere, --box, --tmin and --tmax are rounded to first");
     command.add("--case", words.named_case,
                 "A case of a file of cases: NAME, or NAME:K for its ray K, counted from 0 (default: the worst "
                 "for the form)");

@@ -247,7 +247,7 @@ void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
     const auto o = std::make_shared<JudgeWords>();
     o->stop = common.stop;
-    command.add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmax, a solid's, hit and t").required();
+    command.add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's, hit and t").required();
     choice::add_ray_options(command, *o, "--format,--file-format");
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");

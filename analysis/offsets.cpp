@@ -168,6 +168,7 @@ void add_offsets(const shell::Command& program, const Common& common) {
         "By how much the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
     o->scenes.stop = common.stop;
+    o->scenes.all_ahead = true;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
     command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "

@@ -142,6 +142,7 @@ void add_render(const shell::Command& program, const Common& common) {
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
     o->scenes.stop = common.stop;
+    o->scenes.all_ahead = true;
     command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; scenes of spheres").required();
     command.add_list(
         "-i,--intersector", o->forms,

@@ -90,6 +90,10 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
         "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
         "0 of a box)",
         shell::one_of({"usual", "exit", "zero", "near", "miss"}));
+    command.add("--open-ends", words.open_ends,
+                "Of the columns tmin and tmax, those that do not belong to the range: a t there is no hit "
+                "(default: none)",
+                shell::one_of({"none", "tmin", "tmax", "both"}));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data) {
@@ -143,6 +147,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::s
     options.miss = miss_rule(o.miss);
     options.solid = solid;
     options.keep = keep;
+    options.open = open_ends_named(o.open_ends);
     return scene::dump::open_dump(file, options);
 }
 

@@ -238,9 +238,12 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));
     one.solids = std::move(solids);
-    if (!words.tmax.empty())
-        one.rays.tmax.push_back(stored(
-            numbers_of(words.tmax, {"--tmax", "the end of a ray; write one number", 1, true}, format_of(words.as))[0]));
+    const auto put_end = [&](const std::string& text, const char* option, const char* what, std::vector<double>& to) {
+        if (!text.empty()) to.push_back(stored(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
+    };
+    put_end(words.tmin, "--tmin", "where a range begins; write one number", one.rays.tmin);
+    put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);
+    one.rays.open = open_ends_named(words.open_ends);
     one.march = march_of(words.set);
     return {nullptr, OneRay(std::move(one))};
 }
@@ -258,8 +261,9 @@ void check(const RayWords& words) {
     if (!own && words.subject.empty())
         throw InputError("explain: name a scene, a file of cases with --case, or solids: " + solid_options(true));
     without(!words.as.empty(), "--as", !words.ray.empty(), "--ray, whose numbers it rounds");
-    without(!words.tmax.empty(), "--tmax", own && std::ranges::all_of(words.solids.shapes(), told_end),
-            "--box: only boxes know the end of a ray");
+    for (const auto& [given, option] :
+         {std::pair{&words.tmin, "--tmin"}, {&words.tmax, "--tmax"}, {&words.open_ends, "--open-ends"}})
+        without(!given->empty(), option, own, "a ray with solids of its own (of a scene: --set rays.tmin=VALUE)");
     without(!words.size.empty(), "--size", words.ray.empty() || own, "--pixel: a ray of one's own is of no picture");
     without(words.worst, "--worst", words.named_case.empty() && !own, "a scene or a sweep, of all of whose rays it is");
     if (words.named_case.empty() && !own) return;

@@ -22,7 +22,7 @@ struct RayWords {
     std::string named_case;            ///< NAME or NAME:K, of a file of cases
     std::string ray, as;               ///< six numbers, and the format they are rounded to first
     SolidWords solids;
-    std::string tmax, convention;
+    std::string tmin, tmax, open_ends, convention;
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};
 };

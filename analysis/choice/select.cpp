@@ -286,6 +286,11 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         options.variant = name.variant;
         if (!choice.variant.empty()) options.variant = choice.variant;
         for (auto& scene : scene::file::load_scene(name.path, options)) {
+            if (choice.all_ahead && !scene.range.is_whole())
+                throw InputError(
+                    fmt::format("{}: the rays of {} have a range, and this command asks about all that "
+                                "lies ahead of them; leave the [rays] table out",
+                                word, scene.id));
             // A title tells of the file's own numbers: "… 100 away" would go on saying so.
             if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)

@@ -126,6 +126,7 @@ struct SceneChoice {
     std::string size, variant;       ///< empty: the scene's own, all
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};
+    bool all_ahead = false;  ///< of a command that knows no range: a scene whose rays have one is refused
 };
 
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.

@@ -82,7 +82,7 @@ RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
     const auto place = static_cast<std::size_t>(k % rays);
     RayGroup one = scene::rays::group_of(from.rays[place]);
     one.solids = std::move(from.solids);
-    if (!from.rays.tmax.empty()) one.rays.tmax.push_back(from.rays.tmax[place]);
+    one.rays.push_range(from.rays, place);
     return one;
 }
 

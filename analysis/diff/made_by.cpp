@@ -19,10 +19,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Options that change what is measured, and not only of what, or how it is shown.
-constexpr std::array<std::string_view, 22> of_what_is_measured{
-    "--bits",      "--wrong",  "--at",    "--single", "--bulk",  "--size",       "--set",       "--variant",
-    "--steps",     "--seeds",  "--scene", "--sphere", "--box",   "--miss",       "--direction", "--touching",
-    "--at-origin", "--inside", "--skip",  "--quick",  "--stage", "--repetitions"};
+constexpr std::array<std::string_view, 23> of_what_is_measured{
+    "--bits",      "--wrong",  "--at",    "--single", "--bulk",  "--size",        "--set",       "--variant",
+    "--steps",     "--seeds",  "--scene", "--sphere", "--box",   "--miss",        "--direction", "--touching",
+    "--at-origin", "--inside", "--skip",  "--quick",  "--stage", "--repetitions", "--open-ends"};
 
 using Settings = std::map<std::string, std::set<std::string>>;
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "geometry/range.hpp"
 #include "geometry/vec.hpp"
 #include "number/tri.hpp"
 
@@ -63,17 +64,60 @@ struct SlabSpan {
     T d2;              ///< d·d
 };
 
-/// Whether some t in [0, tmax] lies in the closed and in the open solid. With a the largest entry and b the smallest
-/// exit, the line is in the closed solid for a ≤ t ≤ b and in the open one for a < t < b, so that for tmax ≥ 0
-///     closed:  a ≤ b,  0 ≤ b,  a ≤ tmax          open:  a < b,  0 < b,  a < tmax
-/// (where a < 0 = tmax the origin is inside). Each inequality between a largest and a smallest is the conjunction of
-/// those between all, so neither needs to be known; entry and exit of one axis are in the order of lo and hi.
+/// A range as spans are held against it: its end is 1/0 where it has none.
+template <class T>
+struct RangeOfSpan {
+    T begin;
+    Fraction<T> end;
+    OpenEnds open;
+};
+
+/// Whether what stands so to the end of a range is in it.
+template <class Mask, class T>
+Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
+    return range.open.tmax ? to_end.less : to_end.at_most;
+}
+
+/// P(t) = a t² + 2 h t + c and a t + h, half of its slope, at t = n/m, times m² and m.
+template <class T>
+struct QuadraticAt {
+    T value, slope;
+
+    /// How the roots stand to t where there are any: the near one comes before t where P(t) < 0 or the slope is
+    /// positive, the far one where P(t) and the slope are; and so on with equality.
+    [[nodiscard]] Order<mask_t<T>> near_root() const {
+        const T zero(0);
+        return {value < zero || slope > zero, value <= zero || slope >= zero};
+    }
+    [[nodiscard]] Order<mask_t<T>> far_root() const {
+        const T zero(0);
+        return {value > zero && slope > zero, value >= zero && slope >= zero};
+    }
+};
+template <class T>
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
+    const T slope = s.a * t + s.h;
+    return {(slope + s.h) * t + s.c, slope};
+}
+template <class T>
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
+    const T h = s.h * t.m, slope = s.a * t.n + h;
+    return {(slope + h) * t.n + s.c * square(t.m), slope};
+}
+
+/// Whether some t of a range lies in the closed and in the open solid. With a the largest entry and b the smallest
+/// exit, the line is in the closed solid for a ≤ t ≤ b and in the open one for a < t < b, so that for a range that
+/// holds any t
+///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
+/// with < of the closed one too at an end that is open (where a < 0 = tmax the origin is inside). Each inequality
+/// between a largest and a smallest is the conjunction of those between all, so neither needs to be known; entry and
+/// exit of one axis are in the order of lo and hi.
 template <class T>
 struct InSlabs {
     mask_t<T> closed, open;
 };
 
-/// Of a ray without end.
+/// Of all that lies ahead.
 template <class T>
 InSlabs<T> in_slabs(const SlabSpan<T>& s) {
     const T zero(0);
@@ -94,16 +138,15 @@ InSlabs<T> in_slabs(const SlabSpan<T>& s) {
     return in;
 }
 
-/// Of one that ends at `tmax`.
 template <class T>
-InSlabs<T> in_slabs(const SlabSpan<T>& s, const T& tmax) {
+InSlabs<T> in_slabs(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     InSlabs<T> in = in_slabs(s);
     for_each_axis([&](auto i) {
-        const auto order = order_of(s.entry[i], Fraction<T>{tmax, T(1)});
-        in.closed = in.closed && order.at_most;
-        in.open = in.open && order.less;
+        const auto begun = order_of(Fraction<T>{range.begin, T(1)}, s.exit[i]), ended = order_of(s.entry[i], range.end);
+        const auto still = !s.crossed[i];
+        in.closed = in.closed && (still || ((range.open.tmin ? begun.less : begun.at_most) && in_time(ended, range)));
+        in.open = in.open && (still || (begun.less && ended.less));
     });
-    in.closed = in.closed && tmax >= T(0);
     in.open = in.closed && in.open;
     return in;
 }
@@ -119,6 +162,22 @@ Fraction<T> first_entry(const SlabSpan<T>& s) {
     };
     next(s.entry[1]), next(s.entry[2]);
     return first;
+}
+
+/// The largest entry, or where the range begins where none comes later; of equal ones the first.
+template <class T>
+Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
+    Fraction<T> first{range.begin, T(1)};
+    for_each_axis([&](auto i) { first = select(order_of(first, s.entry[i]).less, s.entry[i], first); });
+    return first;
+}
+
+/// Whether every entry comes before the range begins, or no later.
+template <class T>
+Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
+    const auto to_begin = [&](const Fraction<T>& entry) { return order_of(entry, Fraction<T>{range.begin, T(1)}); };
+    const auto x = to_begin(s.entry[0]), y = to_begin(s.entry[1]), z = to_begin(s.entry[2]);
+    return {x.less && y.less && z.less, x.at_most && y.at_most && z.at_most};
 }
 
 /// The smallest exit; of equal ones the first.

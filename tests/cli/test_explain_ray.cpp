@@ -68,6 +68,13 @@ TEST_CASE("a ray with solids of its own ends where it is told to, and is judged 
     CHECK(explained(face + "--convention open", folder)["outcome"] == "false_hit");
     CHECK(explained(face + "--convention closed --tmax 4", folder)["outcome"] == "agree_miss");
     CHECK(explained(face + "--convention closed --tmax 5", folder)["outcome"] == "agree_hit");
+    CHECK(explained(face + "--convention closed --tmax 5 --open-ends tmax", folder)["outcome"] == "agree_miss");
+    const std::string ball = "--sphere 0,0,5,1 --ray 0,0,0,0,0,1 -i sphere.schoolbook ";
+    CHECK(hex(explained(ball + "--tmin 4 --tmax 4", folder)["truth"]) == "0x1p+2");
+    const auto far = explained(ball + "--tmin 4 --open-ends tmin", folder);
+    CHECK(hex(far["truth"]) == "0x1.8p+2");
+    CHECK(far["outcome"] == "agree_hit");
+    CHECK(explained(ball + "--tmin 4.5 --tmax 5.5", folder)["outcome"] == "agree_miss");
 }
 
 TEST_CASE("explain refuses words that name no ray, and says what to write") {
@@ -80,7 +87,7 @@ TEST_CASE("explain refuses words that name no ray, and says what to write") {
              {"--sphere 0,0,5,-1 --ray 0,0,0,0,0,1" + with, "radius is not greater than 0"},
              {"--box 0,0,5,1,1,4 --ray 0,0,0,0,0,1 -i box.signs", "hi is below lo in a component"},
              {"--box 0,0,5,1,1,6 --ray 0,0,0,0,0,1" + with, "try -i 'box.*' -i 'sdf.*'"},
-             {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmax 5" + with, "only boxes know the end of a ray"},
+             {"near-benign --ray 0,0,0,0,0,1 --tmin 5" + with, "--set rays.tmin"},
              {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --set camera.x=1" + with, "only march.KEY can be set"},
              {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1 --as f31" + with, "unknown format"},
              {"--sphere 0,0,5,1 --ray 0,0,0,0,0,1e39 --as f32" + with, "the largest number of f32 is 3.40"},

@@ -29,7 +29,7 @@ Convention from_inside(Inside inside, AtOrigin at_origin = AtOrigin::hit) {
 
 /// The true t, to a 2^-20th; −1 for a miss.
 double true_t(const Ray<double>& ray, const Solid<double>& solid, Convention asked, double tmax = HUGE_VAL) {
-    const auto truth = find_truth(ray, solid, {}, asked, tmax);
+    const auto truth = find_truth(ray, solid, {}, asked, {.tmax = tmax});
     REQUIRE(truth.decision != measure::truth::Truth::Decision::unresolved);
     return truth.is_hit() ? std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) : -1;
 }
@@ -199,7 +199,7 @@ TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {
             Convention asked = from_inside(inside);
             asked.endless = endless;
             for (std::size_t i = 0; i < rays.size(); ++i) {
-                const auto one = find_truth(rays[i], std::span<const Solid<double>>(solids), {}, asked, rays.tmax[i]);
+                const auto one = find_truth(rays[i], std::span<const Solid<double>>(solids), {}, asked, rays.range(i));
                 const auto known = band.truth(i, asked);
                 INFO(i << ' ' << static_cast<int>(inside));
                 REQUIRE(one.decision == known.decision);

@@ -99,9 +99,10 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
     const std::size_t n = rays.size();
     if (n == 0) return;
     room.set(rays, target);
+    const bool ends = told_end(form_.contract.shape) && !rays.tmax.empty();
     ask({.size = n,
          .rays = room.rays.data(),
-         .ends = rays.tmax.empty() ? nullptr : rays.tmax.data(),
+         .ends = ends ? rays.tmax.data() : nullptr,
          .solids = room.solids.data(),
          .solid_stride = target.solids.size() == 1 ? 0 : target.solids.front().used().size(),
          .near_far = room.near_far.data(),
@@ -122,7 +123,7 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
             fail(i, contract.roots == Roots::both
                         ? "says hit and did not write both of near and far; a form of one root says so in `roots`"
                         : "says hit and did not write t");
-        const S end = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
+        const S end = ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
         const Hit<S> hit = hit_of(contract, said, near_far, end);
         hits.hit[i] = hit.hit;
         hits.t[i] = hit.t;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/range.hpp"
 #include "intersect/info.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
@@ -25,9 +26,19 @@ namespace lostbits::intersect::table {
 template <class S>
 struct RayBatch {
     std::span<const S> ox, oy, oz, dx, dy, dz;
-    /// Where each ray ends, for the shapes whose forms are told (boxes); empty: nowhere.
+    /// Where each ray ends, for the shapes whose forms are told (boxes); empty: nowhere. Where a range begins no form
+    /// is told: whoever asks takes what lies in it (`keep_in_range`).
     std::span<const S> tmax = {};
+    std::span<const S> tmin = {};
+    OpenEnds open = {};
     [[nodiscard]] std::size_t size() const { return ox.size(); }
+    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
+    [[nodiscard]] Range<S> range(std::size_t i) const {
+        Range<S> one{.open = open};
+        if (!tmin.empty()) one.tmin = tmin[i];
+        if (!tmax.empty()) one.tmax = tmax[i];
+        return one;
+    }
 };
 
 /// Where the answers go: as many of each as rays. `hit` is 0 or 1.

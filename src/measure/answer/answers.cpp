@@ -13,6 +13,7 @@
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/simd/packed_many.hpp"
+#include "intersect/table/in_range.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/truth/missing.hpp"
@@ -22,6 +23,8 @@ namespace lostbits::measure::answer {
 using intersect::Target;
 using intersect::simd::SolidArrays;
 using intersect::table::HitBatch;
+using intersect::table::Intersector;
+using intersect::table::RayBatch;
 using scene::rays::RayBlock;
 using truth::FormatInputs;
 using truth::SphereIndex;
@@ -75,9 +78,10 @@ void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
     chunk.put(answers);
 }
 
-/// One ray against many spheres in the format's own arithmetic: into `t` and `hit`, one for each sphere.
+/// One ray, in its range, against many spheres in the format's own arithmetic: into `t` and `hit`, one for each sphere.
 template <class S>
-using OneToMany = std::function<void(const Ray<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
+using OneToMany =
+    std::function<void(const Ray<S>&, const Range<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
 
 /// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare: eight bytes are looked at together.
 template <class Take>
@@ -137,7 +141,9 @@ private:
         };
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
-        kernel_({cast(ray.origin), cast(ray.direction)}, spheres, t_, hit_);
+        const Range<double> range = rays_.range(p);
+        kernel_({cast(ray.origin), cast(ray.direction)},
+                {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_, hit_);
         const bool has_best = answers_.hit[p] != 0 && !std::isnan(answers_.t[p]);
         if (has_best && !any_before<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
         for_each_hit(hit_,
@@ -171,21 +177,30 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
 
 /// A kernel of many rays and one solid, asked solid by solid.
 template <class S, class Kernel>
-OneToMany<S> one_by_one(Shape shape, const Kernel& kernel) {
-    return [shape, kernel](const Ray<S>& ray, const SolidArrays<S>& all, std::span<S> t, std::span<std::uint8_t> hit) {
+OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
+    return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const SolidArrays<S>& all, std::span<S> t,
+                           std::span<std::uint8_t> hit) {
         const auto one = [](const S& x) { return std::span(&x, 1); };
         const Vec<S>&o = ray.origin, &d = ray.direction;
         S near{}, far{};
-        Solid<S> solid(shape);
+        Solid<S> solid(form.shape);
+        RayBatch<S> rays{
+            .ox = one(o.x), .oy = one(o.y), .oz = one(o.z), .dx = one(d.x), .dy = one(d.y), .dz = one(d.z)};
+        if (!range.is_whole()) rays.tmax = one(range.tmax), rays.tmin = one(range.tmin), rays.open = range.open;
         for (std::size_t i = 0; i < all.size(); ++i) {
             for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = all.numbers[k][i];
-            kernel(
-                intersect::table::RayBatch<S>{
-                    .ox = one(o.x), .oy = one(o.y), .oz = one(o.z), .dx = one(d.x), .dy = one(d.y), .dz = one(d.z)},
-                Target<S>(solid),
-                HitBatch<S>{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)});
+            const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
+            kernel(rays, Target<S>(solid), hits);
+            intersect::table::keep_in_range(*form.info, form.shape, rays, hits);
         }
     };
+}
+
+/// The kernel for many spheres, which knows the first root of each alone; null where a range asks for more.
+template <class S, class Kernel>
+OneToMany<S> many_at_once(const Kernel& kernel, const RayBlock& rays) {
+    if (!kernel || rays.have_ranges()) return nullptr;
+    return [kernel](const Ray<S>& ray, const Range<S>&, const auto&... rest) { kernel(ray, rest...); };
 }
 
 /// The same over all spheres that a ray can meet; a row that is not the table's has no kernel for many spheres.
@@ -193,18 +208,19 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
                Answers& answers) {
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
-        case Format::Engine::native32:
-            return nearest_among<float>(
-                many.f32 ? OneToMany<float>(many.f32) : one_by_one<float>(form.shape, form.native32), rays, in,
-                answers);
-        case Format::Engine::native64:
-            return nearest_among<double>(
-                many.f64 ? OneToMany<double>(many.f64) : one_by_one<double>(form.shape, form.native64), rays, in,
-                answers);
+        case Format::Engine::native32: {
+            const auto at_once = many_at_once<float>(many.f32, rays);
+            return nearest_among<float>(at_once ? at_once : one_by_one<float>(form, form.native32), rays, in, answers);
+        }
+        case Format::Engine::native64: {
+            const auto at_once = many_at_once<double>(many.f64, rays);
+            return nearest_among<double>(at_once ? at_once : one_by_one<double>(form, form.native64), rays, in,
+                                         answers);
+        }
         case Format::Engine::rounded: break;
     }
     const auto rounded = [&](const auto&... a) { form.rounded(in.format.shape, a...); };
-    nearest_among<double>(one_by_one<double>(form.shape, rounded), rays, in, answers);
+    nearest_among<double>(one_by_one<double>(form, rounded), rays, in, answers);
 }
 
 /// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
@@ -248,7 +264,11 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         meet_many(form, rays, inputs, answers);
         return answers;
     }
-    const auto run = [&]<class S>(const auto& kernel) {
+    const auto run = [&]<class S>(const auto& whole_ray) {
+        const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
+            whole_ray(batch, target, hits);
+            intersect::table::keep_in_range(*form.info, form.shape, batch, hits);
+        };
         RayChunk<S> chunk(rays);
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
             chunk.move_to(begin);

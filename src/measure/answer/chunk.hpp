@@ -35,7 +35,8 @@ public:
     void move_to(std::size_t begin) {
         begin_ = begin;
         count_ = std::min(most, rays_.size() - begin);
-        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz, &rays_.dx, &rays_.dy, &rays_.dz, &rays_.tmax};
+        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz,   &rays_.dx,
+                              &rays_.dy, &rays_.dz, &rays_.tmax, &rays_.tmin};
         for (std::size_t k = 0; k < from.size(); ++k) {
             if (from[k]->empty()) continue;
             const std::span<const double> numbers = std::span(*from[k]).subspan(begin_, count_);
@@ -56,8 +57,15 @@ public:
     [[nodiscard]] intersect::table::HitBatch<S> hits() { return hits(0, count_); }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
         const auto part = [&](std::size_t k) { return batch_[k].empty() ? batch_[k] : batch_[k].subspan(i, end - i); };
-        return {
-            .ox = part(0), .oy = part(1), .oz = part(2), .dx = part(3), .dy = part(4), .dz = part(5), .tmax = part(6)};
+        return {.ox = part(0),
+                .oy = part(1),
+                .oz = part(2),
+                .dx = part(3),
+                .dy = part(4),
+                .dz = part(5),
+                .tmax = part(6),
+                .tmin = part(7),
+                .open = rays_.open};
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
         const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
@@ -90,8 +98,8 @@ public:
     }
 
 private:
-    static std::array<std::vector<S>, 7> room_for_columns(const scene::rays::RayBlock& rays) {
-        std::array<std::vector<S>, 7> columns;
+    static std::array<std::vector<S>, 8> room_for_columns(const scene::rays::RayBlock& rays) {
+        std::array<std::vector<S>, 8> columns;
         if constexpr (!std::same_as<S, double>) {
             for (std::vector<S>& column : columns) column.resize(std::min(most, rays.size()));
         }
@@ -100,8 +108,8 @@ private:
 
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
-    std::array<std::vector<S>, 7> columns_;  ///< where the kernels take another type than the block has
-    std::array<std::span<const S>, 7> batch_;
+    std::array<std::vector<S>, 8> columns_;  ///< where the kernels take another type than the block has
+    std::array<std::span<const S>, 8> batch_;
     std::vector<S> t_, near_, far_, nearest_;
     std::vector<std::uint8_t> hit_;
     std::vector<std::int32_t> objects_;

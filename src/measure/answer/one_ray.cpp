@@ -15,7 +15,11 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
     }
     if (scene.inputs == scene::file::Inputs::shared) {
         // Alone: beside the other rays of its row, each would be tested against many more spheres.
-        ask_among(scene, scene::rays::make_shared_rays(scene, y, y + 1)[static_cast<std::size_t>(x)], limit);
+        const scene::rays::RayBlock row = scene::rays::make_shared_rays(scene, y, y + 1);
+        const auto place = static_cast<std::size_t>(x);
+        scene::rays::RayBlock one = scene::rays::group_of(row[place]).rays;
+        one.push_range(row, place);
+        ask_among(scene, std::move(one), limit);
         return;
     }
     band_ = std::make_unique<Band>(scene, y, y + 1, limit);
@@ -26,13 +30,14 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit
     scene::rays::IdealRayBlock one;
     one.width = one.y1 = 1;
     one.push(ray);
+    scene::rays::put_range(scene, one);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
-    else ask_among(scene, scene::rays::round_rays(one, binary64)[0], limit);
+    else ask_among(scene, scene::rays::round_rays(one, binary64), limit);
 }
 
-void OneRay::ask_among(const Scene& scene, const Ray<double>& ray, truth::TruthLimit limit) {
-    culler_ = std::make_unique<truth::Culler>(scene, ray);
-    band_ = std::make_unique<Band>(scene, ray, *culler_, limit);
+void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit) {
+    culler_ = std::make_unique<truth::Culler>(scene, one[0]);
+    band_ = std::make_unique<Band>(scene, std::move(one), *culler_, limit);
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}

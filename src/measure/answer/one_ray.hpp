@@ -55,7 +55,7 @@ private:
     }
 
     /// Of a scene with shared inputs.
-    void ask_among(const scene::file::Scene& scene, const Ray<double>& ray, truth::TruthLimit limit);
+    void ask_among(const scene::file::Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit);
 
     std::unique_ptr<truth::Culler> culler_;
     std::unique_ptr<truth::Band> band_;

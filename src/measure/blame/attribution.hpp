@@ -70,4 +70,8 @@ Attribution attribute(const Tape& tape, AttributionDepth depth = {});
 /// Whether the form misses, and would without rounding.
 bool is_plain_miss(const Tape& tape, const Attribution& found);
 
+/// Makes the far root the answer of a tape where that was taken from it, as a range that begins behind the near one
+/// does.
+void take_root(Tape& tape, double answer);
+
 }  // namespace lostbits::measure::blame

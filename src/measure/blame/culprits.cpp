@@ -157,8 +157,9 @@ const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
     return found->second;
 }
 
-Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax) {
+Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax, std::optional<double> answer) {
     form_.record(format_, ray, target, tmax, tape_);
+    if (answer) take_root(tape_, *answer);
     attribution_ = attribute(tape_);
     Blame blame{missing, &tape_, &attribution_, missing};
     const NodeId subject = attribution_.subject;

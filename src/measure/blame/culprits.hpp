@@ -73,7 +73,9 @@ public:
            std::span<const std::string_view> categories)
         : form_(form), format_(format), categories_(categories) {}
 
-    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax);
+    /// `answer`: what was taken of the form's roots, where the ray has a range.
+    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax,
+             std::optional<double> answer = {});
 
 private:
     /// A category for each node of the tape: of all tapes of the same structure.

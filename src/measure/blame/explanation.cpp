@@ -91,8 +91,8 @@ std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& for
     TrueSolid found{.solid = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
     const auto place = static_cast<std::size_t>(truly);
     found.alone.solids = {in.all.solids[place]};
-    double tmax = HUGE_VAL;
-    if (!in.all.rays.tmax.empty()) found.alone.rays.tmax.push_back(tmax = in.all.rays.tmax[in.index]);
+    found.alone.rays.push_range(in.all.rays, in.index);
+    const double tmax = in.all.rays_for(*form.info).range(in.index).tmax;
     const FormatInputs::AimedAt aim = in.all.target_for(form, place);
     Tape tape;
     form.record(format, in.ray(*form.info), aim, tmax, tape);
@@ -161,17 +161,20 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     x.shape = in.all.solids[static_cast<std::size_t>(x.solid)].shape;
     const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const intersect::Target<double> target = aim;
-    const double tmax = in.all.rays.tmax.empty() ? HUGE_VAL : in.all.rays.tmax[in.index];
+    const double tmax = in.all.rays_for(*form.info).range(in.index).tmax;
     x.names = intersect::table::input_names(form, target);
     if (form.is_template()) {
         form.record(format, in.ray(*form.info), target, tmax, x.tape);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);
         }
+        const bool ranged = in.all.rays.have_ranges();
+        if (ranged) take_root(x.tape, answers.t[in.index]);
         x.attribution = attribute(x.tape, {.full = true});
         if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
-        x.hit = x.tape[x.tape.outputs.hit].value != 0;
-        x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+        x.hit = ranged ? answers.hit[in.index] != 0 : x.tape[x.tape.outputs.hit].value != 0;
+        x.standing =
+            standing_of(form, format, ray, x.hit, ranged ? answers.t[in.index] : x.tape[x.tape.outputs.t].value);
     } else {
         const Ray<double> asked = in.ray(*form.info);
         for (const Vec<double>& v : {asked.origin, asked.direction}) x.inputs.insert(x.inputs.end(), {v.x, v.y, v.z});

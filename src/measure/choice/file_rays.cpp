@@ -17,7 +17,7 @@ public:
             if (sample_.rays.size() == most) halve();
             if ((chunk.first + i) % step_ != 0) continue;
             sample_.rays.push(chunk.rays[i]);
-            if (!chunk.rays.tmax.empty()) sample_.rays.tmax.push_back(chunk.rays.tmax[i]);
+            sample_.rays.push_range(chunk.rays, i);
             if (!chunk.solids.empty()) sample_.solids.push_back(chunk.solids[i]);
         }
     }
@@ -40,7 +40,7 @@ private:
             all.resize((all.size() + 1) / 2);
         };
         for (auto* column : {&sample_.rays.ox, &sample_.rays.oy, &sample_.rays.oz, &sample_.rays.dx, &sample_.rays.dy,
-                             &sample_.rays.dz, &sample_.rays.tmax})
+                             &sample_.rays.dz, &sample_.rays.tmin, &sample_.rays.tmax})
             thin(*column);
         thin(sample_.solids);
     }

@@ -57,7 +57,8 @@ std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
         if (!(share > 0)) continue;
         const Real back = (k - 1) * share;
         set_origin(ideal.rays, i, ray.origin - back * ray.direction);
-        if (!ideal.rays.tmax.empty()) ideal.rays.tmax[i] += as_double(back);
+        for (auto* const ends : {&ideal.rays.tmin, &ideal.rays.tmax})
+            if (!ends->empty()) (*ends)[i] += as_double(back);
         distances.push_back(as_double(k * share * length(ray.direction)));
     }
     if (distances.empty()) return std::nullopt;
@@ -105,8 +106,8 @@ IdealRays ideal_of(const scene::rays::RayGroup& group) {
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const Ray<double> ray = group.rays[i];
         ideal.rays.push({real(ray.origin), real(ray.direction)});
+        ideal.rays.push_range(group.rays, i);
     }
-    ideal.rays.tmax = group.rays.tmax;
     for (const Solid<double>& solid : group.solids)
         ideal.solids.push_back(transformed(solid, [](double x) { return Real(x); }));
     ideal.paired = group.paired;

@@ -133,7 +133,7 @@ scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t mo
     few.paired = group.paired;
     for (std::size_t i = 0; i < group.rays.size(); i += step) {
         few.rays.push(group.rays[i]);
-        if (!group.rays.tmax.empty()) few.rays.tmax.push_back(group.rays.tmax[i]);
+        few.rays.push_range(group.rays, i);
         if (group.paired) few.solids.push_back(group.solids[i]);
     }
     if (!group.paired) few.solids = group.solids;

@@ -42,7 +42,7 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
                                   intersect::Touching touching) {
     const bool ends = !solids.empty() && told_end(solids.front().shape);
     const intersect::Convention convention(touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
-    const Truth first = truth::find_truth(ray, solids, {}, convention, ends ? end : HUGE_VAL);
+    const Truth first = truth::find_truth(ray, solids, {}, convention, {.tmax = ends ? end : HUGE_VAL});
     if (ends || !first.is_hit()) return first.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;

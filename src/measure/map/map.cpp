@@ -124,15 +124,16 @@ struct Joined {
 std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto fits = [&](const scene::rays::RayGroup& g) {
         return g.solids.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
-               g.solids[0].shape == groups[0].solids[0].shape && g.rays.tmax.empty() == groups[0].rays.tmax.empty();
+               g.solids[0].shape == groups[0].solids[0].shape && g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
+               g.rays.tmax.empty() == groups[0].rays.tmax.empty() && g.rays.open.tmin == groups[0].rays.open.tmin &&
+               g.rays.open.tmax == groups[0].rays.open.tmax;
     };
     if (groups.size() < 2 || groups[0].solids.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
     Joined all;
     scene::rays::RayBlock& rays = all.rays.rays;
     for (const scene::rays::RayGroup& g : groups) {
         all.first.push_back(rays.size());
-        for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]);
-        rays.tmax.insert(rays.tmax.end(), g.rays.tmax.begin(), g.rays.tmax.end());
+        for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
         all.rays.solids.insert(all.rays.solids.end(), g.rays.size(), g.solids[0]);
     }
     rays.width = static_cast<int>(rays.size());

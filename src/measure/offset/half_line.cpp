@@ -79,8 +79,8 @@ std::optional<bool> passes(const QuadraticSpan<E>& s) {
 
 template <class E>
 std::optional<bool> passes(const SlabSpan<E>& s) {
-    const E end(1);
-    const Tri hit = truth::enclose<E>(s, &end, intersect::Touching::miss).hit;
+    const RangeOfSpan<E> way{E(0), {E(1), E(1)}, {}};
+    const Tri hit = truth::enclose<E>(s, &way, intersect::Touching::miss).hit;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 

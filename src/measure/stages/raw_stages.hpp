@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "geometry/range.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::stages {
@@ -27,7 +28,8 @@ template <class S>
 struct RawProblems {
     RawColumn<S> ray[6], solid[most_numbers];
     RawColumn<S> ray_low[6], solid_low[most_numbers];  ///< second words, where there are any
-    RawColumn<S> tmax;
+    RawColumn<S> tmin, tmax;                           ///< read by the stages of rays that have a range
+    OpenEnds open;
     RawFindings out;
     std::size_t size;
 };
@@ -35,7 +37,7 @@ struct RawProblems {
 /// As many problems, their columns still to be named.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
-    return {{}, {}, {}, {}, {}, out, size};
+    return {{}, {}, {}, {}, {}, {}, {}, out, size};
 }
 
 /// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
@@ -51,12 +53,18 @@ struct RawDirections {
     std::size_t size;
 };
 
-/// The stages of one shape, by [Wanted].
-struct RawStages {
+/// What proves answers, by [Wanted].
+struct RawKernels {
     void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
     void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
     void (*of_two_words[3])(const RawProblems<double>&);   ///< two
-    void (*unit_directions)(const RawDirections&);         ///< the same for every shape
+};
+
+/// The stages of one shape.
+struct RawStages {
+    RawKernels ahead;                               ///< of rays of which all counts that lies ahead
+    RawKernels ranged;                              ///< of rays with a range
+    void (*unit_directions)(const RawDirections&);  ///< the same for every shape
 };
 
 /// One function a register width, each in an object of its own: those of every shape, in the order of the list.

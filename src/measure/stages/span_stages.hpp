@@ -2,6 +2,9 @@
 // (geometry/span.hpp). The numbers carry the bounds, so that no lemma is needed.
 #pragma once
 
+#include <type_traits>
+#include <utility>
+
 #include "geometry/flat_span.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/span.hpp"
@@ -13,7 +16,7 @@ namespace lostbits::measure::stages {
 
 using number::wide::Running;
 
-/// The first t ≥ 0 at which a ray meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
+/// The first t of a ray at which it meets a closed solid, where the open one agrees: `hit` and `missed` hold where that
 /// is proved. Where `at_origin` holds too t* is 0, and `t` is not asked for.
 template <class E>
 struct Met {
@@ -21,7 +24,16 @@ struct Met {
     E t;
 };
 
-/// As `truth::enclose` has it for the usual convention. Where h is not told from 0, either form of the root will do.
+/// c/(−h + √q), or the far root where it is that: −c/(h + √q) where h is `past` 0, (−h + √q)/a where not. Where h is
+/// not told from 0, either form of it will do.
+template <class E>
+E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& past) {
+    const auto by_far = far && past, by_a = far && !past;
+    const E size = sqrt(s.q) + select(by_far, s.h, -s.h);
+    return select(by_a, size, select(by_far, -s.c, s.c)) / select(by_a, s.a, size);
+}
+
+/// As `truth::enclose` has it for the usual convention.
 template <class W>
 Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s) {
     using E = Running<W>;
@@ -33,9 +45,26 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s) {
     const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
     const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
     if (!any_of(hit)) return {hit, missed, none, zero};
-    const auto by_far = inside.yes() && past.yes(), by_a = inside.yes() && !past.yes();
-    const E size = sqrt(s.q) + select(by_far, s.h, -s.h);
-    return {hit, missed, none, select(by_a, size, select(by_far, -s.c, s.c)) / select(by_a, s.a, size)};
+    return {hit, missed, none, root_of(s, inside.yes(), past.yes())};
+}
+
+/// The same of a ray with a range.
+template <class W>
+Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using E = Running<W>;
+    using P = typename E::P;
+    const E zero(0);
+    const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
+    const auto outside = begin.value > zero, inside = begin.value < zero;
+    const auto near_in = in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
+    const auto far = inside.yes() && far_in.yes();
+    const auto near = outside.yes() && (begin.slope < zero).yes() && near_in.yes();
+    const auto hit = (s.q > zero).yes() && (near || far);
+    const auto missed = (outside.yes() && ((begin.slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
+                        (inside.yes() && far_in.no());
+    const auto none = P(0) < P(0);
+    if (!any_of(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
 }
 
 /// A number that is compared by its first word, which is known to be good to 2^-51 of itself: it is enough for nearly
@@ -77,36 +106,63 @@ private:
     }
 };
 
-/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-51 of
-/// itself.
+/// Slabs in numbers that are compared by their first word, and whether those are good enough: to 2^-51 of themselves.
 template <class W>
-Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const typename Running<W>::P& tmax) {
+struct QuickSlabs {
+    SlabSpan<ByFirstWord<W>> span;
+    mask_t<typename Running<W>::P> told;
+};
+template <class W>
+QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     using E = Running<W>;
     using P = typename E::P;
     using lostbits::abs;
     using Quick = ByFirstWord<W>;
-    const auto endless = tmax >= P(HUGE_VAL);
-    auto told = tmax > P(0);
-    const auto quickly = [&told](const E& x) {
-        told = told && x.radius() <= P(0x1p-52) * abs(x.first());  // and the second word is at most as much
+    QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
+                    P(0) <= P(0)};
+    const auto quickly = [&q](const E& x) {
+        q.told = q.told && x.radius() <= P(0x1p-52) * abs(x.first());  // and the second word is at most as much
         return Quick(x);
     };
-    SlabSpan<Quick> q{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}};
     for_each_axis([&](auto i) {
         const Quick m = quickly(s.entry[i].m);
-        q.entry[i] = {quickly(s.entry[i].n), m};
-        q.exit[i] = {quickly(s.exit[i].n), m};
+        q.span.entry[i] = {quickly(s.entry[i].n), m};
+        q.span.exit[i] = {quickly(s.exit[i].n), m};
     });
-    InSlabs<Quick> in = in_slabs(q);
-    if (any_of(!endless)) {
-        const InSlabs<Quick> ended = in_slabs(q, Quick(E(W(tmax), P(0))));
-        in = {select(endless, in.closed, ended.closed), select(endless, in.open, ended.open)};
-    }
+    return q;
+}
+
+/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-51 of
+/// itself.
+template <class W>
+Met<Running<W>> first_met(const SlabSpan<Running<W>>& s) {
+    using E = Running<W>;
+    using Quick = ByFirstWord<W>;
+    const auto [q, told] = quick(s);
+    const InSlabs<Quick> in = in_slabs(q);
     const Fraction<Quick> first = first_entry(q);
     const auto at_origin = (first.n <= Quick(0)).yes(), hit = told && in.open.yes(), missed = told && in.closed.no();
     const E one(1);
     if (!any_of(hit)) return {hit, missed, at_origin, one};
     return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
+}
+
+/// The same of a ray with a range.
+template <class W>
+Met<Running<W>> first_met(const SlabSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using E = Running<W>;
+    using Quick = ByFirstWord<W>;
+    const auto [q, told] = quick(s);
+    const RangeOfSpan<Quick> within{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const InSlabs<Quick> in = in_slabs(q, within);
+    const Fraction<Quick> first = first_entry(q, within);
+    const auto at_begin = entries_to_begin(q, within).at_most.yes();
+    const auto at_origin = at_begin && (range.begin <= E(0)).yes();
+    const auto hit = told && in.open.yes(), missed = told && in.closed.no();
+    const E one(1);
+    if (!any_of(hit)) return {hit, missed, at_origin, one};
+    const E t = select(at_begin, one, first.n.whole) / select(at_begin, one, first.m.whole);
+    return {hit, missed, at_origin, select(at_begin, range.begin, t)};
 }
 
 /// As `truth::enclose` has it for the usual convention, where neither the rim nor the origin is met.
@@ -116,6 +172,19 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s) {
     const Running<W> zero(0), one(1);
     const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);
     const auto missed = s.closed.no() || (s.at.n < zero).yes();
+    if (!any_of(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+}
+
+/// The same of a ray with a range, where it does not begin on the surface.
+template <class W>
+Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using P = typename Running<W>::P;
+    const Running<W> zero(0), one(1);
+    const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
+    const auto ends = in_time(order_of(s.at, range.end), range);
+    const auto hit = s.open.yes() && to_begin.at_most.no() && ends.yes(), none = P(0) < P(0);
+    const auto missed = s.closed.no() || to_begin.less.yes() || ends.no();
     if (!any_of(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
@@ -155,18 +224,25 @@ mask_t<typename E::P> is_proper(const std::array<E, most_numbers>& solid) {
     return proper;
 }
 
-/// S is the shape over `Running` words.
-template <Wanted wanted, class S, class E>
-Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid,
-                                    const typename E::P& tmax) {
+/// A range of these numbers, where it holds more than one t: else, by `proper`, nothing is said.
+template <class E, class P = typename E::P>
+RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
+    const auto endless = tmax >= P(HUGE_VAL);
+    proper = proper && tmin >= P(0) && tmin < P(HUGE_VAL) && tmin < tmax;
+    const auto exactly = [](const P& x) { return E(std::remove_cvref_t<decltype(std::declval<E>().words())>(x)); };
+    return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
+}
+
+/// S is the shape over `Running` words; `range` is tmin, tmax and which are open, or nothing.
+template <Wanted wanted, class S, class E, class... Ends>
+Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid, const Ends&... range) {
     using P = typename E::P;
     using lostbits::abs;
     const auto span = S::of([&solid](std::size_t k) { return solid[k]; }).span(ray);
-    const auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
-                        sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
+    auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
+                  sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const auto met = [&] {
-        const P end = S::told_end ? tmax : P(HUGE_VAL);
-        if constexpr (requires { first_met(span, end); }) return first_met(span, end);
+        if constexpr (sizeof...(range) > 0) return first_met(span, range_of<E>(range..., proper));
         else return first_met(span);
     }();
     const auto missed = proper && met.missed;

@@ -38,7 +38,7 @@ struct Lanes<double> {
 };
 
 /// Of is the shape; the numbers of W, of one word or two, are those of S, or of two of S.
-template <template <class> class Of, class S, Wanted wanted, bool two_words, class W>
+template <template <class> class Of, bool ranged, class S, Wanted wanted, bool two_words, class W>
 [[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
     using E = Running<W>;
     using P = typename E::P;
@@ -55,8 +55,11 @@ template <template <class> class Of, class S, Wanted wanted, bool two_words, cla
         const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
         std::array<E, most_numbers> solid;
         for (std::size_t k = 0; k < numbers; ++k) solid[k] = number(p.solid[k], p.solid_low[k]);
-        const Finding<P> found =
-            settle_shape<wanted, Of<E>>({{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}}, solid, at(p.tmax));
+        const Ray<E> line{{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}};
+        const Finding<P> found = [&] {
+            if constexpr (ranged) return settle_shape<wanted, Of<E>>(line, solid, at(p.tmin), at(p.tmax), p.open);
+            else return settle_shape<wanted, Of<E>>(line, solid);
+        }();
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
@@ -84,23 +87,24 @@ template <class P>
     }
 }
 
-template <template <class> class Of, class P>
-RawStages stages_for() {
+template <template <class> class Of, class P, bool ranged>
+RawKernels kernels_for() {
     using enum Wanted;
     using W = TwoWords<P>;
-    return {{settle_all<Of, float, parameter, false, P>, settle_all<Of, float, distance, false, P>,
-             settle_all<Of, float, both, false, P>},
-            {settle_all<Of, double, parameter, false, W>, settle_all<Of, double, distance, false, W>,
-             settle_all<Of, double, both, false, W>},
-            {settle_all<Of, double, parameter, true, W>, settle_all<Of, double, distance, true, W>,
-             settle_all<Of, double, both, true, W>},
-            settle_unit_directions<P>};
+    return {{settle_all<Of, ranged, float, parameter, false, P>, settle_all<Of, ranged, float, distance, false, P>,
+             settle_all<Of, ranged, float, both, false, P>},
+            {settle_all<Of, ranged, double, parameter, false, W>, settle_all<Of, ranged, double, distance, false, W>,
+             settle_all<Of, ranged, double, both, false, W>},
+            {settle_all<Of, ranged, double, parameter, true, W>, settle_all<Of, ranged, double, distance, true, W>,
+             settle_all<Of, ranged, double, both, true, W>}};
 }
 
 template <class P>
 void fill_stages(RawStages* of_shape) {
-    Solids::each(
-        [&]<template <class> class Of>() { of_shape[static_cast<std::size_t>(shape_as<Of>)] = stages_for<Of, P>(); });
+    Solids::each([&]<template <class> class Of>() {
+        of_shape[static_cast<std::size_t>(shape_as<Of>)] = {kernels_for<Of, P, false>(), kernels_for<Of, P, true>(),
+                                                            settle_unit_directions<P>};
+    });
 }
 
 }  // namespace lostbits::measure::stages

@@ -62,7 +62,7 @@ truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values
 truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& terms) const {
     return truth::find_truth(widened(file_.ray_at(ray_, values_[i])),
                              transformed(file_.solid_at(values_[i]), [](float x) { return static_cast<double>(x); }),
-                             terms.limit, terms.convention, static_cast<double>(file_.rays[ray_].tmax));
+                             terms.limit, terms.convention, {.tmax = static_cast<double>(file_.rays[ray_].tmax)});
 }
 
 /// The directions that forms for unit length receive, as maps give them.

@@ -23,8 +23,8 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
                       hit != 0 ? t : std::numeric_limits<float>::quiet_NaN()};
     if (truth.is_hit()) {
         const scene::rays::RayGroup group = request.sweep->group_at(ray, value);
-        found.truth =
-            truth::round_truth(truth, group.rays[0], group.solids[0], binary64, length, form.convention().inside);
+        found.truth = truth::round_truth(truth, group.rays[0], group.solids[0], binary64, length, form.convention(),
+                                         group.rays.range(0));
     }
     if (found.outcome == answer::Outcome::agree_hit)
         found.ulps = truth::ulp_error(static_cast<double>(t), unit ? truth.distance : truth.t, binary32);

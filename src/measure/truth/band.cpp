@@ -41,7 +41,7 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
         return x;
     };
     for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
-                            &group.rays.dz, &group.rays.tmax})
+                            &group.rays.dz, &group.rays.tmin, &group.rays.tmax})
         std::ranges::for_each(*all, look);
     for (const Solid<double>& solid : group.solids) std::ranges::for_each(solid.used(), look);
     if (group.march) transformed(*group.march, look);
@@ -55,6 +55,8 @@ RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::
         const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
         make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);
     });
+    for (auto* const ends : {&unit.tmin, &unit.tmax})
+        for (std::size_t i = 0; i < ends->size(); ++i) (*ends)[i] = as_distance((*ends)[i], rays[i].direction, format);
     return unit;
 }
 
@@ -110,12 +112,12 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     find_truth_of_all();
 }
 
-Band::Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler, TruthLimit limit)
+Band::Band(const scene::file::Scene& scene, RayBlock one, Culler& culler, TruthLimit limit)
     : culler_(&culler),
       rows_(1),
       limit_(limit),
-      in_binary32_(fits_binary32(scene::rays::group_of(ray))),
-      shared_(scene::rays::group_of(ray).rays),
+      in_binary32_(fits_binary32({one, {}})),
+      shared_(std::move(one)),
       shared_solids_(culler.shared()) {
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
@@ -143,23 +145,23 @@ struct Candidates {
 /// The truth of ray i among its candidates alone.
 template <class S>
 Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
-                 Convention convention, double tmax) {
+                 Convention convention, const Range<double>& range) {
     const SphereIndex* const index = among.index;
     if (among.paired) {
-        Truth truth = find_truth(ray, solids[i], limit, convention, tmax);
+        Truth truth = find_truth(ray, solids[i], limit, convention, range);
         if (truth.object >= 0) truth.object = static_cast<int>(i);
         return truth;
     }
     if (index == nullptr) {
-        if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, tmax);
-        return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, tmax);
+        if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, range);
+        return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, range);
     }
     thread_local std::vector<std::uint32_t> found;
     thread_local std::vector<Solid<S>> few;
     index->candidates(in_double(ray), found);
     few.clear();
     for (const std::uint32_t solid : found) few.push_back(solids[solid]);
-    Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, tmax);
+    Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, range);
     if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
     return truth;
 }
@@ -173,11 +175,9 @@ bool matters(Convention convention, const Truth& closed) {
 }  // namespace
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
-    const std::vector<double>& ends = ideal_ ? ideal_->tmax : shared_.tmax;
-    const double tmax = ends.empty() ? HUGE_VAL : ends[i];
     const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return find_among(among, i, ray, solids, limit_, convention, tmax);
+        return find_among(among, i, ray, solids, limit_, convention, range(i));
     });
 }
 
@@ -209,11 +209,12 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
             return (closed && matters(own, *closed)) || asks_anew(i, own);
         });
     }
-    const std::vector<double>& ends = ideal_ ? ideal_->tmax : shared_.tmax;
-    if (convention.endless && !ends.empty()) return true;
+    const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
+    if (convention.endless && ranged) return true;
     const Truth* const whole = truths_.find_whole(i);
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
     if (convention.inside == Inside::usual) return false;
+    if (ranged) return true;  // the ray begins elsewhere
     if (ideal_ || shared_solids_.flake() || (culler_ && culler_->for_truth())) return true;
     const auto solids = shared_solids_.listed();
     return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids,
@@ -239,7 +240,7 @@ double Band::condition_of(std::size_t i, Truth::Decision decision, int object, C
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const auto solid = solids[static_cast<std::size_t>(object)];
-        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape));
+        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape), range(i));
     });
 }
 
@@ -291,8 +292,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
         const Candidates among{index.get(), paired_};
         const auto own = [&](std::size_t i, Convention convention) {
-            return find_among(among, i, in.rays[i], in.solids, limit_, convention,
-                              in.rays.tmax.empty() ? HUGE_VAL : in.rays.tmax[i]);
+            return find_among(among, i, in.rays[i], in.solids, limit_, convention, in.rays.range(i));
         };
         find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get(), paired_}, limit_, in.own_truth);
         for (const auto& [i, closed] : in.own_truth.whole) {
@@ -304,8 +304,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
 
 Truth FormatInputs::own(std::size_t i, Convention convention) const {
     if (convention.is_special())
-        return find_among({.paired = paired}, i, rays[i], solids, {.stop = stop}, convention,
-                          rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+        return find_among({.paired = paired}, i, rays[i], solids, {.stop = stop}, convention, rays.range(i));
     const Truth closed = own_truth[i];
     const bool past = convention.at_origin == AtOrigin::miss && closed.on_surface;
     return past ? own_past_origin.at(i) : closed;
@@ -321,7 +320,8 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
-        if (!shared_.tmax.empty() && !same(inputs.rays.tmax[i], shared_.tmax[i])) return false;
+        const Range<double> stored_range = inputs.rays.range(i), given_range = range(i);
+        if (!same(stored_range.tmin, given_range.tmin) || !same(stored_range.tmax, given_range.tmax)) return false;
         for (std::size_t k = paired_ ? i : 0; k < (paired_ ? i + 1 : solids.size()); ++k) {
             const auto stored_solid = inputs.solids[k];
             const auto given = solids[k];
@@ -336,7 +336,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set
     const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
     if (scene_ != nullptr || ideal_ || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
-    if (!shared_.tmax.empty()) one->rays.tmax.push_back(shared_.tmax[i]);
+    one->rays.push_range(shared_, i);
     for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);
     if (!solids.empty()) return one;
     one->solids = shared_solids_.all();
@@ -350,7 +350,7 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
     const Length length = unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
     return with_ray(i, [&](const auto& ray, const auto& solids) {
         const auto solid = solids[static_cast<std::size_t>(truth.object)];
-        return round_truth(truth, ray, solid, format, length, convention.of(solid.shape).inside);
+        return round_truth(truth, ray, solid, format, length, convention.of(solid.shape), range(i));
     });
 }
 

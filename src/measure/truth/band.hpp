@@ -31,7 +31,9 @@ public:
     Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit = {});
     /// One ray, which is a stored number, among the solids of a scene with shared inputs, which `culler` is of; it
     /// outlives the band.
-    Band(const scene::file::Scene& scene, const Ray<double>& ray, Culler& culler, TruthLimit limit = {});
+    Band(const scene::file::Scene& scene, scene::rays::RayBlock one, Culler& culler, TruthLimit limit = {});
+    /// The range of ray i, as it was given.
+    [[nodiscard]] Range<double> range(std::size_t i) const { return ideal_ ? ideal_->range(i) : shared_.range(i); }
     /// Finds κ of every hit, in parallel.
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.

@@ -62,9 +62,11 @@ std::optional<double> close_enough(const Interval& k) {
 
 /// κ at one precision; nothing where it is too low.
 template <class E, std::size_t N, class S>
-std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
+std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, Convention convention,
+                                   const Range<double>& given) {
     const Problem<E, N> problem(ray, solid);
-    const auto found = enclose(problem.ray, problem.solid, static_cast<const Dual<E, N>*>(nullptr), convention);
+    const auto range = range_over<Dual<E, N>, E>(given);
+    const auto found = enclose(problem.ray, problem.solid, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return missing;
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
@@ -75,20 +77,21 @@ std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, Con
 }
 
 template <std::size_t N, class S>
-double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
-    if (const auto quick = condition_in<Ball, N>(ray, solid, convention)) return *quick;
+double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention convention, const Range<double>& range) {
+    if (const auto quick = condition_in<Ball, N>(ray, solid, convention, range)) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto k = condition_in<Interval, N>(ray, solid, convention)) return *k;
+        if (const auto k = condition_in<Interval, N>(ray, solid, convention, range)) return *k;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
     return std::numeric_limits<double>::infinity();
 }
 
 template <class S>
-double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention) {
+double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
+    if (convention.endless) range.tmax = HUGE_VAL;
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
-        return find_condition<6 + row_of(shape_as<Of>).numbers>(ray, solid, convention);
+        return find_condition<6 + row_of(shape_as<Of>).numbers>(ray, solid, convention_in(range, convention), range);
     });
 }
 
@@ -158,11 +161,12 @@ double reach_of(const Ray<S>& ray, const Solid<S>& solid, double t, double condi
 
 }  // namespace
 
-double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention) {
-    return condition_of(ray, solid, convention);
+double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention,
+                 const Range<double>& range) {
+    return condition_of(ray, solid, convention, range);
 }
-double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention) {
-    return condition_of(ray, solid, convention);
+double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention, const Range<double>& range) {
+    return condition_of(ray, solid, convention, range);
 }
 
 double reach(const Ray<double>& ray, const Solid<double>& solid, double t, double condition, int precision) {

@@ -8,9 +8,12 @@ namespace lostbits::measure::truth {
 
 /// κ = Σ |xᵢ ∂t/∂xᵢ| / |t| of the true first intersection, over all inputs: origin, direction, the solid's numbers.
 /// Relative errors of δ in each input alone move t by at most κ·δ in all, to first order. Good to 2^-20 of itself.
-/// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is; NaN for a miss.
-double condition(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {});
-double condition(const Ray<Real>& ray, const Solid<Real>& solid, intersect::Convention convention = {});
+/// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is; NaN for a miss. The range is no input: where the
+/// answer is the tmin of a ray that begins inside, κ is 0.
+double condition(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {},
+                 const Range<double>& range = {});
+double condition(const Ray<Real>& ray, const Solid<Real>& solid, intersect::Convention convention = {},
+                 const Range<double>& range = {});
 
 /// How far a relative error of 2^-precision in each input can move a root t of that condition, to first order: as far
 /// as κ says, and of a sphere, whose t = p ± √q, no further than |Δp| + √|Δq|, since |√(q + Δq) − √q| ≤ √|Δq|. That is

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "geometry/flat_span.hpp"
@@ -14,6 +15,9 @@
 
 namespace lostbits::measure::truth {
 
+/// At what of a line a ray meets a solid: where its range begins, at the near root or entry, at the far root or exit.
+enum class Crossing : std::uint8_t { begin, near, far };
+
 /// What one precision can say about one solid, all of it only where `hit` is certain.
 template <class E>
 struct Enclosed {
@@ -22,143 +26,210 @@ struct Enclosed {
     E distance;
     /// The line meets the solid's boundary alone (a tangent): a miss where touching does not count.
     bool touching = false;
-    /// The origin lies on the surface: t = 0 is a root, and whether it counts is a matter of convention.
+    /// The ray begins on the surface: that is a root, and whether it counts is a matter of convention.
     bool on_surface = false;
+    Crossing at = Crossing::begin;
 };
 
-/// The origin lies on the surface, and q is h².
+/// Where a ray begins: at t = 0, or where its range says.
 template <class E>
-Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, Tri leaving, intersect::Convention convention) {
+E begin_of(const RangeOfSpan<E>* range) {
+    return range ? range->begin : E(0);
+}
+
+/// A hit where the ray begins. Nothing is multiplied with a 0, which would say less of it than that it is one.
+template <class E>
+Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touching = false, bool on_surface = false) {
+    const E begin = begin_of(range);
+    const bool at_0 = (begin <= E(0)).is_yes();
+    return {Tri::yes, begin, at_0 ? begin : begin * sqrt(d2), touching, on_surface};
+}
+
+/// A hit at one of the roots.
+template <class E>
+Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing at, bool touching = false, bool on_surface = false) {
+    const E root = sqrt(s.q);
+    const E t = at == Crossing::near    ? s.c / (root - s.h)
+                : (s.h > E(0)).is_yes() ? -s.c / (s.h + root)
+                                        : (root - s.h) / s.a;
+    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, at};
+}
+
+/// The ray begins on the surface, and q is h² there.
+template <class E>
+Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const RangeOfSpan<E>* range,
+                                 intersect::Convention convention) {
     const E zero(0);
-    const Tri aside = s.h > zero || s.h < zero;
+    const Tri aside = h > zero || h < zero;
     if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown, zero, zero};
     const bool touching = aside.is_no();
-    // Whoever misses from inside has no exits, and so none at the origin. Of a tangent both roots are 0.
+    // Whoever misses from inside has no exits, and so none where the ray begins. Of a tangent both roots are that.
     const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
     const bool counts = convention.at_origin == intersect::AtOrigin::hit ||
                         (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
-    if (counts && !(no_exits && leaving.is_yes())) return {Tri::yes, zero, zero, touching, true};
+    if (counts && !(no_exits && leaving.is_yes())) {
+        // Of a root that is not 0 the gradient is asked for too.
+        if ((begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
+        return enclosed_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
+    }
     if (no_exits || leaving.is_yes()) return {Tri::no, zero, zero, touching, true};
-    const E t = (sqrt(s.q) - s.h) / s.a;  // and not −2h/a, whose gradient is another
-    return {Tri::yes, t, t * sqrt(s.d2), false, true};
+    return enclosed_root(s, Crossing::far, false, true);  // and not −2h/a, whose gradient is another
 }
 
-/// The line against the surface of a quadratic: c places the origin (outside, on, inside), h the direction. Outside, a
-/// line that leaves (h ≥ 0) misses whatever q; inside or on the surface it always hits. t = c/(−h + √q) from outside,
-/// (−h + √q)/a or −c/(h + √q) from inside, by the sign of h.
-/// An origin on the surface (c = 0) has the roots 0 and −2h/a: t = 0, or, where that does not count, the other if it
-/// is positive. From inside (c < 0) t is what the convention says. The problem has no end, whatever `tmax`.
+/// The line against the surface of a quadratic, of a ray that has no end. Where it begins, c = P(t) says where that is
+/// (outside, on, inside), h the direction. Outside, a line that leaves (h ≥ 0) misses whatever q; inside or on the
+/// surface it always hits. t = c/(−h + √q) from outside, (−h + √q)/a or −c/(h + √q) from inside, by the sign of h and
+/// with those of t = 0.
+/// From the surface (c = 0) the roots are where the ray begins and another: the former, or, where that does not count,
+/// the other if it lies ahead. From inside (c < 0) t is what the convention says.
 template <class E>
-Enclosed<E> enclose(const QuadraticSpan<E>& s, const E* = nullptr, intersect::Convention convention = {}) {
+Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const RangeOfSpan<E>* range,
+                          intersect::Convention convention) {
+    const auto& [c, h] = from;
     const E zero(0);
-    const Tri outside = s.c > zero;
-    const Tri leaving = s.h >= zero;
+    const Tri outside = c > zero;
+    const Tri leaving = h >= zero;
     if ((outside && leaving).is_yes()) return {Tri::no, zero, zero};
 
     const Tri hit = !outside || (!leaving && !(s.q < zero));
     if (hit.is_no()) return {hit, zero, zero};
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown, zero, zero};
-    if ((s.c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(s, leaving, convention);
+    if ((c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(s, h, leaving, range, convention);
     const bool zero_inside = convention.inside == intersect::Inside::zero;
     if (outside.is_no() && (zero_inside || convention.inside == intersect::Inside::miss)) {
-        if (!(s.c < zero).is_yes()) return {Tri::unknown, zero, zero};
-        return {zero_inside ? Tri::yes : Tri::no, zero, zero};
+        if (!(c < zero).is_yes()) return {Tri::unknown, zero, zero};
+        return zero_inside ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no, zero, zero};
     }
     const Tri through = outside.is_no() ? Tri::yes : s.q > zero;
     if (through.is_unknown()) return {Tri::unknown, zero, zero};
-
-    const E root = sqrt(s.q);
-    const E t = outside.is_yes()        ? s.c / (root - s.h)
-                : (s.h > zero).is_yes() ? -s.c / (s.h + root)
-                                        : (root - s.h) / s.a;
-    return {Tri::yes, t, t * sqrt(s.d2), through.is_no()};
+    return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, through.is_no());
 }
 
-/// What a convention says of a ray that starts in the closed box (largest entry a ≤ 0 ≤ smallest exit b). With a < 0 <
-/// b it is inside; a = 0 is an entry at the origin, and b = 0 an exit there. An exit beyond tmax is none.
+/// The same of a ray with a range (all that lies ahead where `range` is null): the root that a ray which begins at tmin
+/// meets, where it comes no later than tmax.
 template <class E>
-Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const E* tmax, intersect::Convention asked) {
+Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nullptr,
+                    intersect::Convention convention = {}) {
+    if (!range) return enclose_ahead<E>(s, {s.c, s.h}, range, convention);
+    Enclosed<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
+    if (!found.hit.is_yes() || found.at == Crossing::begin) return found;
+    const QuadraticAt<E> end = quadratic_at(s, range->end);
+    found.hit = in_time(found.at == Crossing::near ? end.near_root() : end.far_root(), *range);
+    if (found.hit.is_no()) found.touching = false;
+    return found;
+}
+
+/// What a convention says of a ray that begins in the closed box (largest entry a ≤ tmin ≤ smallest exit b). With a <
+/// tmin < b it is inside; a = tmin is an entry where it begins, and b = tmin an exit there. An exit beyond tmax is
+/// none.
+template <class E>
+Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
-    const Enclosed<E> unknown{Tri::unknown, zero, zero}, at_once{Tri::yes, zero, zero}, none{Tri::no, zero, zero};
+    const Enclosed<E> unknown{Tri::unknown, zero, zero}, none{Tri::no, zero, zero};
     Tri entered = Tri::yes;
-    for (const auto& entry : slabs.entry) entered = entered && entry.n < zero;
+    if (range) entered = entries_to_begin(slabs, *range).less;
+    else
+        for (const auto& entry : slabs.entry) entered = entered && entry.n < zero;
     const Fraction<E> exit = first_exit(slabs);
-    const Tri leaving = exit.n <= zero;
+    const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown()) return unknown;
     if (leaving.is_unknown()) return unknown;
-    if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once;
-    if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once;
+    const auto at_once = [&] { return enclosed_begin(slabs.d2, range); };
+    if (entered.is_no() && asked.at_origin == AtOrigin::hit) return at_once();
+    if (leaving.is_yes()) return asked.at_origin == AtOrigin::miss || asked.inside != Inside::exit ? none : at_once();
     if (asked.inside != Inside::exit) return none;
-    if (tmax) {
-        const Tri in_reach = exit.n <= *tmax * exit.m;
+    if (range) {
+        const Tri in_reach = in_time(order_of(exit, range->end), *range);
         if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
     }
     const E t = exit.n / exit.m;
-    return {Tri::yes, t, t * sqrt(slabs.d2)};
+    return {Tri::yes, t, t * sqrt(slabs.d2), false, false, Crossing::far};
 }
 
-/// The line against what slabs leave of it. The first t in [0, tmax] (no end where `tmax` is null) for which o + t d
-/// lies in the closed solid (`Touching::hit`), or the infimum of those for which it lies in the open one
-/// (`Touching::miss`). For either, t* = max(0, largest entry):
+/// The line against what slabs leave of it. The first t of the range (all that lies ahead where `range` is null) for
+/// which o + t d lies in the closed solid (`Touching::hit`), or the infimum of those for which it lies in the open one
+/// (`Touching::miss`). For either, t* = max(tmin, largest entry):
 ///
-///   - an origin inside gives t = 0 exactly; so does one on the boundary if the ray goes in (or, closed, along it or
-///   out);
+///   - a ray that begins inside gives t = tmin exactly, be that end open or not; so does one that begins on the
+///   boundary if it goes in (or, closed and not open there, along it or out);
 ///   - an entry exactly at tmax is a hit of the closed box and a miss of the open one, whose points all come later;
-///   - a box of zero thickness has an empty inside; a negative tmax leaves no ray.
+///   - a box of zero thickness has an empty inside.
 ///
 /// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax),
 /// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and
-/// lo ≤ hi. From inside the answer is 0 unless the convention says another. `touching` says that the two conventions
+/// lo ≤ hi. From inside the answer is tmin unless the convention says another. `touching` says that the two conventions
 /// differ; it is known, like everything else, only where `hit` is. A Dual's gradient is that of the axis that was
 /// chosen: where two entries are equal t has a kink, and the gradient is one-sided.
 template <class E>
-Enclosed<E> enclose(const SlabSpan<E>& slabs, const E* tmax, intersect::Convention convention) {
+Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
-    const InSlabs<E> in = tmax ? in_slabs(slabs, *tmax) : in_slabs(slabs);
+    const InSlabs<E> in = range ? in_slabs(slabs, *range) : in_slabs(slabs);
     if (in.closed.is_no()) return {Tri::no, zero, zero};
     if (in.closed.is_unknown() || in.open.is_unknown()) return unknown;
     const bool touching = in.open.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
 
-    const Fraction<E> first = first_entry(slabs);
-    const Tri at_once = first.n <= zero;
+    const Fraction<E> first = range ? first_entry(slabs, *range) : first_entry(slabs);
+    const Tri at_once = range ? entries_to_begin(slabs, *range).at_most : first.n <= zero;
     if (at_once.is_unknown()) return unknown;
     if (at_once.is_yes()) {
         const bool usual =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
-        Enclosed<E> found = usual ? Enclosed<E>{Tri::yes, zero, zero} : enclose_from_inside(slabs, tmax, convention);
+        Enclosed<E> found = usual ? enclosed_begin(slabs.d2, range) : enclose_from_inside(slabs, range, convention);
         found.touching = touching;
         return found;
     }
     const E t = first.n / first.m;
-    return {Tri::yes, t, t * sqrt(slabs.d2), touching};
+    return {Tri::yes, t, t * sqrt(slabs.d2), touching, false, Crossing::near};
 }
 
-/// The line against a surface without thickness. On the rim it touches; a surface at the origin is a root at t = 0, as
-/// entry and exit at once, and counts by the convention. There is no inside, and no end, whatever `tmax`.
+/// The line against a surface without thickness. On the rim it touches; a surface where the ray begins is a root there,
+/// as entry and exit at once, and counts by the convention. There is no inside.
 template <class E>
-Enclosed<E> enclose(const FlatSpan<E>& s, const E*, intersect::Convention convention) {
+Enclosed<E> enclose(const FlatSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);
-    const Tri hit = s.closed && s.at.n >= zero;
+    Tri before = s.at.n < zero, no_later = s.at.n <= zero, in_range = Tri::yes;  // than where it begins
+    if (range) {
+        const auto to_begin = order_of(s.at, Fraction<E>{range->begin, E(1)});
+        before = to_begin.less, no_later = to_begin.at_most;
+        in_range = in_time(order_of(s.at, range->end), *range);
+    }
+    const Tri hit = s.closed && !before && in_range;
     if (hit.is_no()) return {Tri::no, zero, zero};
-    const Tri ahead = s.at.n > zero;
-    if (hit.is_unknown() || ahead.is_unknown() || Tri(s.open).is_unknown()) return {Tri::unknown, zero, zero};
-    const bool touching = Tri(s.open).is_no();
-    if (ahead.is_no())
-        return {convention.at_origin == intersect::AtOrigin::miss ? Tri::no : Tri::yes, zero, zero, touching, true};
+    if (hit.is_unknown() || no_later.is_unknown() || Tri(s.open).is_unknown()) return {Tri::unknown, zero, zero};
+    const bool touching = Tri(s.open).is_no(), at_begin = no_later.is_yes();
+    if (at_begin && convention.at_origin == intersect::AtOrigin::miss) return {Tri::no, zero, zero, touching, true};
+    if (at_begin && (begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
     const E t = s.at.n / s.at.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching};
+    return {Tri::yes, t, t * sqrt(s.d2), touching, at_begin, Crossing::near};
 }
 
-/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `tmax` (null:
-/// nowhere) ends the ray where the shape's forms are told its end.
+/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `range` (null:
+/// all that lies ahead) holds some t.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const E* tmax = nullptr,
+Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     convention.touching = intersect::Touching::hit;
-    return with_span(ray, solid, [&](const auto& span) { return enclose(span, tmax, convention); });
+    return with_span(ray, solid, [&](const auto& span) { return enclose(span, range, convention); });
+}
+
+/// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead.
+template <class E, class F = E>
+std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
+    if (range.is_whole()) return std::nullopt;
+    const bool ends = !std::isinf(range.tmax);
+    return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, range.open};
+}
+
+/// What a convention says of a ray with a range, which begins at tmin: what it says of t = 0 is said of that point by
+/// the range itself wherever the two are not the same, or the range is open there.
+inline intersect::Convention convention_in(const Range<double>& range, intersect::Convention convention) {
+    using intersect::AtOrigin;
+    if (range.open.tmin) convention.at_origin = AtOrigin::miss;
+    else if (range.tmin > 0) convention.at_origin = AtOrigin::hit;
+    return convention;
 }
 
 template <class E, class S>

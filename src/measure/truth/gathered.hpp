@@ -21,20 +21,30 @@ inline constexpr std::size_t column_room = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
+/// Those that know no range, where all that lies ahead counts of every ray.
+template <class S>
+const stages::RawKernels& kernels_for(const ProblemColumns<S>& p, const stages::Stages& stages) {
+    const bool ranged = p.open.tmin || std::ranges::any_of(p.tmin, [](S t) { return t != 0; }) ||
+                        std::ranges::any_of(p.tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
+    return ranged ? stages.kernels.ranged : stages.kernels.ahead;
+}
+
 /// Calls `use(column, raw)` for each column of the problems, with its place among those of the stages. A column that
 /// is not there is empty.
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
     for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid[k], raw.solid[k], 0);
+    use(p.tmin, raw.tmin, 0);
     use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     if (p.ray_low[0].empty()) return;
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
     for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
-/// Where those of a ray, a solid, tmax and of the second words begin.
-inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmax = 6 + most_numbers,
-                             first_of_low = place_of_tmax + 1, most_columns = first_of_low + 6 + most_numbers;
+/// Where those of a ray, a solid, its range and of the second words begin.
+inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin = 6 + most_numbers,
+                             place_of_tmax = place_of_tmin + 1, first_of_low = place_of_tmax + 1,
+                             most_columns = first_of_low + 6 + most_numbers;
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
@@ -66,6 +76,7 @@ struct Gathered {
                                   std::size_t lanes) {
         const std::size_t filled = (which.size() + lanes - 1) / lanes * lanes;
         auto raw = stages::raw_problems<S>(filled, found.raw());
+        raw.open = p.open;
         S* to = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> from, stages::RawColumn<S>& column, From absent) {
             column = {to, from.size() <= 1 ? std::size_t{0} : std::size_t{1}};
@@ -85,8 +96,9 @@ struct Gathered {
         for (const S& x : next) numbers[column++][size] = x;
     }
     /// Those that were added.
-    stages::RawProblems<S> added(std::size_t lanes) {
+    stages::RawProblems<S> added(std::size_t lanes, OpenEnds open) {
         auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
+        raw.open = open;
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
         for (std::size_t k = 0; k < 6; ++k) {
             raw.ray[k] = {numbers[first_of_ray + k], 1};
@@ -96,6 +108,7 @@ struct Gathered {
             raw.solid[k] = {numbers[first_of_solid + k], 1};
             raw.solid_low[k] = {numbers[first_of_low + 6 + k], 1};
         }
+        raw.tmin = {numbers[place_of_tmin], 1};
         raw.tmax = {numbers[place_of_tmax], 1};
         return raw;
     }
@@ -136,6 +149,7 @@ private:
     /// `size` of them from `begin` on, whole registers.
     stages::RawProblems<S> at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
+        raw.open = problems_.open;
         const S* same = same_[0];
         for_each_column(problems_, raw, [&](std::span<const S> from, stages::RawColumn<S>& column, S) {
             column = from.size() > 1 ? stages::RawColumn<S>{from.data() + begin, 1} : stages::RawColumn<S>{same, 0};

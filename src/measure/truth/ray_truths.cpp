@@ -37,10 +37,13 @@ public:
                 words[k] = room_[k], low[k] = room_[k + 6];
             }
         }
-        if (!rays.tmax.empty()) tmax = std::span(rays.tmax).subspan(begin, end - begin);
+        const auto part = [&](const std::vector<double>& all) {
+            return all.empty() ? std::span(all) : std::span(all).subspan(begin, end - begin);
+        };
+        tmin = part(rays.tmin), tmax = part(rays.tmax);
     }
     Spans words, low = {};
-    std::span<const double> tmax = {};
+    std::span<const double> tmin = {}, tmax = {};
 
 private:
     std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> room_;
@@ -85,7 +88,19 @@ public:
 private:
     [[nodiscard]] auto stage_of(const stages::Stages& stages) const {
         constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
-        return two_words ? stages.kernels.of_two_words[both] : stages.kernels.double_double[both];
+        const stages::RawKernels& kernels = kernels_for(columns_for({}), stages);
+        return two_words ? kernels.of_two_words[both] : kernels.double_double[both];
+    }
+
+    /// The rays, and the ranges that they have, for one shape.
+    [[nodiscard]] ProblemColumns<double> columns_for(Shape shape) const {
+        return {.size = count_,
+                .ray = rays_.words,
+                .shape = shape,
+                .solid = {},
+                .tmin = rays_.tmin,
+                .tmax = rays_.tmax,
+                .open = problems_.rays.open};
     }
 
     /// Every ray against one solid, kept where it comes first.
@@ -94,8 +109,7 @@ private:
         const Solid<S> solid = problems_.solids[s];
         const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
         const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
-        ProblemColumns<double> columns{
-            .size = count_, .ray = rays_.words, .shape = solid.shape, .solid = {}, .tmax = rays_.tmax};
+        ProblemColumns<double> columns = columns_for(solid.shape);
         for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid[k] = std::span(&words.numbers[k], 1);
         if constexpr (two_words) {
             columns.ray_low = rays_.low;
@@ -118,8 +132,7 @@ private:
                 room[6 + k][i] = low_word_of(solid.numbers[k]);
             }
         }
-        ProblemColumns<double> columns{
-            .size = count_, .ray = rays_.words, .shape = shape, .solid = {}, .tmax = rays_.tmax};
+        ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
         if constexpr (two_words) {
             columns.ray_low = rays_.low;
@@ -212,6 +225,7 @@ private:
         };
         words_of_ray(first_of_ray, rays_.words);
         to.set(first_of_solid, transformed(solid, [](const S& x) { return word_of(x); }).numbers);
+        to.numbers[place_of_tmin][to.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
         to.numbers[place_of_tmax][to.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
         if constexpr (two_words) {
             words_of_ray(first_of_low, rays_.low);
@@ -229,15 +243,15 @@ private:
         Gathered<double>& together = gathered(shape);
         if (together.size == 0) return;
         const stages::Stages& stages = stages::stages_of(shape, isa_);
-        stage_of(stages)(together.added(stages.lanes));
+        stage_of(stages)(together.added(stages.lanes, problems_.rays.open));
         for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
         together.size = 0;
     }
     void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
         if (found.settled[k] == 0) {
             const std::size_t ray = begin_ + pair.ray;
-            const double tmax = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[pair.ray];
-            pair.truth = find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, tmax);
+            pair.truth =
+                find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, problems_.rays.range(ray));
             rest_.counts.count_alone(pair.truth);
             return;
         }

@@ -41,50 +41,73 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     return *of_u * *larger;
 }
 
-/// For a ray that hits the surface and m > 0. With P(t) = a t² + 2 h t + c, the near root (from outside) is above m
-/// where P(m) > 0 and a m + h < 0, the far root (from inside) where P(m) < 0. Of a distance m the same with m/√b for m,
-/// b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b.
+/// n/d against m > 0, or n² d·d against (m d)².
 template <class E>
-std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, intersect::Inside) {
+std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& m, Length length) {
+    const E there = m * f.m;
+    if (length == Length::parameter) return sign<E>(f.n - there);
+    return sign<E>(square(f.n) * d2 - square(there));
+}
+
+/// For a ray that hits the surface and m > 0. With P(t) = a t² + 2 h t + c, the near root is above m where P(m) > 0 and
+/// a m + h < 0, the far root where P(m) < 0 or a m + h < 0. Of a distance m the same with m/√b for m, b = d·d, and
+/// times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where there is no range the near root is the answer from
+/// outside, the far one that from inside, which no m > 0 comes before the near root of.
+template <class E>
+std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
     const bool parameter = length == Length::parameter;
-    const auto outside = sign(s.c);
     const auto p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
                              : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
-    if (!outside || !p) return std::nullopt;
-    if (*outside <= 0) return -*p;
-    if (*p < 0) return -1;
-    // Past the middle both P(m) > 0 and the root P(m) = 0 lie beyond the near root.
+    Crossing at = Crossing::far;
+    if (range) {
+        const Enclosed<E> found = enclose(s, range, convention);
+        if (!found.hit.is_yes()) return std::nullopt;
+        at = found.at;
+    } else {
+        const auto outside = sign(s.c);
+        if (!outside) return std::nullopt;
+        if (*outside > 0) at = Crossing::near;
+    }
+    if (at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    if (!p) return std::nullopt;
+    if (at == Crossing::far && !range) return -*p;
+    if (*p < 0) return at == Crossing::near ? -1 : 1;
+    // Before the middle of the roots both P(m) > 0 and the root P(m) = 0 come before the far root, past it after the
+    // near one.
     const auto past = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
     if (!past) return std::nullopt;
-    return *past > 0 ? -1 : *p;
+    if (at == Crossing::near) return *past > 0 ? -1 : *p;
+    return *past < 0 ? 1 : -*p;
 }
 
-/// t* = n/d against m, or n² d·d against (m d)².
+/// For a ray that hits and m > 0: t* of where the range begins, of its first entry, or of its exit where that is the
+/// answer from inside.
 template <class E>
-std::optional<int> side_of_fraction(const Fraction<E>& at, const E& m, Length length, const E& d2) {
-    const E there = m * at.m;
-    if (length == Length::parameter) return sign<E>(at.n - there);
-    return sign<E>(square(at.n) * d2 - square(there));
-}
-
-/// For a ray that hits and m > 0: t* of its first entry, or of its exit where that is the answer from inside.
-template <class E>
-std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, intersect::Inside inside) {
-    Fraction<E> first = first_entry(s);
-    if (inside == intersect::Inside::exit && (first.n <= E(0)).is_yes()) first = first_exit(s);
-    return side_of_fraction(first, m, length, s.d2);
+std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
+    Fraction<E> first = range ? first_entry(s, *range) : first_entry(s);
+    if (range) {
+        const Enclosed<E> found = enclose(s, range, convention);
+        if (!found.hit.is_yes()) return std::nullopt;
+        if (found.at == Crossing::far) first = first_exit(s);
+    } else if (convention.inside == intersect::Inside::exit && (first.n <= E(0)).is_yes()) {
+        first = first_exit(s);
+    }
+    return side_of_fraction(first, s.d2, m, length);
 }
 
 /// For a ray that crosses and m > 0: the same of the one t.
 template <class E>
-std::optional<int> side_of(const FlatSpan<E>& s, const E& m, Length length, intersect::Inside) {
-    return side_of_fraction(s.at, m, length, s.d2);
+std::optional<int> side_of(const FlatSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>*,
+                           intersect::Convention) {
+    return side_of_fraction(s.at, s.d2, m, length);
 }
 
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
-                           intersect::Inside inside = intersect::Inside::usual) {
-    return with_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, inside); });
+                           const RangeOfSpan<E>* range = nullptr, intersect::Convention convention = {}) {
+    return with_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, range, convention); });
 }
 
 }  // namespace lostbits::measure::truth

@@ -12,7 +12,6 @@
 namespace lostbits::measure::truth {
 
 using intersect::Convention;
-using intersect::Inside;
 using intersect::Touching;
 
 namespace {
@@ -92,14 +91,18 @@ bool is_proper_solid(const Solid<S>& solid) {
 struct Terms {
     TruthLimit limit;
     Convention convention;
-    double tmax;
+    Range<double> range;
+
+    Terms(TruthLimit given, Convention asked, Range<double> within) : limit(given), range(within) {
+        if (asked.endless) range.tmax = HUGE_VAL;
+        convention = convention_in(range, asked);
+    }
 };
 
 template <class E>
-Enclosed<E> enclose_until(const Ray<E>& ray, const Solid<E>& solid, const Terms& terms) {
-    if (std::isinf(terms.tmax) || terms.convention.endless) return enclose<E>(ray, solid, nullptr, terms.convention);
-    const E end(terms.tmax);
-    return enclose<E>(ray, solid, &end, terms.convention);
+Enclosed<E> enclose_by(const Ray<E>& ray, const Solid<E>& solid, const Terms& terms) {
+    const auto range = range_over<E>(terms.range);
+    return enclose<E>(ray, solid, range ? &*range : nullptr, terms.convention);
 }
 
 template <class S>
@@ -113,30 +116,33 @@ Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
         const auto place = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
-            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length, terms.convention.inside);
+            const auto range = range_over<Interval>(terms.range);
+            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length,
+                                      range ? &*range : nullptr, terms.convention);
             if (side) x = on_side(x, *side);
             return side.has_value();
         };
-        if (settle(enclose_until(wide_ray, wide_solid, terms), terms.convention, truth, place)) return truth;
+        if (settle(enclose_by(wide_ray, wide_solid, terms), terms.convention, truth, place)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms& all) {
+Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, const Convention& asked,
+               const Range<double>& range) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
     if (!is_ray(ray)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
     for (std::size_t at = 0; at < solids.size(); ++at) {
         const Solid<S>& solid = solids[at];
-        const Terms terms{all.limit, all.convention.of(solid.shape), all.tmax};
-        if (!(terms.tmax >= 0 || terms.convention.endless) || !is_proper_solid(solid)) continue;
+        const Terms terms(limit, asked.of(solid.shape), range);
+        if (!terms.range.holds_any() || !is_proper_solid(solid)) continue;
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_until(quick, lift_solid<Ball>(solid), terms), terms.convention, one, known))
+        if (!settle(enclose_by(quick, lift_solid<Ball>(solid), terms), terms.convention, one, known))
             one = escalate(ray, solid, terms);
         join(one, static_cast<int>(at), best);
     }
@@ -145,7 +151,7 @@ Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, const Terms&
 
 template <class S>
 double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format,
-                     Length length, Inside inside) {
+                     Length length, const Terms& terms) {
     const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
@@ -154,7 +160,9 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
         const Interval middle = std::isinf(upper)
                                     ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                     : (Interval(lower) + Interval(upper)) / Interval(2);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length, inside);
+        const auto range = range_over<Interval>(terms.range);
+        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length,
+                                  range ? &*range : nullptr, terms.convention);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
@@ -182,12 +190,12 @@ void join(const Truth& of_one, int i, Truth& best) {
 }
 
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Convention convention,
-                 double tmax) {
-    return find_all(ray, solids, {limit, convention, tmax});
+                 const Range<double>& range) {
+    return find_all(ray, solids, limit, convention, range);
 }
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Convention convention,
-                 double tmax) {
-    return find_all(ray, solids, {limit, convention, tmax});
+                 const Range<double>& range) {
+    return find_all(ray, solids, limit, convention, range);
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }
@@ -196,12 +204,12 @@ bool is_proper(const Solid<double>& solid) { return is_proper_solid(solid); }
 bool is_proper(const Solid<Real>& solid) { return is_proper_solid(solid); }
 
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length, Inside inside) {
-    return round_exactly(truth, ray, solid, format, length, inside);
+                   Length length, const Convention& convention, const Range<double>& range) {
+    return round_exactly(truth, ray, solid, format, length, {{}, convention, range});
 }
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length, Inside inside) {
-    return round_exactly(truth, ray, solid, format, length, inside);
+                   Length length, const Convention& convention, const Range<double>& range) {
+    return round_exactly(truth, ray, solid, format, length, {{}, convention, range});
 }
 
 }  // namespace lostbits::measure::truth

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "geometry/range.hpp"
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/truth/certified.hpp"
@@ -13,8 +14,8 @@
 
 namespace lostbits::measure::truth {
 
-/// The first intersection with t ≥ 0 of a ray with solids: closed ones (touching counts, the origin on the surface
-/// counts), or by another convention.
+/// The first intersection of a ray with solids that lies in its range, t ≥ 0 where nothing else is said: with closed
+/// ones (touching counts, the origin on the surface counts), or by another convention.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
@@ -25,7 +26,7 @@ struct Truth {
     int bits = 0;
     /// Some solid is touched and no more: the two conventions may differ on this ray.
     bool touches = false;
-    /// The origin lies on some sphere: conventions on t = 0 may differ on this ray.
+    /// The ray begins on some sphere: conventions on t = 0 may differ on this ray.
     bool on_surface = false;
     /// The ray parameter, in lengths of the direction as stored. Its binade is proved, as is that of the distance: the
     /// bound never straddles a power of two.
@@ -49,14 +50,15 @@ struct TruthLimit {
     intersect::process::StopToken stop = {};
 };
 
-/// `tmax` ends the ray where the solids are boxes (it may be infinite; NaN or negative leaves no ray).
+/// Only what lies in `range` counts, and the ray begins at its tmin: what a convention says of a ray's origin it says
+/// of that point (see `convention_in`). A range that holds no t meets nothing.
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
 /// solid with such a number, a sphere without a positive radius, a box with lo > hi.
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
-                 intersect::Convention convention = {}, double tmax = HUGE_VAL);
+                 intersect::Convention convention = {}, const Range<double>& range = {});
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
-                 intersect::Convention convention = {}, double tmax = HUGE_VAL);
+                 intersect::Convention convention = {}, const Range<double>& range = {});
 
 /// Takes the truth about solid `i` into what is known of the solids before it.
 void join(const Truth& of_one, int i, Truth& best);
@@ -67,23 +69,25 @@ bool is_proper(const Solid<double>& solid);
 bool is_proper(const Solid<Real>& solid);
 
 inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {},
-                        intersect::Convention convention = {}, double tmax = HUGE_VAL) {
-    return find_truth(ray, std::span(&solid, 1), limit, convention, tmax);
+                        intersect::Convention convention = {}, const Range<double>& range = {}) {
+    return find_truth(ray, std::span(&solid, 1), limit, convention, range);
 }
 inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {},
-                        intersect::Convention convention = {}, double tmax = HUGE_VAL) {
-    return find_truth(ray, std::span(&solid, 1), limit, convention, tmax);
+                        intersect::Convention convention = {}, const Range<double>& range = {}) {
+    return find_truth(ray, std::span(&solid, 1), limit, convention, range);
 }
 
 /// What is asked about: t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
 
 /// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
-/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, of which `inside` says
-/// what it is from there.
+/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, found by that convention
+/// in that range.
 double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length = Length::parameter, intersect::Inside inside = intersect::Inside::usual);
+                   Length length = Length::parameter, const intersect::Convention& convention = {},
+                   const Range<double>& range = {});
 double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length = Length::parameter, intersect::Inside inside = intersect::Inside::usual);
+                   Length length = Length::parameter, const intersect::Convention& convention = {},
+                   const Range<double>& range = {});
 
 }  // namespace lostbits::measure::truth

@@ -24,7 +24,8 @@ Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::
     solid.shape = p.shape;
     for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = at(p.solid[k]);
     return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, solid, terms.limit,
-                      terms.convention, p.tmax.empty() ? HUGE_VAL : at(p.tmax));
+                      terms.convention,
+                      {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
 }
 
 /// Appends begin + i for each i that is not settled. Most are: eight are looked at together.
@@ -48,6 +49,7 @@ public:
           terms_(terms),
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
+          kernels_(kernels_for(problems, stages_)),
           in_place_(problems) {}
 
     void find() {
@@ -60,15 +62,15 @@ public:
                 std::iota(open_.begin(), open_.end(), begin);
             } else if constexpr (std::is_same_v<S, float>) {
                 if (terms_.tightness == Tightness::ulps_of_binary32) {
-                    settle_in_place(stages_.kernels.binary64[length], begin, count);
+                    settle_in_place(kernels_.binary64[length], begin, count);
                     out_.stages.binary64 += count - open_.size();
                 } else {
                     open_.resize(count);
                     std::iota(open_.begin(), open_.end(), begin);
                 }
-                if (!open_.empty()) settle_gathered(stages_.kernels.double_double[length]);
+                if (!open_.empty()) settle_gathered(kernels_.double_double[length]);
             } else {
-                settle_in_place(stages_.kernels.double_double[length], begin, count);
+                settle_in_place(kernels_.double_double[length], begin, count);
                 out_.stages.double_double += count - open_.size();
             }
             for (const std::size_t i : open_) find_alone(i);
@@ -125,6 +127,7 @@ private:
     const ColumnTerms& terms_;
     TruthColumns& out_;
     const stages::Stages& stages_;
+    const stages::RawKernels& kernels_;
     InPlace<S> in_place_;
     std::vector<std::size_t> open_;
 };

@@ -22,7 +22,8 @@ struct ProblemColumns {
     std::array<std::span<const S>, 6> ray;               ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                                       ///< one that a solid can have
     std::array<std::span<const S>, most_numbers> solid;  ///< as in `Solid::numbers`; empty beyond those of the shape
-    std::span<const S> tmax = {};                        ///< where the rays end (boxes only); empty: nowhere
+    std::span<const S> tmin = {}, tmax = {};             ///< the ranges of the rays; empty: from 0, without end
+    OpenEnds open = {};
     /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
     std::array<std::span<const S>, 6> ray_low = {};
     std::array<std::span<const S>, most_numbers> solid_low = {};

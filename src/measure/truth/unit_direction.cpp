@@ -1,10 +1,13 @@
 #include "measure/truth/unit_direction.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "measure/stages/stages.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
+#include "number/real.hpp"
+#include "scene/toml/round.hpp"
 
 namespace lostbits::measure::truth {
 namespace {
@@ -70,6 +73,11 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
             }
         }
     }
+}
+
+double as_distance(double t, const Vec<double>& d, const FloatFormat& format) {
+    if (t == 0 || !std::isfinite(t)) return t;
+    return scene::toml::round_to_format(Real(t) * length(Vec<Real>(Real(d.x), Real(d.y), Real(d.z))), format);
 }
 
 }  // namespace lostbits::measure::truth

@@ -15,4 +15,7 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
 /// The same of many at once, as columns, in place.
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format);
 
+/// t |d|, rounded once to the format: the end of a range, for the direction of length one.
+double as_distance(double t, const Vec<double>& d, const FloatFormat& format);
+
 }  // namespace lostbits::measure::truth

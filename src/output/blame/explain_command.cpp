@@ -46,7 +46,10 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
     const Ray<double> ray = one->rays[0];
     text += "--ray=" + hex_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
                                            ray.direction.z});
-    if (!one->rays.tmax.empty() && !std::isinf(one->rays.tmax[0])) text += " --tmax=" + file::hex(one->rays.tmax[0]);
+    const Range<double> range = one->rays.range(0);
+    if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
+    if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);
+    if (range.open.tmin || range.open.tmax) text += fmt::format(" --open-ends {}", lostbits::name_of(range.open));
     if (!one->march) return text;
     std::size_t place = 0;
     transformed(*one->march, [&](double x) {

@@ -28,7 +28,8 @@ std::vector<Column> given_columns(const Layout& layout) {
             columns.push_back({std::string(scene::dump::name_of_slot(s, layout.solid())), type, "", meaning});
     };
     for (std::size_t s = slot::origin; s < slot::tmax; ++s) add(s, "number", "of the ray, as it was judged");
-    add(slot::tmax, "number", "where the ray ends");
+    add(slot::tmin, "number", "where the range of the ray begins");
+    add(slot::tmax, "number", "where it ends");
     for (std::size_t s = slot::solid; s < slot::t; ++s) add(s, "number", "of the ray's solid, as it was judged");
     add(slot::hit, "boolean", "whether the file has a hit there");
     add(slot::t, "number", "the file's answer; missing where it has no hit");
@@ -82,6 +83,7 @@ void RayRows::add_given(const Chunk& chunk, std::size_t i) {
     const Ray<double> ray = chunk.rays[i];
     for (int k = 0; k < 3; ++k) csv_.add(number(ray.origin[k]));
     for (int k = 0; k < 3; ++k) csv_.add(number(ray.direction[k]));
+    if (layout.has(slot::tmin)) csv_.add(number(chunk.rays.tmin[i]));
     if (layout.has(slot::tmax)) csv_.add(number(chunk.rays.tmax[i]));
     if (!chunk.solids.empty()) {
         for (const double x : chunk.solids[i].used()) csv_.add(number(x));

@@ -33,9 +33,14 @@ void fields(Bits& bits, Solid<T>& solid) {
 }
 
 template <class Bits>
+void fields(Bits& bits, OpenEnds& open) {
+    bits(open.tmin, open.tmax);
+}
+
+template <class Bits>
 void fields(Bits& bits, scene::rays::RayBlock& block) {
-    auto& [width, y0, y1, ox, oy, oz, dx, dy, dz, tmax] = block;
-    bits(width, y0, y1, ox, oy, oz, dx, dy, dz, tmax);
+    auto& [width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open] = block;
+    bits(width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open);
 }
 
 template <class Bits, class T>

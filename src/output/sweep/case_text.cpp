@@ -56,10 +56,13 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& one)
     const Ray<double> ray = one.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
-    const bool ends = !one.rays.tmax.empty() && !std::isinf(one.rays.tmax[0]);
-    return fmt::format("\n[[case]]\nname = {}\n{}rays = [{{ origin = {}, direction = {}{} }}]\n", quoted(name), solids,
-                       hex_list(origin), hex_list(direction),
-                       ends ? fmt::format(", tmax = \"{}\"", file::hex(one.rays.tmax[0])) : "");
+    const Range<double> range = one.rays.range(0);
+    const std::string_view open = name_of(range.open);
+    return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n", quoted(name),
+                       open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open), solids, hex_list(origin),
+                       hex_list(direction),
+                       range.tmin == 0 ? "" : fmt::format(", tmin = \"{}\"", file::hex(range.tmin)),
+                       std::isinf(range.tmax) ? "" : fmt::format(", tmax = \"{}\"", file::hex(range.tmax)));
 }
 
 }  // namespace lostbits::output::sweep

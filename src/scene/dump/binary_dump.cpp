@@ -115,7 +115,7 @@ void BinaryDump::refuse_reversed(const Records& records) const {
     for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
         const auto means = layout_->columns()[c].slot;
         const ItemType& type = lie_.columns[c].type;
-        if (!means || *means == slot::t || *means == slot::tmax || type.size < 2) continue;
+        if (!means || *means == slot::t || *means == slot::tmin || *means == slot::tmax || type.size < 2) continue;
         if (type.kind == ItemType::Kind::floating) floats.push_back(c);
         else if (*means == slot::hit) whole.push_back(c);
     }

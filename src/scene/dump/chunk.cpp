@@ -13,7 +13,9 @@ ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size
     : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.solid()), decides_(layout.has_answers()) {
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz}) column->reserve(records);
+    if (layout.has(slot::tmin)) rays.tmin.reserve(records);
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
+    rays.open = terms.open;
     if (shape_) chunk.solids.reserve(records);
     if (decides_) chunk.t.reserve(records), chunk.hit.reserve(records);
     if (layout.has(slot::object)) chunk.object.reserve(records);
@@ -41,12 +43,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         return bad(slot::direction, "the direction is zero in all three components, so it is not a ray; leave it out");
     if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
-    const std::optional<Shape> shape = shape_ ? shape_ : terms_.solid;
-    if (is_there(slot::tmax) && shape && !told_end(*shape) && !(x[slot::tmax] == HUGE_VAL))
-        return bad(slot::tmax,
-                   fmt::format("the truth of {} knows no end of a ray, and would find hits beyond it; leave the "
-                               "column out or rename it, and judge answers that were found without an end",
-                               row_of(*shape).plural));
+    if (is_there(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
+        return bad(slot::tmin,
+                   "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
@@ -112,6 +111,7 @@ Solid<double> ChunkWriter::solid() const {
 void ChunkWriter::keep() {
     const auto& x = numbers_;
     chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
+    if (layout_.has(slot::tmin)) chunk_.rays.tmin.push_back(is_there(slot::tmin) ? x[slot::tmin] : 0);
     if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(is_there(slot::tmax) ? x[slot::tmax] : HUGE_VAL);
     if (shape_) {
         chunk_.solids.push_back(solid());

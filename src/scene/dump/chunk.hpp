@@ -30,6 +30,7 @@ struct DumpTerms {
     MissRule miss = {};               ///< where no column is `hit`
     std::optional<Shape> solid = {};  ///< of the solids given once for all rays
     bool keep = false;                ///< the columns of one's own are wanted
+    OpenEnds open = {};               ///< of the ranges of all rays
 };
 
 struct Chunk {

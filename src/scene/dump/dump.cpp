@@ -15,6 +15,7 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
     terms_.format = options.format.value_or(own);
     terms_.keep = options.keep;
     terms_.solid = options.solid;
+    terms_.open = options.open;
     const std::string& file = name_;
     if (layout.solid() && options.solid)
         throw InputError(file +

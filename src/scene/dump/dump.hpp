@@ -27,6 +27,7 @@ struct DumpOptions {
     std::optional<Format> format = std::nullopt;  ///< of the answers; the file's own where absent
     std::optional<MissRule> miss = std::nullopt;
     std::optional<Shape> solid = std::nullopt;  ///< of the solids that are given once
+    OpenEnds open = {};                         ///< of the ranges of all rays
     intersect::process::StopToken stop = {};    ///< asked before each piece is read
     bool keep = false;                          ///< the columns of one's own are wanted
 };

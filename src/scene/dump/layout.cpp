@@ -25,7 +25,7 @@ std::vector<KnownName> make_known_names() {
     const auto add = [&all](std::size_t slot, std::initializer_list<const char*> names) {
         for (const char* const name : names) all.push_back({name, slot++});
     };
-    add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax"});
+    add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
             all.push_back({column_names(row.shape)[k], slot::solid + k, row.shape});
@@ -33,7 +33,8 @@ std::vector<KnownName> make_known_names() {
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
     // As the project's own tables and other people have it.
-    add(slot::origin, {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max"});
+    add(slot::origin,
+        {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
             for (std::string& name : other_column_names(row.shape, k))
@@ -63,7 +64,8 @@ std::string what_to_write() {
     std::string solids;
     for (const ShapeRow& row : shape_rows)
         solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
-    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmax, the solid's " + solids + ", and the answer's hit and t";
+    return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, the solid's " + solids +
+           ", and the answer's hit and t";
 }
 
 }  // namespace
@@ -91,12 +93,6 @@ void Layout::find_slots(const Complain& complain) {
         found[c].hex = name.ends_with(hex_tail);
         if (found[c].hex) name.erase(name.size() - hex_tail.size());
         found[c].known = find_known(name);
-        if (name == "tmin" || name == "t_min")
-            complain(c,
-                     fmt::format("\"{}\": rays begin at t = 0 here, so that the truth would count what the ray was to "
-                                 "pass over; write the origins o + {} d and t less {}, or, where all of it is 0, "
-                                 "leave the column out (as _ in --columns)",
-                                 columns_[c].name, columns_[c].name, columns_[c].name));
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;

@@ -13,9 +13,9 @@
 
 namespace lostbits::scene::dump {
 
-/// The numbers of a record that mean something to us, in one row: the ray, its end, its solid, its answer.
+/// The numbers of a record that mean something to us, in one row: the ray, its range, its solid, its answer.
 namespace slot {
-inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, solid = 7;
+inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, solid = 8;
 inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t + 2, count = t + 3;
 }  // namespace slot
 

@@ -4,6 +4,7 @@
 
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/file/rays_table.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/result_name.hpp"
 #include "scene/toml/toml_reader.hpp"
@@ -137,6 +138,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
+    if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
         file.fail_at(shape_rows.front().name, "is missing; a scene has at least one " + tables_of_solids());

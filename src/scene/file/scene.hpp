@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/range.hpp"
 #include "intersect/march.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
@@ -50,6 +51,7 @@ struct Scene {
     std::vector<Solid<Real>> listed;                       ///< as written, in world units, shape by shape
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
+    Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of it
     std::filesystem::path path;
 

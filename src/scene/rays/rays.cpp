@@ -25,6 +25,7 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < scene.width; ++x) block.push(ray(frame, x, y));
     }
+    put_range(scene, block);
     return block;
 }
 
@@ -47,6 +48,13 @@ RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
     return to;
 }
 
+template <class T, class Round>
+void round_ranges(const BasicRayBlock<T>& from, RayBlock& to, const Round& round) {
+    for (const double t : from.tmin) to.tmin.push_back(round(t));
+    for (const double t : from.tmax) to.tmax.push_back(round(t));
+    to.open = from.open;
+}
+
 }  // namespace
 
 RayGroup group_of(const Ray<double>& ray) {
@@ -64,7 +72,7 @@ IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_ra
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
     RayBlock to = rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
-    for (const double t : ideal.tmax) to.tmax.push_back(rounding::to_format(t, 0, f));
+    round_ranges(ideal, to, [&f](double t) { return rounding::to_format(t, 0, f); });
     return to;
 }
 
@@ -75,7 +83,7 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
         return by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
     };
     RayBlock to = rounded(block, round);
-    for (const double t : block.tmax) to.tmax.push_back(round(t));
+    round_ranges(block, to, round);
     return to;
 }
 

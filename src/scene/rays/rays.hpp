@@ -1,9 +1,11 @@
 // The rays of a picture, made once and stored as the numbers that every form is given.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "geometry/range.hpp"
 #include "intersect/march.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
@@ -18,7 +20,8 @@ struct BasicRayBlock {
     int y0 = 0;
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
-    std::vector<double> tmax = {};  ///< where each ray ends, for the forms that take it; empty: nowhere
+    std::vector<double> tmin = {}, tmax = {};  ///< where the range of each ray begins and ends; empty: at 0, nowhere
+    OpenEnds open = {};                        ///< of all of these ranges
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     void push(const Ray<T>& ray) {
@@ -28,6 +31,20 @@ struct BasicRayBlock {
         dx.push_back(ray.direction.x);
         dy.push_back(ray.direction.y);
         dz.push_back(ray.direction.z);
+    }
+    /// The range of a ray of another block, for the ray that is pushed before or after it. All open the same ends.
+    template <class S>
+    void push_range(const BasicRayBlock<S>& from, std::size_t i) {
+        if (!from.tmin.empty()) tmin.push_back(from.tmin[i]);
+        if (!from.tmax.empty()) tmax.push_back(from.tmax[i]);
+        open = from.open;
+    }
+    [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
+    [[nodiscard]] Range<double> range(std::size_t i) const {
+        Range<double> one{.open = open};
+        if (!tmin.empty()) one.tmin = tmin[i];
+        if (!tmax.empty()) one.tmax = tmax[i];
+        return one;
     }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
 };
@@ -47,6 +64,14 @@ struct RayGroup {
 
 /// A ray alone; what it is aimed at is still to be added.
 RayGroup group_of(const Ray<double>& ray);
+
+/// The range of the scene's rays, for all rays of a block.
+template <class T>
+void put_range(const file::Scene& scene, BasicRayBlock<T>& block) {
+    if (scene.range.tmin > 0) block.tmin.assign(block.size(), scene.range.tmin);
+    if (scene.range.tmax < HUGE_VAL) block.tmax.assign(block.size(), scene.range.tmax);
+    block.open = scene.range.open;
+}
 
 /// Shared inputs: the camera in double, each component then rounded once to binary32.
 RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);

@@ -109,12 +109,12 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     if (c.solids.empty()) toml::fail(table.where(), "a case has " + solids_of_a_case() + "; write one of them");
     for (TableReader& ray : table.tables("rays")) {
-        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}});
-        const auto endless = std::ranges::find_if_not(c.solids, told_end, &SolidSpec::shape);
-        if (ray.has("tmax") && endless != c.solids.end()) ray.fail_at("tmax", no_end_words(endless->shape));
+        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
+        if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         ray.reject_unknown_keys();
     }
+    c.open = table.optional_one_of<OpenEnds>("open_ends", open_ends_names).value_or(OpenEnds{});
     if (c.rays.empty()) toml::fail(table.where(), "a case has rays = [{ origin, direction }, …]; write at least one");
     table.reject_unknown_keys();
     return c;
@@ -200,11 +200,16 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
             group.rays.push({symmetry.of(vec_in(ray.origin, format, lengths)), d});
         }
-        const bool ends = std::ranges::any_of(c.rays, [](const RaySpec& ray) { return !ray.tmax.empty(); });
-        for (const RaySpec& ray : c.rays) {
+        const auto put_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double otherwise,
+                                  std::vector<double>& to) {
+            if (!std::ranges::any_of(c.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); })) return;
             // A parameter, not a length: it is not scaled.
-            if (ends) group.rays.tmax.push_back(ray.tmax.empty() ? HUGE_VAL : ray.tmax.front().in(format, 0));
-        }
+            for (const RaySpec& ray : c.rays)
+                to.push_back((ray.*end).empty() ? otherwise : (ray.*end).front().in(format, 0));
+        };
+        put_ends(&RaySpec::tmin, 0, group.rays.tmin);
+        put_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
+        group.rays.open = c.open;
         group.rays.width = static_cast<int>(c.rays.size());
         group.rays.y1 = 1;
         groups.push_back(std::move(group));

@@ -48,12 +48,13 @@ private:
     };
     struct RaySpec {
         std::vector<toml::Quantity> origin, direction;
-        std::vector<toml::Quantity> tmax;  ///< one, or none: the ray has no end
+        std::vector<toml::Quantity> tmin, tmax;  ///< one, or none: the range begins at 0, has no end
     };
     struct Case {
         std::string name, note;
         toml::Exponent lengths, directions;  ///< every length, every direction is times two to this
         std::optional<double> zeros;         ///< +0 or −0: every zero of a direction is this one
+        OpenEnds open = {};                  ///< of the ranges of all rays
         bool symmetric = false;              ///< once under each of the 48 symmetries of the axes, ray and solid alike
         std::vector<SolidSpec> solids;
         std::vector<RaySpec> rays;

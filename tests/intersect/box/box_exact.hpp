@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "geometry/range.hpp"
 #include "intersect/exact.hpp"
 
 namespace lostbits::test {
@@ -40,6 +41,8 @@ private:
 struct BoxCase {
     std::array<Rational, 3> origin, direction, lo, hi;
     std::optional<Rational> tmax;  ///< none: the ray has no end
+    Rational tmin = 0;
+    OpenEnds open = {};
 };
 
 inline BoxCase exactly(const Ray<double>& ray, const Box<double>& box, double tmax) {
@@ -73,11 +76,11 @@ inline Span line_in_box(const BoxCase& x, bool closed) {
     return span;
 }
 
-/// The t in [0, tmax] at which the ray lies in the box.
+/// The t of its range at which the ray lies in the box.
 inline Span ray_in_box(const BoxCase& x, bool closed) {
     Span span = line_in_box(x, closed);
-    span.starts_at(0, true);
-    if (x.tmax) span.ends_at(*x.tmax, true);
+    span.starts_at(x.tmin, !x.open.tmin);
+    if (x.tmax) span.ends_at(*x.tmax, !x.open.tmax);
     return span;
 }
 

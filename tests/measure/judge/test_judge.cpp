@@ -175,8 +175,8 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
         for (const intersect::Convention convention :
              {intersect::Convention{}, intersect::Convention{intersect::Touching::miss}}) {
             for (std::size_t i = 0; i < group.rays.size(); ++i) {
-                const truth::Truth alone = truth::find_truth(group.rays[i], group.solids[i], {}, convention,
-                                                             group.rays.tmax.empty() ? HUGE_VAL : group.rays.tmax[i]);
+                const truth::Truth alone =
+                    truth::find_truth(group.rays[i], group.solids[i], {}, convention, group.rays.range(i));
                 const truth::Truth& found = band.truth(i, convention);
                 REQUIRE(found.decision == alone.decision);
                 REQUIRE(found.object == (alone.is_hit() ? static_cast<int>(i) : -1));

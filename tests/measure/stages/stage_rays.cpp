@@ -20,7 +20,8 @@ Interval exactly(const StageNumber& x) {
 /// Columns of every number, and room for the findings: whole registers.
 template <class S>
 struct StageColumns {
-    std::vector<S> first[12], second[12], tmax;
+    std::vector<S> first[12], second[12], tmin, tmax;
+    OpenEnds open;
     std::vector<std::uint8_t> settled, hit;
     std::vector<double> hi, lo, bound;
 
@@ -33,8 +34,12 @@ struct StageColumns {
                 second[k].push_back(static_cast<S>(x.second));
             }
         }
-        for (std::size_t i = 0; i < size; ++i)
-            tmax.push_back(static_cast<S>(problems[std::min(i, problems.size() - 1)].tmax));
+        for (std::size_t i = 0; i < size; ++i) {
+            const Range<double>& range = problems[std::min(i, problems.size() - 1)].range;
+            tmin.push_back(static_cast<S>(range.tmin));
+            tmax.push_back(static_cast<S>(range.tmax));
+        }
+        open = problems.front().range.open;
         settled.resize(size);
         hit.resize(size);
         for (auto* column : {&hi, &lo, &bound}) column->resize(size);
@@ -48,7 +53,9 @@ struct StageColumns {
             p.solid[k] = {first[6 + k].data(), 1};
             p.solid_low[k] = {second[6 + k].data(), 1};
         }
+        p.tmin = {tmin.data(), 1};
         p.tmax = {tmax.data(), 1};
+        p.open = open;
         return p;
     }
     [[nodiscard]] std::vector<StageFinding> findings(std::size_t count) const {
@@ -72,12 +79,14 @@ std::vector<StageFinding> run_stage(StageName stage, bool distance, const std::v
                                     intersect::simd::Isa isa) {
     const auto& stages = measure::stages::stages_of(problems.front().shape, isa);
     const std::size_t which = distance ? 1 : 0;
+    const bool ranged = !std::ranges::all_of(problems, [](const StageProblem& p) { return p.range.is_whole(); });
+    const auto& kernels = ranged ? stages.kernels.ranged : stages.kernels.ahead;
     switch (stage) {
-        case StageName::binary64: return run<float>(stages.kernels.binary64[which], problems, stages.lanes);
-        case StageName::double_double: return run<double>(stages.kernels.double_double[which], problems, stages.lanes);
+        case StageName::binary64: return run<float>(kernels.binary64[which], problems, stages.lanes);
+        case StageName::double_double: return run<double>(kernels.double_double[which], problems, stages.lanes);
         case StageName::of_two_words: break;
     }
-    return run<double>(stages.kernels.of_two_words[which], problems, stages.lanes);
+    return run<double>(kernels.of_two_words[which], problems, stages.lanes);
 }
 
 std::string contradiction(const StageProblem& problem, const StageFinding& found, bool distance) {
@@ -89,8 +98,9 @@ std::string contradiction(const StageProblem& problem, const StageFinding& found
         Solid<Interval> solid;
         solid.shape = problem.shape;
         for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = at(6 + k);
-        const Interval end = std::isinf(problem.tmax) ? Interval(0) : Interval(problem.tmax);
-        const auto e = measure::truth::enclose<Interval>(ray, solid, std::isinf(problem.tmax) ? nullptr : &end);
+        if (!problem.range.holds_any()) return found.hit ? "a hit in a range that holds nothing" : "";
+        const auto range = measure::truth::range_over<Interval>(problem.range);
+        const auto e = measure::truth::enclose<Interval>(ray, solid, range ? &*range : nullptr);
         if (e.hit.is_unknown()) continue;
         if (e.touching || e.on_surface) return "settled what touches, or starts on the surface";
         if (e.hit.is_yes() != found.hit) return found.hit ? "a hit that MPFI misses" : "a miss that MPFI hits";
@@ -108,7 +118,8 @@ std::string paste(const StageProblem& problem) {
     std::ostringstream out;
     out << std::hexfloat << "{";
     for (std::size_t k = 0; k < 12; ++k) out << number_of(problem, k).first << (k % 3 == 2 ? ",  " : ", ");
-    out << "tmax " << problem.tmax << "}";
+    out << "range " << problem.range.tmin << " to " << problem.range.tmax << ", open " << name_of(problem.range.open)
+        << "}";
     return out.str();
 }
 

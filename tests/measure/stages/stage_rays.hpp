@@ -22,7 +22,7 @@ struct StageProblem {
     std::array<StageNumber, 6> ray;
     Shape shape;
     std::array<StageNumber, 6> solid;
-    double tmax = HUGE_VAL;
+    Range<double> range = {};
 };
 
 /// What a stage says of one problem.

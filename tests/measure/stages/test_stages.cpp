@@ -9,6 +9,7 @@
 #include "counts.hpp"
 #include "measure/stages/stage_rays.hpp"
 #include "measure/truth/box_families.hpp"
+#include "measure/truth/ranges.hpp"
 #include "measure/truth/ray_families.hpp"
 
 namespace test_stages {
@@ -21,7 +22,7 @@ namespace {
 using Draw = std::function<StageProblem(Seeded&)>;
 
 StageProblem problem_of(const Ray<double>& ray, const Solid<double>& solid, double tmax = HUGE_VAL) {
-    StageProblem p{.ray = {}, .shape = solid.shape, .solid = {}, .tmax = tmax};
+    StageProblem p{.ray = {}, .shape = solid.shape, .solid = {}, .range = {.tmax = tmax}};
     for (int i = 0; i < 3; ++i) {
         p.ray[static_cast<std::size_t>(i)] = {ray.origin[i]};
         p.ray[static_cast<std::size_t>(i) + 3] = {ray.direction[i]};
@@ -75,6 +76,19 @@ Family between_doubles(const Family& f) {
                 };
                 for (StageNumber& x : p.ray) move(x);
                 for (StageNumber& x : p.solid) move(x);
+                return p;
+            }};
+}
+
+/// The same problems in ranges about what they meet.
+Family in_ranges(const Family& f, OpenEnds open, const FloatFormat& storage) {
+    return {f.name + ", open " + std::string(name_of(open)), [draw = f.draw, open, storage](Seeded& rng) {
+                StageProblem p = draw(rng);
+                const auto at = [&p](std::size_t k) { return p.ray[k].first; };
+                Solid<double> solid(p.shape);
+                for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k].first;
+                p.range = range_about_solid(rng, {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}}, solid, storage);
+                p.range.open = open;
                 return p;
             }};
 }
@@ -170,6 +184,26 @@ TEST_CASE("stages: boxes of two words contain what MPFI says") {
     contains(families, {.stage = StageName::of_two_words, .distance = true}, rays_per_stage() / 10, 0.99);
 }
 
+TEST_CASE("stages: rays with ranges contain what MPFI says, at every width") {
+    const auto contain = [](const std::vector<Family>& families, StageName stage, const FloatFormat& storage) {
+        for (const auto& [name, open] : open_ends_names) {
+            std::vector<Family> ranged;
+            for (const Family& f : families) ranged.push_back(in_ranges(f, open, storage));
+            contains(ranged, {.stage = stage, .all_widths = true}, rays_per_stage() / 40, 0.4);
+            contains(ranged, {.stage = stage, .distance = true}, rays_per_stage() / 80, 0.4);
+        }
+    };
+    std::vector<Family> spheres, boxes;
+    for (const Family& f : sphere_families(binary64)) spheres.push_back(between_doubles(f));
+    for (const Family& f : all_box_families(binary64)) boxes.push_back(between_doubles(f));
+    contain(sphere_families(binary32), StageName::binary64, binary32);
+    contain(sphere_families(binary64), StageName::double_double, binary64);
+    contain(spheres, StageName::of_two_words, binary64);
+    contain(all_box_families(binary32), StageName::binary64, binary32);
+    contain(all_box_families(binary64), StageName::double_double, binary64);
+    contain(boxes, StageName::of_two_words, binary64);
+}
+
 TEST_CASE("stages: every width finds the same bits") {
     const auto same = [](const std::vector<Family>& families, StageName stage) {
         for (const Family& family : families) {
@@ -215,7 +249,14 @@ TEST_CASE("stages: nothing is said of what is no ray and no solid") {
         CHECK_FALSE(says(stage, with(problem_of(ray, ball), 9, -1)));
         CHECK_FALSE(says(stage, with(problem_of(ray, box), 8, 1)));  // no thickness
         CHECK_FALSE(says(stage, with(problem_of(ray, box), 6, 2)));  // lo > hi
-        for (const double end : {none, -1.0, 0.0}) CHECK_FALSE(says(stage, problem_of(ray, box, end)));
+        for (const Solid<double>& solid : {Solid<double>(ball), Solid<double>(box)}) {
+            StageProblem p = problem_of(ray, solid);
+            for (const double bad : {none, -1.0, inf}) {
+                p.range = {.tmin = bad};
+                CHECK_FALSE(says(stage, p));
+            }
+            for (const double end : {none, -1.0, 0.0}) CHECK_FALSE(says(stage, problem_of(ray, solid, end)));
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/truth/box_families.hpp"
+#include "measure/truth/ranges.hpp"
 #include "measure/truth/ray_families.hpp"
 #include "measure/truth/truth_columns.hpp"
 
@@ -26,7 +27,7 @@ namespace {
 struct Problem {
     Ray<double> ray;
     Solid<double> solid;
-    double tmax = HUGE_VAL;
+    Range<double> range = {};
 };
 
 std::vector<Problem> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
@@ -53,7 +54,7 @@ std::vector<Problem> problems_of(Shape shape, const FloatFormat& storage, std::s
             const auto kept = [&storage](double x) { return stored(x, storage); };
             problems.push_back({{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
                                 transformed(Solid<double>(s.box), kept),
-                                kept(s.tmax)});
+                                {.tmax = kept(s.tmax)}});
         }
     }
     return problems;
@@ -69,12 +70,20 @@ public:
                 numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(p.ray.direction[k]));
             }
             for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.solid.numbers[k]));
-            numbers_[12].push_back(static_cast<S>(p.tmax));
+            numbers_[12].push_back(static_cast<S>(p.range.tmax));
+            numbers_[13].push_back(static_cast<S>(p.range.tmin));
         }
+        open_ = problems.front().range.open;
         shape_ = problems.front().solid.shape;
     }
     [[nodiscard]] ProblemColumns<S> get() const {
-        ProblemColumns<S> p{.size = size_, .ray = {}, .shape = shape_, .solid = {}, .tmax = numbers_[12]};
+        ProblemColumns<S> p{.size = size_,
+                            .ray = {},
+                            .shape = shape_,
+                            .solid = {},
+                            .tmin = numbers_[13],
+                            .tmax = numbers_[12],
+                            .open = open_};
         for (std::size_t k = 0; k < 6; ++k) {
             p.ray[k] = numbers_[k];
             p.solid[k] = numbers_[6 + k];
@@ -85,7 +94,8 @@ public:
 private:
     std::size_t size_;
     Shape shape_;
-    std::vector<S> numbers_[13];
+    std::vector<S> numbers_[14];
+    OpenEnds open_;
 };
 
 const measure::truth::Certified& length_of(const Truth& truth, Length length) {
@@ -97,7 +107,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
     std::size_t different = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Problem& p = problems[i];
-        const Truth alone = find_truth(p.ray, p.solid, {}, {}, p.tmax);
+        const Truth alone = find_truth(p.ray, p.solid, {}, {}, p.range);
         if (found.decision[i] != alone.decision) {
             ++different;
             continue;
@@ -140,6 +150,27 @@ TEST_CASE("truth columns: the same as ray by ray, however tight") {
                     const double size = std::fabs(found.hi[i]), bound = found.bound[i++];
                     return std::isnan(size) || bound <= 0x1p-33 * size;
                 }));
+            }
+        }
+    }
+}
+
+TEST_CASE("truth columns: rays with ranges, the same as ray by ray") {
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        for (const auto& [name, open] : open_ends_names) {
+            for (const FloatFormat& storage : {binary32, binary64}) {
+                Seeded rng(15);
+                std::vector<Problem> problems = problems_of(shape, storage, 60);
+                for (Problem& p : problems)
+                    p.range = range_about_solid(rng, p.ray, p.solid, storage), p.range.open = open;
+                TruthColumns found;
+                find_truth_columns(Columns<double>(problems).get(), {}, found);
+                CHECK(count_different(problems, found, Length::parameter, true) == 0);
+                CHECK(found.stages.double_double > problems.size() / 4);
+                if (storage == binary64) continue;
+                find_truth_columns(Columns<float>(problems).get(), {.tightness = Tightness::ulps_of_binary32}, found);
+                CHECK(count_different(problems, found, Length::parameter, false) == 0);
+                CHECK(found.stages.binary64 > problems.size() / 4);
             }
         }
     }
@@ -188,7 +219,8 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
     scene::rays::RayBlock rays;
     for (const Problem& p : problems) {
         rays.push(p.ray);
-        rays.tmax.push_back(p.tmax);
+        rays.tmin.push_back(p.range.tmin);
+        rays.tmax.push_back(p.range.tmax);
     }
     measure::truth::RayTruths found;
     const scene::rays::SolidList<double> list(solids);
@@ -197,7 +229,7 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
     std::size_t different = 0, hits = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Truth alone =
-            find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].tmax);
+            find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].range);
         hits += alone.is_hit();
         const Truth there = found[i];
         different += there.decision != alone.decision || there.object != alone.object ||

@@ -11,6 +11,10 @@ struct BoxSample {
     Ray<double> ray;
     Box<double> box;
     double tmax = HUGE_VAL;
+    double tmin = 0;
+    OpenEnds open = {};
+
+    [[nodiscard]] Range<double> range() const { return {tmin, tmax, open}; }
 };
 
 struct BoxFamily {

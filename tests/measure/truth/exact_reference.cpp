@@ -85,31 +85,39 @@ void ExactHit::prepare() {
     c_ = square(f_[0]) + square(f_[1]) + square(f_[2]) - r2_;
     discriminant_ = square(h_) - a_ * c_;
     hit_ = c_.sign() <= 0 || (h_.sign() < 0 && discriminant_.sign() >= 0);
+    far_ = c_.sign() < 0 || (c_.sign() == 0 && h_.sign() >= 0);
+}
+
+ExactHit::ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range)
+    : ExactHit(ray, sphere) {
+    far_ = false;
+    if (!is_in(range)) far_ = true;
+    hit_ = discriminant_.sign() >= 0 && range.tmin >= 0 && is_in(range);
+}
+
+bool ExactHit::is_in(const Range<double>& range) const {
+    const int begun = side(Dyadic(range.tmin)), ended = std::isinf(range.tmax) ? -1 : side(Dyadic(range.tmax));
+    return (range.open.tmin ? begun > 0 : begun >= 0) && (range.open.tmax ? ended < 0 : ended <= 0);
 }
 
 // Q(x) = |f + x d|² − r² tells whether the point at x is outside; (f + x d)·d whether it is past the closest approach.
-// From outside t* is the near root: above x where the point is outside and not past. From inside it is the far one:
-// above x ≥ 0 where the point is still inside.
+// The near root is above x where the point is outside and not past, the far one where it is inside or not yet past.
 int ExactHit::side(const Dyadic& x) const {
-    if (on_surface() || x.sign() < 0) return -x.sign();
     Dyadic q = -r2_, past;
     for (int i = 0; i < 3; ++i) {
         const Dyadic p = f_[i] + x * d_[i];
         q = q + square(p);
         past = past + p * d_[i];
     }
-    if (is_inside()) return -q.sign();
-    if (past.sign() > 0) return -1;
-    return q.sign();
+    if (far_) return past.sign() < 0 ? 1 : -q.sign();
+    return past.sign() > 0 ? -1 : q.sign();
 }
 
 // With s = t·|d| and the unit direction d/√a: Q = c + s² + 2 h s/√a, and (f + t d)·d/√a = s + h/√a.
 int ExactHit::distance_side(const Dyadic& x) const {
-    if (on_surface() || x.sign() < 0) return -x.sign();
-    const int q = sign_of_sum(c_ + square(x), (h_ * x).scaled(1), a_);
-    if (is_inside()) return -q;
-    if (sign_of_sum(x, h_, a_) > 0) return -1;
-    return q;
+    const int q = sign_of_sum(c_ + square(x), (h_ * x).scaled(1), a_), past = sign_of_sum(x, h_, a_);
+    if (far_) return past < 0 ? 1 : -q;
+    return past > 0 ? -1 : q;
 }
 
 Dyadic lower_end(const Certified& x) { return Dyadic(x) - Dyadic(x.bound).scaled(x.exponent); }

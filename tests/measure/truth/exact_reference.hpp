@@ -6,6 +6,7 @@
 
 #include <boost/multiprecision/gmp.hpp>
 
+#include "geometry/range.hpp"
 #include "measure/truth/certified.hpp"
 #include "number/real.hpp"
 #include "shapes/box/box.hpp"
@@ -36,10 +37,12 @@ private:
     std::int64_t e_ = 0;
 };
 
-/// The first root t* ≥ 0 of |f + t d|² = r², known by its defining signs alone.
+/// The first root t* ≥ 0 of |f + t d|² = r², or the first in a range, known by its defining signs alone.
 class ExactHit {
 public:
     ExactHit(const Ray<double>& ray, const Sphere<double>& sphere);
+    /// The first root in a range.
+    ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range);
     ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere);
 
     [[nodiscard]] bool hit() const { return hit_; }
@@ -53,10 +56,12 @@ public:
 
 private:
     void prepare();
+    [[nodiscard]] bool is_in(const Range<double>& range) const;
 
     Dyadic f_[3], d_[3], r2_;
     Dyadic a_, h_, c_, discriminant_;
     bool hit_ = false;
+    bool far_ = false;  ///< of the two roots it is the far one
 };
 
 /// (hi + lo ∓ bound)·2^exponent.

@@ -7,6 +7,7 @@
 #include "intersect/box/box_exact.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/enclose.hpp"
+#include "measure/truth/ranges.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
@@ -24,16 +25,20 @@ struct Tally {
     int rays = 0, closed = 0, open = 0, escalated = 0, bits = 0, straddled = 0, decided_low = 0, asked_low = 0;
 };
 
+BoxCase exactly_in_range(const BoxSample& s) {
+    BoxCase x = test::exactly(s.ray, s.box, s.tmax);
+    x.tmin = Rational(s.tmin);
+    x.open = s.open;
+    return x;
+}
+
 /// A problem, and its exact answers.
 struct Question {
     const BoxSample& sample;
     BoxCase exact;
     Span closed, open;
     explicit Question(const BoxSample& s)
-        : sample(s),
-          exact(test::exactly(s.ray, s.box, s.tmax)),
-          closed(ray_in_box(exact, true)),
-          open(ray_in_box(exact, false)) {}
+        : sample(s), exact(exactly_in_range(s)), closed(ray_in_box(exact, true)), open(ray_in_box(exact, false)) {}
 };
 
 bool keeps(BoxFamily::Promise promise, const Question& q) {
@@ -104,7 +109,7 @@ bool contains(const Interval& x, const Rational& q) {
 std::string disagreement(const Question& q, intersect::Touching convention, Tally& tally) {
     const BoxSample& s = q.sample;
     const Span& want = convention == intersect::Touching::hit ? q.closed : q.open;
-    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.box, {}, convention, s.tmax);
+    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.box, {}, convention, s.range());
     tally.escalated += truth.bits > 106;
     tally.bits = std::max(tally.bits, truth.bits);
     if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
@@ -123,7 +128,7 @@ std::string disagreement(const Question& q, intersect::Touching convention, Tall
     if (!is_in_binade(truth.distance, squared, true)) return "the distance is not in its binade";
     if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
     for (const FloatFormat& f : {binary64, binary32, binary16}) {
-        if (measure::truth::round_truth(truth, s.ray, s.box, f) != rounded(t, f))
+        if (measure::truth::round_truth(truth, s.ray, s.box, f, {}, convention, s.range()) != rounded(t, f))
             return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
         tally.straddled += !measure::truth::round_certified(truth.t, f);
     }
@@ -138,9 +143,9 @@ std::string contradiction(const Question& q, intersect::Touching convention, Tal
         const Interval::Precision precision(bits);
         const Box<Interval> box{measure::truth::lift_vec<Interval>(s.box.lo),
                                 measure::truth::lift_vec<Interval>(s.box.hi)};
-        const Interval end(std::isinf(s.tmax) ? 0.0 : s.tmax);
+        const auto range = measure::truth::range_over<Interval>(s.range());
         const auto e = measure::truth::enclose(box.span(measure::truth::lift_ray<Interval>(s.ray)),
-                                               std::isinf(s.tmax) ? nullptr : &end, convention);
+                                               range ? &*range : nullptr, convention);
         ++tally.asked_low;
         tally.decided_low += !e.hit.is_unknown();
         const std::string at = " at " + std::to_string(bits) + " bits";
@@ -198,10 +203,47 @@ TEST_CASE("truth of boxes agrees with fractions on binary64 inputs", "[box][bina
     for (const BoxFamily& f : box_families) check(f, binary64, 2);
 }
 
+TEST_CASE("truth of boxes in a range: the first t of both, by fractions", "[box][range]") {
+    for (const FloatFormat& storage : {binary32, binary64}) {
+        for (const BoxFamily& family : box_families) {
+            Seeded rng(4);
+            Tally tally;
+            std::string report;
+            for (int i = 0; i < test::draws(300); ++i) {
+                BoxSample s = family.make(rng, storage);
+                BoxCase line = test::exactly(s.ray, s.box, HUGE_VAL);
+                line.tmin = -two_to(3000);
+                line.tmax = two_to(3000);
+                const Span span = ray_in_box(line, true);
+                const auto about = [](const Rational& t) {
+                    return std::min(std::fabs(rounded(t, binary64)), 0x1p1000);
+                };
+                const std::array roots{span.is_empty() ? 1.0 : about(span.start()),
+                                       span.is_empty() ? 2.0 : about(span.end())};
+                const Range<double> range = range_about(rng, roots, storage);
+                s.tmin = range.tmin, s.tmax = range.tmax, s.open = range.open;
+                if (!range.holds_any()) {
+                    CHECK_FALSE(measure::truth::find_truth(s.ray, s.box, {}, {}, range).is_hit());
+                    continue;
+                }
+                const Question q(s);
+                for (const intersect::Touching convention : {intersect::Touching::hit, intersect::Touching::miss}) {
+                    std::string what = disagreement(q, convention, tally);
+                    if (what.empty() && i % 4 == 0) what = contradiction(q, convention, tally);
+                    if (what.empty() || report.size() > 2000) continue;
+                    report += what + "\n    " + paste(range) + " " + paste(s) + "\n";
+                }
+            }
+            INFO(family.name << ":\n" << report);
+            CHECK(report.empty());
+        }
+    }
+}
+
 TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
     const Box<double> box{Vec<double>(-1), Vec<double>(1)};
     const auto shoot = [&](double x, double tmax, intersect::Touching convention) {
-        return measure::truth::find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, tmax).is_hit();
+        return measure::truth::find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, convention, {.tmax = tmax}).is_hit();
     };
     for (const intersect::Touching convention : {intersect::Touching::hit, intersect::Touching::miss}) {
         const bool closed = convention == intersect::Touching::hit;
@@ -261,7 +303,7 @@ TEST_CASE("the enclosed t of a box differentiates", "[box][conditioning]") {
     for (int i = 0; i < 1500; ++i) {
         BoxSample s = box_families[0].make(rng, binary32);
         s.tmax = HUGE_VAL;
-        hits += measure::truth::find_truth(s.ray, s.box, {}, intersect::Touching::hit, s.tmax).is_hit();
+        hits += measure::truth::find_truth(s.ray, s.box, {}, intersect::Touching::hit).is_hit();
         check_gradient<Ball>(s);
         const Interval::Precision precision(300);
         check_gradient<Interval>(s);

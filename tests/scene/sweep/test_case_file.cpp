@@ -211,11 +211,21 @@ rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
     CHECK(file.rays_before(0, find_format("bf16")->shape)[0].solids[0].box().hi.x == 1.0001);
 }
 
-TEST_CASE("the end of a ray is refused for spheres, whose forms take none") {
-    const std::string refused = broken("direction = [8, 9, 10] }", "direction = [8, 9, 10], tmax = 3 }");
-    CHECK(refused ==
-          "c.toml:7:62: case[0].rays[0].tmax ends a ray for the forms of boxes; those of spheres take no end and would "
-          "ignore it; leave it out, or ask about boxes");
+TEST_CASE("the rays of a case have ranges, whatever the shape") {
+    const auto file = loaded_cases(R"(
+schema = "lostbits-sweep/1"
+title = "t"
+[[case]]
+name = "a"
+open_ends = "tmin"
+spheres = [{ centre = [0, 0, 0], radius = 1 }]
+rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp" }, { origin = [0, 0, 0], direction = [1, 0, 0] }]
+)");
+    const auto rays = file.rays(0, binary32)[0].rays;
+    CHECK(rays.tmin == std::vector<double>{0.5, 0});
+    CHECK(rays.tmax == std::vector<double>{3 - 0x1p-22, HUGE_VAL});
+    CHECK((rays.open.tmin && !rays.open.tmax));
+    CHECK(broken("title", "open_ends = \"tmin\"\ntitle").find("open_ends") != std::string::npos);
 }
 
 TEST_CASE("what is no file of cases is refused where it is wrong") {

@@ -1,0 +1,67 @@
+// Ranges of rays that are hard for whoever decides them: about the t of a surface, exactly there, and one number
+// beside.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "measure/seeded.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::testing {
+
+/// An end at one of these t, beside one, between, or anywhere among the numbers of a format.
+inline double end_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
+    const double root = roots[static_cast<std::size_t>(rng.index(static_cast<int>(roots.size())))];
+    const double at = stored(root, storage);
+    const auto beside = [&](double towards) {
+        if (storage != binary32) return std::nextafter(at, towards);
+        return static_cast<double>(std::nextafter(static_cast<float>(at), static_cast<float>(towards)));
+    };
+    switch (rng.index(6)) {
+        case 0: return 0;
+        case 1: return beside(HUGE_VAL);
+        case 2: return beside(0);
+        case 3: return stored(root * rng.uniform(0, 2), storage);
+        case 4:
+            return stored(rng.magnitude(storage == binary32 ? -149 : -1074, storage == binary32 ? 126 : 1022), storage);
+        default: return at;
+    }
+}
+
+/// A range about these t: some of one number, some of none, some without end, and any of the ends open.
+inline Range<double> range_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
+    Range<double> range;
+    range.tmin = end_about(rng, roots, storage);
+    range.tmax = rng.index(4) == 0 ? HUGE_VAL : end_about(rng, roots, storage);
+    if (rng.index(8) == 0) range.tmax = range.tmin;
+    if (range.tmin > range.tmax && rng.index(8) != 0) std::swap(range.tmin, range.tmax);
+    if (rng.index(64) == 0) range.tmin = -range.tmin;
+    range.open.tmin = rng.coin();
+    range.open.tmax = rng.coin();
+    return range;
+}
+
+/// The same about what a ray meets, and as far again.
+inline Range<double> range_about_solid(Seeded& rng, const Ray<double>& ray, const Solid<double>& solid,
+                                       const FloatFormat& storage) {
+    const measure::truth::Truth truth = measure::truth::find_truth(ray, solid);
+    const double t = truth.is_hit() ? measure::truth::round_truth(truth, ray, solid, binary64) : 1;
+    const double least = storage == binary32 ? 0x1p-149 : 0x1p-1074, most = storage == binary32 ? 0x1p126 : 0x1p1022;
+    const std::array roots{std::clamp(t, 0.0, most), std::clamp(2 * t, least, most)};
+    return range_about(rng, roots, storage);
+}
+
+/// As C++ that compiles.
+inline std::string paste(const Range<double>& range) {
+    std::ostringstream out;
+    out << std::hexfloat << "Range<double> range{" << range.tmin << ", " << range.tmax << ", {" << range.open.tmin
+        << ", " << range.open.tmax << "}};";
+    return out.str();
+}
+
+}  // namespace lostbits::testing

@@ -1,0 +1,147 @@
+// Forms that are not told a range, asked as a renderer asks them: what lies in it counts, and a root that the form does
+// not tell is lost.
+#include "catch.hpp"
+#include "intersect/table/in_range.hpp"
+#include "measure/map/map.hpp"
+#include "measure/seeded.hpp"
+
+namespace lostbits::test::test_forms_in_range {
+
+using intersect::Roots;
+using intersect::Touching;
+using measure::answer::Outcome;
+using measure::map::MapSummary;
+using scene::rays::RayGroup;
+
+namespace {
+
+/// A ray along an axis, whose roots are 2 and 8 in every arithmetic: nothing is rounded.
+RayGroup plain_ray(Shape shape, const Range<double>& range) {
+    RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
+    group.rays.tmin = {range.tmin};
+    group.rays.tmax = {range.tmax};
+    group.rays.open = range.open;
+    if (shape == Shape::sphere) group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 3})};
+    else group.solids = {Solid<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
+    return group;
+}
+
+Outcome outcome_of(const intersect::table::Intersector& form, const char* format, RayGroup group) {
+    const auto summaries = measure::map::measure_groups({std::move(group)}, {{&form, *find_format(format), {}}},
+                                                        {measure::metric::find_metric("lost_bits")}, {});
+    for (const Outcome o : {Outcome::agree_hit, Outcome::agree_miss, Outcome::false_hit, Outcome::false_miss})
+        if (summaries[0].count(o) == 1) return o;
+    return Outcome::unresolved;
+}
+
+/// All ranges between these, with every kind of end.
+template <class Use>
+void for_each_range(const Use& use) {
+    for (const double tmin : {0.0, 1.0, 2.0, 5.0, 8.0, 9.0})
+        for (const double tmax : {0.0, 1.0, 2.0, 5.0, 8.0, 9.0, HUGE_VAL})
+            for (const auto& [name, open] : open_ends_names) use(Range<double>{tmin, tmax, open});
+}
+
+/// By hand: the surface is at 2 and 8, and all between is the box.
+bool meets(Shape shape, bool closed, const Range<double>& r) {
+    if (!r.holds_any()) return false;
+    const auto in = [&r](double t) { return !r.is_before(t) && !r.is_after(t); };
+    if (shape == Shape::sphere) return in(2) || in(8);
+    if (closed) return in(2) || in(8) || (r.tmin < 8 && r.tmax > 2);
+    return r.tmin < 8 && r.tmax > 2;
+}
+
+}  // namespace
+
+TEST_CASE("forms of both roots decide as the truth does in every range, forms of one lose the far root",
+          "[measure][range]") {
+    std::size_t right = 0, lost = 0;
+    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
+        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        const bool open_box = form.shape == Shape::box && form.info->touching == Touching::miss;
+        for_each_range([&](const Range<double>& range) {
+            const bool hit = meets(form.shape, !open_box, range);
+            // Where only the far root is in the range, a form that does not tell it has nothing to offer. The nearest
+            // point of a box is not asked for again: it is what the range begins with.
+            const bool far_alone = form.shape == Shape::sphere && hit && (range.is_before(2) || range.is_after(2));
+            const bool loses =
+                far_alone && form.info->roots != Roots::both && form.info->inside != intersect::Inside::near;
+            INFO(form.info->name << " from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
+            const Outcome got = outcome_of(form, "f32", plain_ray(form.shape, range));
+            if (form.info->inside == intersect::Inside::near && far_alone) return;  // by its word there is nothing
+            CHECK(got == (loses ? Outcome::false_miss : hit ? Outcome::agree_hit : Outcome::agree_miss));
+            (loses ? lost : right) += 1;
+        });
+    }
+    CHECK(right > 3000);
+    CHECK(lost > 50);
+}
+
+TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[measure][range]") {
+    testing::Seeded rng(1);
+    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
+        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        scene::rays::RayGroup group;
+        for (int i = 0; i < 300; ++i) {
+            const Vec<double> origin = testing::stored(rng.vec(-3, 3), binary32);
+            group.rays.push({origin, testing::stored(rng.vec(-1, 1), binary32)});
+        }
+        group.rays.width = static_cast<int>(group.rays.size());
+        group.rays.y1 = 1;
+        group.solids = plain_ray(form.shape, {}).solids;
+        RayGroup ranged = group;
+        ranged.rays.tmin.assign(group.rays.size(), 0);
+        ranged.rays.tmax.assign(group.rays.size(), HUGE_VAL);
+        const measure::truth::Band without(group), with(ranged);
+        const bool unit = form.info->direction == intersect::Direction::unit;
+        const auto inputs = [&](const measure::truth::Band& band) {
+            return band.inputs(*find_format("f32"), {.unit_rays = unit});
+        };
+        const auto a = measure::answer::evaluate(form, inputs(without)),
+                   b = measure::answer::evaluate(form, inputs(with));
+        INFO(form.info->name);
+        CHECK(a.hit == b.hit);
+        CHECK(std::ranges::equal(a.t, b.t,
+                                 [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
+        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+            const auto x = without.truth(i, form.info->convention()), y = with.truth(i, form.info->convention());
+            REQUIRE(x.decision == y.decision);
+            REQUIRE((x.t.hi == y.t.hi && x.t.lo == y.t.lo && x.t.bound == y.t.bound && x.bits == y.bits));
+        }
+    }
+}
+
+TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[measure][range]") {
+    testing::Seeded rng(2);
+    const auto before = intersect::simd::current_isa();
+    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
+        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        RayGroup group;
+        for (int i = 0; i < 300; ++i) {
+            const Vec<double> origin = testing::stored(rng.vec(-6, 6), binary32);
+            group.rays.push({origin, testing::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
+            const double tmin = testing::stored(rng.uniform(0, 1.5), binary32);
+            group.rays.tmin.push_back(tmin);
+            group.rays.tmax.push_back(testing::stored(tmin + rng.uniform(0, 1), binary32));
+        }
+        group.rays.width = static_cast<int>(group.rays.size());
+        group.rays.y1 = 1;
+        group.solids = plain_ray(form.shape, {}).solids;
+        const measure::truth::Band band(group);
+        const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true});
+        std::optional<measure::answer::Answers> first;
+        for (const auto isa : intersect::simd::available_isas()) {
+            intersect::simd::set_isa(isa);
+            const auto answers = measure::answer::evaluate(form, inputs);
+            if (!first) first = answers;
+            INFO(form.info->name);
+            CHECK(answers.hit == first->hit);
+            CHECK(std::ranges::equal(answers.t, first->t,
+                                     [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
+            CHECK(std::ranges::count(answers.hit, 1) > 10);
+        }
+    }
+    intersect::simd::set_isa(before);
+}
+
+}  // namespace lostbits::test::test_forms_in_range
