@@ -267,7 +267,8 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
-            intersect::table::keep_in_range(*form.info, form.shape, batch, hits);
+            const Intersector& asked = marches ? form : form.of(target.solids.front().shape);
+            intersect::table::keep_in_range(*asked.info, asked.shape, batch, hits);
         };
         RayChunk<S> chunk(rays);
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
