@@ -13,7 +13,7 @@
 namespace lostbits::intersect::doors {
 
 /// What comes before the numbers of a batch, little-endian. They follow as ray by ray 6, then the ends of the rays
-/// where there are any, then of each solid 4 or 6.
+/// where there are any, then of each solid the numbers of its shape.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
     std::uint32_t form = 0;  ///< which of the header's, from 0

@@ -32,7 +32,7 @@ double step_from(double x, std::int64_t steps, const FloatFormat& f) {
 
 /// A ray and a solid as one list of numbers, in the order of the search's ranges.
 struct Place {
-    std::array<double, 12> x{};
+    std::array<double, 6 + most_numbers> x{};
     [[nodiscard]] Ray<double> ray() const { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
     [[nodiscard]] Solid<double> solid(Shape shape) const {
         Solid<double> s;

@@ -123,20 +123,20 @@ private:
         limit_.stop.check();
         const Shape shape = problems_.solids[begin_].shape;
         const std::size_t numbers = row_of(shape).numbers;
-        std::array<std::vector<double>, 12> room;
+        std::array<std::vector<double>, 2 * most_numbers> room;
         for (auto& column : room) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
             const Solid<S> solid = problems_.solids[begin_ + i];
             for (std::size_t k = 0; k < numbers; ++k) {
                 room[k][i] = word_of(solid.numbers[k]);
-                room[6 + k][i] = low_word_of(solid.numbers[k]);
+                room[numbers + k][i] = low_word_of(solid.numbers[k]);
             }
         }
         ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
         if constexpr (two_words) {
             columns.ray_low = rays_.low;
-            for (std::size_t k = 0; k < numbers; ++k) columns.solid_low[k] = room[6 + k];
+            for (std::size_t k = 0; k < numbers; ++k) columns.solid_low[k] = room[numbers + k];
         }
         meet(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }

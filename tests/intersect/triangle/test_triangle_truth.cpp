@@ -94,6 +94,25 @@ TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][tri
     intersect::simd::set_isa(before);
 }
 
+TEST_CASE("each ray with a triangle of its own has the truth that it has alone", "[truth][triangle]") {
+    scene::rays::RayBlock rays;
+    std::vector<Solid<double>> solids;
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
+        rays.push(s.ray);
+        solids.emplace_back(s.triangle);
+    });
+    const scene::rays::SolidList<double> list(solids);
+    measure::truth::RayTruths found;
+    find_truths(measure::truth::RaysAndSolids<double>{.rays = rays, .solids = list, .paired = true}, {}, found);
+    int different = 0;
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+        const Truth alone = find_truth(rays[i], solids[i]), there = found[i];
+        different += there.decision != alone.decision || there.touches != alone.touches ||
+                     there.on_surface != alone.on_surface || compare(there.t, alone.t) != 0;
+    }
+    CHECK(different == 0);
+}
+
 TEST_CASE("three points on one line are no triangle, whatever their size", "[truth][triangle]") {
     const Ray<double> ray{{0.5, 0.25, 3}, {0, 0, -1}};
     for (const double scale : {1.0, 0x1p-1074, 0x1p-600, 0x1p1000}) {

@@ -114,6 +114,18 @@ TEST_CASE("a picture has a sane size") {
           "--size 0x5: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
 }
 
+TEST_CASE("a triangle has an area") {
+    const auto read = [](const char* c) {
+        return broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n",
+                      std::string("[[triangle]]\na = [0.1, 0.2, 0.3]\nb = [0.2, 0.4, 0.6]\nc = ") + c + "\n");
+    };
+    CHECK(read("[0.5, 1, 1.4]") == "no error");
+    CHECK(read("[1, 1, 1]") == "no error");
+    CHECK(
+        read("[0.1, 0.2, 0.3]") ==
+        "scene.toml:16:5: triangle[0].c is on one line with a and b; a triangle has an area, so move one of the three");
+}
+
 TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("title = \"A test\"", "") == "scene.toml:1:1: title is missing; give it a string");
     CHECK(broken("note = \"nothing\"", "") == "no error");
@@ -123,7 +135,7 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
           "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] "
-          "with lo and hi");
+          "with lo and hi, or [[triangle]] with a, b and c");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
