@@ -133,8 +133,9 @@ TEST_CASE("in a set each solid is judged by the words of its own form", "[sets]"
                     Truth right;
                     for (std::size_t s = 0; s < mixed.all.size(); ++s) {
                         const Intersector& form = mixed.all[s].shape == a.shape ? a : b;
-                        join(find_truth(mixed.rays[i], mixed.all[s], {}, form.info->convention(judged)),
-                             static_cast<int>(s), right);
+                        measure::truth::join(
+                            measure::truth::find_truth(mixed.rays[i], mixed.all[s], {}, form.info->convention(judged)),
+                            static_cast<int>(s), right);
                     }
                     const Truth found = band.truth(i, set.info->convention(judged)), closed = band.truth(i, {});
                     wrong += found.decision != right.decision ||
