@@ -35,7 +35,7 @@ struct Mixed {
             const double x = whole(most), y = whole(most), z = whole(most);
             return Vec<double>(x, y, z);
         };
-        for (int k = 0; k < 3; ++k) spheres.emplace_back(Sphere<double>{point(4), 1.0 + engine() % 2});
+        for (int k = 0; k < 3; ++k) spheres.emplace_back(Sphere<double>{point(4), 1.0 + double(engine() % 2)});
         for (int k = 0; k < 2; ++k) {
             const Vec<double> lo = point(4), size = point(2);
             boxes.emplace_back(Box<double>{lo, lo + Vec<double>(std::fabs(size.x), std::fabs(size.y), 1)});
