@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/choice/devices.hpp"
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"

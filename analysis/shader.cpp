@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "analysis/choice/devices.hpp"
 #include "analysis/choice/doors.hpp"
 #include "commands.hpp"
 #include "intersect/device/probe.hpp"

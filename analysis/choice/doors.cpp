@@ -18,6 +18,7 @@
 #include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
+#include "intersect/process/child.hpp"
 #include "intersect/process/own_state.hpp"
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
@@ -263,6 +264,23 @@ void note_unasked(const shell::Command& command) {
     if (std::ranges::none_of(names, [&words](const auto& name) { return matches_any(words, name); }))
         fmt::print(stderr, "lostbits: {} {} loaded and not asked for; add -i {}\n", fmt::join(names, ", "),
                    names.size() == 1 ? "is" : "are", names.front());
+}
+
+DeviceTold ask_device(std::string_view kind, const DoorWords& words) {
+    DeviceTold told{.kind = std::string(kind), .facts = {}, .lacks = {}};
+    try {
+        intersect::process::Child child(this_program("shader probe " + told.kind),
+                                        {.who = told.kind, .duty = "", .seconds = words.seconds, .stop = words.stop});
+        for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {
+            const std::size_t equals = line.find('=');
+            if (equals == std::string::npos) child.fail("says " + line + " where a fact is due");
+            if (line.starts_with("missing=")) told.lacks = line.substr(equals + 1);
+            else told.facts.emplace_back(line.substr(0, equals), line.substr(equals + 1));
+        }
+    } catch (const EnvironmentError& dead) {  // a driver that crashes or hangs while it is asked
+        told.lacks = dead.what();
+    }
+    return told;
 }
 
 }  // namespace lostbits::analysis::choice

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "analysis/shell/command_line.hpp"
@@ -69,5 +71,16 @@ void note_unasked(const shell::Command& command);
 /// Says on stderr, unless `quiet`, which forms that `words` of -i name in full, or that were added and are asked for,
 /// are in none of the rows that are measured: their shape or their formats fit nothing.
 void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet);
+
+/// A device as its process told it.
+struct DeviceTold {
+    std::string kind;
+    std::vector<std::pair<std::string, std::string>> facts;
+    std::string lacks;  ///< why it does not compute; empty where it does
+};
+
+/// Starts a driver, asks it how it rounds within the seconds of the words, and ends it. A driver that crashes or hangs
+/// is one that is not here.
+DeviceTold ask_device(std::string_view kind, const DoorWords& words);
 
 }  // namespace lostbits::analysis::choice

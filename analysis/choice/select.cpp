@@ -266,15 +266,6 @@ std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const st
     return rows;
 }
 
-std::string globs_of(const Meets& meets) {
-    std::string globs;
-    const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
-    if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
-    for (const Shape shape : all_shapes)
-        if (meets(shape)) add(std::string(name_of(shape)) + ".*");
-    return globs;
-}
-
 std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
     scene::file::LoadOptions options{.stop = choice.stop};
     if (!choice.size.empty()) options.size = parse_size(choice.size);

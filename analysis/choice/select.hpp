@@ -80,9 +80,6 @@ std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow
     return chosen;
 }
 
-/// `sphere.*' -i 'sdf.*`: the globs of the forms that meet something, or a set where its solids are of several shapes.
-std::string globs_of(const Meets& meets);
-
 /// Adds the sets of forms that things with solids of several shapes are measured by (`rows_meeting`). Drops what no
 /// selected form handles then and says so on stderr unless quiet; `meets(thing, Shapes)` tells which forms can handle a
 /// thing, `name_of` its name. Returns the rows that can handle something of what stays. NothingSelected where nothing

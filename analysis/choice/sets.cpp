@@ -193,6 +193,15 @@ std::vector<MapRow> rows_meeting(const ChosenRows& chosen, const std::string& na
     return fitting(chosen.rows, meets);
 }
 
+std::string globs_of(const Meets& meets) {
+    std::string globs;
+    const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
+    if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
+    for (const Shape shape : all_shapes)
+        if (meets(shape)) add(std::string(name_of(shape)) + ".*");
+    return globs;
+}
+
 std::string words_to_meet(const std::vector<MapRow>& rows, const Meets& meets) {
     if (const auto several = several_shapes(meets)) return ": " + lacking_words(rows, *several);
     return "; try -i '" + globs_of(meets) + "'";

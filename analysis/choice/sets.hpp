@@ -53,6 +53,9 @@ std::vector<measure::map::MapRow> rows_meeting(const ChosenRows& chosen, const s
 /// The set of the first form of each shape that takes any direction and counts a touch as a hit.
 const intersect::table::Intersector& plain_set(Shapes shapes);
 
+/// `sphere.*' -i 'sdf.*`: the globs of the forms that meet something, or a set where its solids are of several shapes.
+std::string globs_of(const Meets& meets);
+
 /// What to write so that something is met, for the end of a message: "; try -i 'sphere.*'", or ": it has spheres and
 /// boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
 std::string words_to_meet(const std::vector<measure::map::MapRow>& rows, const Meets& meets);

@@ -3,13 +3,10 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string_view>
 
-namespace lostbits {
-enum class Shape : std::uint8_t;
-}
+#include "shapes/solid.hpp"
 
 namespace lostbits::intersect {
 

@@ -23,16 +23,6 @@ using scene::rays::SolidList;
 
 namespace {
 
-template <class Function>
-void for_each_pixel(std::size_t count, intersect::process::StopToken stop, Function&& function) {
-    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            stop.check();
-            function(i);
-        }
-    });
-}
-
 /// Whether binary32 holds every number of the group. A NaN is one in any format.
 bool fits_binary32(const scene::rays::RayGroup& group) {
     bool fits = true;
@@ -125,11 +115,9 @@ Band::Band(const scene::file::Scene& scene, RayBlock one, Culler& culler, TruthL
 
 namespace {
 
-Ray<double> in_double(const Ray<double>& ray) { return ray; }
-Ray<double> in_double(const Ray<Real>& ray) {
-    const auto of = [](const Vec<Real>& v) {
-        return Vec<double>(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z));
-    };
+template <class S>
+Ray<double> in_double(const Ray<S>& ray) {
+    const auto of = [](const Vec<S>& v) { return Vec<double>(word_of(v.x), word_of(v.y), word_of(v.z)); };
     return {of(ray.origin), of(ray.direction)};
 }
 
@@ -202,16 +190,14 @@ const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const 
 }
 
 bool Band::asks_anew(std::size_t i, Convention convention) const {
-    if (convention.by_shape) {
-        const Truth* const closed = truths_.find_whole(i);
+    const Truth* const whole = truths_.find_whole(i);
+    if (convention.by_shape)
         return std::ranges::any_of(all_shapes, [&](Shape shape) {
             const Convention own = convention.of(shape);
-            return (closed && matters(own, *closed)) || asks_anew(i, own);
+            return (whole && matters(own, *whole)) || asks_anew(i, own);
         });
-    }
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
-    const Truth* const whole = truths_.find_whole(i);
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray begins elsewhere
@@ -229,8 +215,12 @@ Truth Band::truth(std::size_t i, Convention convention) const {
 
 void Band::find_condition() {
     condition_.resize(pixels());
-    for_each_pixel(pixels(), limit_.stop,
-                   [&](std::size_t i) { condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {}); });
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            limit_.stop.check();
+            condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {});
+        }
+    });
     for (auto& [key, apart] : apart_)
         apart.condition = condition_of(key / 4, apart.truth.decision, apart.truth.object,
                                        key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);

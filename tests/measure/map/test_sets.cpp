@@ -35,7 +35,7 @@ struct Mixed {
             const double x = whole(most), y = whole(most), z = whole(most);
             return Vec<double>(x, y, z);
         };
-        for (int k = 0; k < 3; ++k) spheres.emplace_back(Sphere<double>{point(4), 1.0 + engine() % 2});
+        for (int k = 0; k < 3; ++k) spheres.emplace_back(Sphere<double>{point(4), 1.0 + double(engine() % 2)});
         for (int k = 0; k < 2; ++k) {
             const Vec<double> lo = point(4), size = point(2);
             boxes.emplace_back(Box<double>{lo, lo + Vec<double>(std::fabs(size.x), std::fabs(size.y), 1)});
@@ -133,8 +133,9 @@ TEST_CASE("in a set each solid is judged by the words of its own form", "[sets]"
                     Truth right;
                     for (std::size_t s = 0; s < mixed.all.size(); ++s) {
                         const Intersector& form = mixed.all[s].shape == a.shape ? a : b;
-                        join(find_truth(mixed.rays[i], mixed.all[s], {}, form.info->convention(judged)),
-                             static_cast<int>(s), right);
+                        measure::truth::join(
+                            measure::truth::find_truth(mixed.rays[i], mixed.all[s], {}, form.info->convention(judged)),
+                            static_cast<int>(s), right);
                     }
                     const Truth found = band.truth(i, set.info->convention(judged)), closed = band.truth(i, {});
                     wrong += found.decision != right.decision ||
