@@ -58,6 +58,7 @@ TEST_CASE("forms of both roots decide as the truth does in every range, forms of
     std::size_t right = 0, lost = 0;
     for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
         if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        if (form.info->name == "box.max_mult") continue;  // it pads the far end, and so what is left of a range
         const bool open_box = form.shape == Shape::box && form.info->touching == Touching::miss;
         for_each_range([&](const Range<double>& range) {
             const bool hit = meets(form.shape, !open_box, range);
