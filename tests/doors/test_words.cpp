@@ -177,8 +177,9 @@ TEST_CASE("words: the truth from inside and from the surface, of spheres and box
     // The exit of a box, 1/3 of the way, correctly rounded.
     const Ray<double> third = from(1, 3);
     const auto exit = find_truth(third, box, {}, from_inside(Inside::exit));
-    CHECK(measure::truth::round_truth(exit, third, box, binary64, {}, Inside::exit) == 1.0 / 3);
-    CHECK(measure::truth::round_truth(exit, third, box, binary32, {}, Inside::exit) == static_cast<double>(1.0F / 3));
+    CHECK(measure::truth::round_truth(exit, third, box, binary64, {}, from_inside(Inside::exit)) == 1.0 / 3);
+    CHECK(measure::truth::round_truth(exit, third, box, binary32, {}, from_inside(Inside::exit)) ==
+          static_cast<double>(1.0F / 3));
 }
 
 TEST_CASE("words: a band tells of every ray what find_truth tells", "[doors]") {

@@ -25,6 +25,10 @@ void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const
     for (std::size_t i = 0; i < rays.size(); ++i) {
         Range<S> range = rays.range(i);
         if (hits.hit[i] == 0 || range.is_whole()) continue;
+        if (!range.holds_any()) {
+            hits.hit[i] = 0;
+            continue;
+        }
         if (looks_at_end) range.tmax = std::numeric_limits<S>::infinity();
         S& t = hits.t[i];
         const S far = hits.far[i];

@@ -58,7 +58,7 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, 
     const Solid<float> solid = file.solid_at(value);
     const auto end = static_cast<double>(file.rays[ray].tmax);
     const truth::Truth t = truth::find_truth(given, transformed(solid, [](float x) { return static_cast<double>(x); }),
-                                             {}, row.convention(), end);
+                                             {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
     const auto f = [](double x) { return static_cast<float>(x); };

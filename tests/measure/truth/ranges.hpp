@@ -40,6 +40,7 @@ inline Range<double> range_about(Seeded& rng, std::span<const double> roots, con
     range.tmax = rng.index(4) == 0 ? HUGE_VAL : end_about(rng, roots, storage);
     if (rng.index(8) == 0) range.tmax = range.tmin;
     if (range.tmin > range.tmax && rng.index(8) != 0) std::swap(range.tmin, range.tmax);
+    if (std::isinf(range.tmin)) range.tmin = 0;
     if (rng.index(64) == 0) range.tmin = -range.tmin;
     range.open.tmin = rng.coin();
     range.open.tmax = rng.coin();

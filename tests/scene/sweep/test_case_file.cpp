@@ -215,6 +215,7 @@ TEST_CASE("the rays of a case have ranges, whatever the shape") {
     const auto file = loaded_cases(R"(
 schema = "lostbits-sweep/1"
 title = "t"
+source = "s"
 [[case]]
 name = "a"
 open_ends = "tmin"
