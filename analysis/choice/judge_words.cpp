@@ -116,9 +116,7 @@ std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scen
     if (scene && !o.solids.empty())
         throw InputError("--scene has the solids of all rays, and so have " + solid_options(false, " and ") +
                          "; write one or the other");
-    if (shapes.empty()) return {};
-    const auto endless = std::ranges::find_if_not(shapes, told_end);
-    return endless == shapes.end() ? shapes.front() : *endless;
+    return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,

@@ -45,8 +45,7 @@ struct JudgeWords : RayFileWords {
 /// of too many solids.
 std::optional<scene::file::Scene> scene_of(const RayFileWords& o, const std::filesystem::path& data);
 
-/// Of the solids that are given once for all rays: of one whose truth knows no end of a ray, where there is one;
-/// nothing where none are given.
+/// Of the first of the solids that are given once for all rays; nothing where none are.
 std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene);
 
 /// These solids, numbers of the format; those of a scene as a map of it has them.
