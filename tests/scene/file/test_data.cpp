@@ -58,6 +58,17 @@ bool hits(const Ray<Real>& ray, const Box<Real>& box) {
     return from <= to;
 }
 
+/// By the barycentric coordinates of the point where it crosses the plane.
+bool hits(const Ray<Real>& ray, const Triangle<Real>& triangle) {
+    const Vec<Real> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, n = cross(ab, ac);
+    const Real along = dot(n, ray.direction);
+    if (along == 0) return false;
+    const Real t = dot(n, triangle.a - ray.origin) / along;
+    const Vec<Real> p = ray.origin + t * ray.direction - triangle.a;
+    const Real v = dot(cross(p, ac), n) / dot(n, n), w = dot(cross(ab, p), n) / dot(n, n);
+    return t >= 0 && v >= 0 && w >= 0 && v + w <= 1;
+}
+
 /// Every fourth pixel each way is plenty for a fraction of the picture.
 double hit_fraction(const scene::file::Scene& scene) {
     const scene::rays::CameraFrame<Real> frame = make_frame<Real>(scene);

@@ -139,7 +139,7 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 )";
     const scene::sweep::CaseFile file = loaded_cases(boxes);
     CHECK(file.shapes() == std::vector{Shape::box});
-    std::set<std::array<double, 6>> images;
+    std::set<decltype(Solid<double>::numbers)> images;
     for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
         REQUIRE(g.solids.size() == 1);
         REQUIRE(g.solids[0].shape == Shape::box);
