@@ -54,7 +54,7 @@ struct RawDirections {
 };
 
 /// What proves answers, by [Wanted].
-struct RawKernels {
+struct StageKernels {
     void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
     void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
     void (*of_two_words[3])(const RawProblems<double>&);   ///< two
@@ -62,8 +62,8 @@ struct RawKernels {
 
 /// The stages of one shape.
 struct RawStages {
-    RawKernels ahead;                               ///< of rays of which all counts that lies ahead
-    RawKernels ranged;                              ///< of rays with a range
+    StageKernels ahead;                             ///< of rays of which all counts that lies ahead
+    StageKernels ranged;                            ///< of rays with a range
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape
 };
 

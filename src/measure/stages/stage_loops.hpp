@@ -88,7 +88,7 @@ template <class P>
 }
 
 template <template <class> class Of, class P, bool ranged>
-RawKernels kernels_for() {
+StageKernels kernels_for() {
     using enum Wanted;
     using W = TwoWords<P>;
     return {{settle_all<Of, ranged, float, parameter, false, P>, settle_all<Of, ranged, float, distance, false, P>,

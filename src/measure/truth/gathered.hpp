@@ -23,7 +23,7 @@ inline constexpr std::size_t most_lanes = 8;
 
 /// Those that know no range, where all that lies ahead counts of every ray.
 template <class S>
-const stages::RawKernels& kernels_for(const ProblemColumns<S>& p, const stages::Stages& stages) {
+const stages::StageKernels& kernels_for(const ProblemColumns<S>& p, const stages::Stages& stages) {
     const bool ranged = p.open.tmin || std::ranges::any_of(p.tmin, [](S t) { return t != 0; }) ||
                         std::ranges::any_of(p.tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
     return ranged ? stages.kernels.ranged : stages.kernels.ahead;

@@ -8,9 +8,9 @@ using toml::TableReader;
 
 namespace {
 
-Range read_range(TableReader& table, std::string_view key) {
+SearchedRange read_range(TableReader& table, std::string_view key) {
     const auto ends = table.numbers(key, 2);
-    const Range range{static_cast<double>(ends[0]), static_cast<double>(ends[1])};
+    const SearchedRange range{static_cast<double>(ends[0]), static_cast<double>(ends[1])};
     if (!(range.low <= range.high)) table.fail_at(key, "must be [low, high] with low <= high");
     return range;
 }

@@ -14,7 +14,7 @@
 
 namespace lostbits::scene::sweep {
 
-struct Range {
+struct SearchedRange {
     double low = 0, high = 0;
     [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
 };
@@ -33,10 +33,10 @@ public:
     /// Whether its solids are round, and so have a distance and an impact in radii.
     [[nodiscard]] bool is_round() const { return row_of(shape).round; }
     /// Of origin x, y, z, direction x, y, z, and the solid's numbers, in this order: one after another.
-    std::vector<Range> ranges;
+    std::vector<SearchedRange> ranges;
     /// Spheres only: eye to centre and line to centre, in radii. What a ray near the silhouette or a far one loses is
     /// no surprise; these keep the search to rays that should be easy.
-    Range distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
+    SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
     std::string metric;  ///< made as large as possible; a wrong decision beats any value
     /// The metric is made as small as possible instead, as of `bound_ratio`; wrong decisions are passed over.
     bool smallest = false;
@@ -46,7 +46,7 @@ public:
     /// Numbers are drawn as ±m·2^e, e from these whole numbers, each significand m as likely as another or a few last
     /// places from a power of two, where roundings are largest; and moves also turn single bits and exponents. Without
     /// it numbers are drawn evenly from their ranges.
-    std::optional<Range> exponents;
+    std::optional<SearchedRange> exponents;
     /// Boxes only: one plane that the ray enters by and one that it leaves by are drawn where the ray passes at once,
     /// and the others at the ends of their ranges: an edge.
     bool at_edge = false;

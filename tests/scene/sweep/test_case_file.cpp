@@ -220,7 +220,8 @@ source = "s"
 name = "a"
 open_ends = "tmin"
 spheres = [{ centre = [0, 0, 0], radius = 1 }]
-rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp" }, { origin = [0, 0, 0], direction = [1, 0, 0] }]
+rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp" },
+        { origin = [0, 0, 0], direction = [1, 0, 0] }]
 )");
     const auto rays = file.rays(0, binary32)[0].rays;
     CHECK(rays.tmin == std::vector<double>{0.5, 0});
