@@ -88,7 +88,7 @@ public:
 private:
     [[nodiscard]] auto stage_of(const stages::Stages& stages) const {
         constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
-        const stages::RawKernels& kernels = kernels_for(columns_for({}), stages);
+        const stages::StageKernels& kernels = kernels_for(columns_for({}), stages);
         return two_words ? kernels.of_two_words[both] : kernels.double_double[both];
     }
 

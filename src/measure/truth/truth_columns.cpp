@@ -127,7 +127,7 @@ private:
     const ColumnTerms& terms_;
     TruthColumns& out_;
     const stages::Stages& stages_;
-    const stages::RawKernels& kernels_;
+    const stages::StageKernels& kernels_;
     InPlace<S> in_place_;
     std::vector<std::size_t> open_;
 };
