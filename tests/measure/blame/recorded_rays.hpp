@@ -46,7 +46,13 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
         }
         return Solid<double>(box);
     };
+    const auto vertex = [&](double x, double y, double z) {
+        return Vec<double>(in_format(centre.x + 2 * radius * x), in_format(centre.y + 2 * radius * y),
+                           in_format(centre.z + 2 * radius * z));
+    };
     if (form.shape == Shape::box) s.solids.push_back(box_at(centre));
+    else if (form.shape == Shape::triangle)
+        s.solids.push_back(Triangle<double>{vertex(1, -1, 0.25), vertex(-1, 0.5, 1), vertex(0.125, 1, -1)});
     else s.solids.push_back(Sphere<double>{centre, radius});
     if (form.shape == Shape::sdf) s.solids.push_back(box_at(vec(3)));
     s.ray.origin = Vec<double>(in_format(far * 6 * any()), in_format(far * 6 * any()), in_format(far * 6 * any()));

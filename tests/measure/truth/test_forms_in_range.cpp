@@ -18,14 +18,15 @@ using scene::rays::RayGroup;
 
 namespace {
 
-/// A ray along an axis, whose roots are 2 and 8 in every arithmetic: nothing is rounded.
+/// A ray along an axis, whose roots are 2 and 8, of a triangle 2 alone, in every arithmetic: nothing is rounded.
 RayGroup plain_ray(Shape shape, const Range<double>& range) {
     RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
     group.rays.open = range.open;
     if (shape == Shape::sphere) group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 3})};
-    else group.solids = {Solid<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
+    else if (shape == Shape::box) group.solids = {Solid<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
+    else group.solids = {Solid<double>(Triangle<double>{{-3, -8, -8}, {-3, 8, -8}, {-3, 0, 16}})};
     return group;
 }
 
@@ -45,10 +46,11 @@ void for_each_range(const Use& use) {
             for (const auto& [name, open] : open_ends_names) use(Range<double>{tmin, tmax, open});
 }
 
-/// By hand: the surface is at 2 and 8, and all between is the box.
+/// By hand: the surface is at 2 and 8, and all between is the box; the triangle is at 2.
 bool meets(Shape shape, bool closed, const Range<double>& r) {
     if (!r.holds_any()) return false;
     const auto in = [&r](double t) { return !r.is_before(t) && !r.is_after(t); };
+    if (shape == Shape::triangle) return in(2);
     if (shape == Shape::sphere) return in(2) || in(8);
     if (closed) return in(2) || in(8) || (r.tmin < 8 && r.tmax > 2);
     return r.tmin < 8 && r.tmax > 2;

@@ -103,8 +103,6 @@ TEST_CASE(
     CHECK(broken("over_relaxation = 2").find("march.over_relaxation must lie in [1, 2)") != std::string::npos);
     CHECK(broken("hit_epsilon = 1").find("march.hit_epsilon") != std::string::npos);
     CHECK(replaced(text, "hit_eps = 0.01", "") != text);
-    CHECK(scene_error(replaced(text, "[march]\nhit_eps = 0.01", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]"))
-              .find("[march] table") != std::string::npos);
 }
 
 }  // namespace test_sphereflake
