@@ -53,9 +53,10 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
         INFO(form.info->name << ": " << labels);
         CHECK_FALSE(labels.empty());
         const std::string last = labels.substr(labels.rfind(' ') + 1);
-        const char* const scene = form.shape == Shape::sphere ? "near-benign"
-                                  : form.shape == Shape::box  ? "box-one"
-                                                              : "sdf-sphere";
+        const char* const scene = form.shape == Shape::sphere     ? "near-benign"
+                                  : form.shape == Shape::box      ? "box-one"
+                                  : form.shape == Shape::triangle ? "triangle-edge.plain"
+                                                                  : "sdf-sphere";
         const auto r = run(std::string("map ") + scene + " --size 8x8 -f f32 -i " + std::string(form.info->name) +
                                " --metric \"contribution:" + last + "\" -q -o out",
                            scratch.path());

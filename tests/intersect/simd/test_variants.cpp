@@ -27,8 +27,7 @@ struct Batch {
         }
     }
     void run(const Intersector& row, std::size_t from, std::size_t size) {
-        const Solid<S> solid = row.shape == Shape::sphere ? Solid<S>(Sphere<S>{{S(0), S(0), S(0)}, S(1)})
-                                                          : Solid<S>(Box<S>{{S(-1), S(-1), S(-1)}, {S(1), S(1), S(1)}});
+        const Solid<S> solid = solid_around<S>(row.shape, {S(0), S(0), S(0)}, S(1));
         const auto part = [&](std::vector<S>& v) { return std::span(v).subspan(from, size); };
         const intersect::table::RayBatch<S> rays{part(in[0]), part(in[1]), part(in[2]),
                                                  part(in[3]), part(in[4]), part(in[5])};
