@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "geometry/flat_span.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
@@ -36,6 +38,10 @@ struct Listing {
 std::string from_inside(intersect::Inside said, Shape shape) {
     if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
     if (!is_solid(shape)) return "by solid";
+    const bool flat = visit(Solid<float>(shape), []<class S>(const S& solid) {
+        return std::same_as<decltype(solid.span(Ray<float>{})), FlatSpan<float>>;
+    });
+    if (flat) return "none";
     return zero_inside(shape) ? "zero" : "exit";
 }
 
