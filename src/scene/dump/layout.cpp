@@ -112,10 +112,11 @@ void Layout::find_slots(const Complain& complain) {
         places_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
-    // A slip of the fingers: only words of three letters and more, and only for what is missing.
+    // A slip of the fingers: only words of three letters and more, and only for what is missing. The letters of `a_x`
+    // stand in too many words.
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
-        if (known.name.size() >= 3 && !places_[known.slot]) missing.push_back(known.name);
+        if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
