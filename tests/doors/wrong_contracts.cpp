@@ -18,7 +18,7 @@ lb_form chosen() {
     if (is("name")) f.name = "../../etc/passwd";
     if (is("no_dot")) f.name = "sphere";
     if (is("ours")) f.name = "sphere.mine";
-    if (is("shape")) f.shape = 2;
+    if (is("shape")) f.shape = 99;
     if (is("format")) f.format = 16;
     if (is("roots")) f.roots = -1;
     if (is("flags")) f.flags = 1024;
