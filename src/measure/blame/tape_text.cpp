@@ -142,6 +142,7 @@ std::string TapeText::identifier(NodeId i) const {
         if (c == '\'') safe += "_prime";
         else safe += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
     }
+    if (std::isdigit(static_cast<unsigned char>(safe.front()))) safe.insert(0, "_");  // 1/det
     return is_taken(safe) ? safe + "_" : safe;
 }
 

@@ -73,6 +73,7 @@ TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
             INFO(form.info->name << " " << text.name(i));
             CHECK(names.insert(text.name(i)).second);
             CHECK(identifiers.insert(text.identifier(i)).second);
+            CHECK_FALSE(std::isdigit(static_cast<unsigned char>(text.identifier(i).front())));
             CHECK(std::ranges::all_of(text.identifier(i),
                                       [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }));
         }
