@@ -8,7 +8,6 @@
 #include "measure/blame/operations.hpp"
 #include "measure/blame/ties.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
@@ -159,7 +158,7 @@ private:
                 case OperationKind::sign: {
                     std::array<double, 3> x{};
                     for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
-                        x[k] = round_to(exact(n.operands[k]), n.operands[k]);
+                        x[k] = Exact::round_to(exact(n.operands[k]), tape_.format_of(n.operands[k]));
                     return bits_off(i, result_of(n.op, x, tape_.format_of(i)));
                 }
                 case OperationKind::given:
@@ -171,11 +170,6 @@ private:
             }
         }
         return 0;
-    }
-    double round_to(const Number& x, NodeId as) {
-        const double near = Exact::nearest(x);
-        const double rest = Exact::nearest(x - Number(near));
-        return rounding::to_format(near, (rest > 0) - (rest < 0), tape_.format_of(as));
     }
     double bits_off(NodeId i, double rerun) {
         const double off = Exact::difference(rerun, exact(i));

@@ -7,6 +7,7 @@
 
 #include "number/ball.hpp"
 #include "number/real.hpp"
+#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -55,6 +56,11 @@ struct DeepExact {
     static std::optional<bool> less_equal(const Number& a, const Number& b) { return a <= b || same(a, b); }
     static double nearest(const Number& x) { return mpfr_get_d(x.backend().data(), MPFR_RNDN); }
     static double difference(double computed, const Number& exact) { return nearest(Number(computed) - exact); }
+    /// To the nearest number of the format, as if in one step.
+    static double round_to(const Number& x, const FloatFormat& format) {
+        const double near = nearest(x), rest = nearest(x - Number(near));
+        return rounding::to_format(near, (rest > 0) - (rest < 0), format);
+    }
     static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
 
 private:

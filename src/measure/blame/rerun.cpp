@@ -5,19 +5,11 @@
 #include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
-#include "number/rounded.hpp"
 
 namespace lostbits::measure::blame {
 namespace {
 
 using Number = DeepExact::Number;
-
-/// To the nearest number of the format, as if in one step.
-double round_to(const Number& x, const FloatFormat& format) {
-    const double near = DeepExact::nearest(x);
-    const double rest = DeepExact::nearest(x - Number(near));
-    return rounding::to_format(near, (rest > 0) - (rest < 0), format);
-}
 
 class Run {
 public:
@@ -66,14 +58,16 @@ private:
         }
         return {};
     }
-    Number rounded(NodeId i, const Number& x) const { return rounds_(i) ? Number(round_to(x, tape_.format_of(i))) : x; }
+    Number rounded(NodeId i, const Number& x) const {
+        return rounds_(i) ? Number(DeepExact::round_to(x, tape_.format_of(i))) : x;
+    }
     /// Of what is no number of its format, that of the nearest.
     Number moved(NodeId i) const {
         const TapeNode& n = tape_[i];
         const Number& x = value(n.operands[0]);
         if (!rounds_(i)) return x;
-        if (n.op == TapeOp::convert) return Number(round_to(x, tape_.format_of(i)));
-        return Number(result_of(n.op, {round_to(x, tape_.format_of(n.operands[0]))}, tape_.format_of(i)));
+        if (n.op == TapeOp::convert) return Number(DeepExact::round_to(x, tape_.format_of(i)));
+        return Number(result_of(n.op, {DeepExact::round_to(x, tape_.format_of(n.operands[0]))}, tape_.format_of(i)));
     }
 
     const Tape& tape_;
