@@ -161,7 +161,7 @@ Exit run(const JudgeWords& o, const Common& common) {
         if (several && !(other.front()->shapes() == *several))
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
                                          choice::words_to_meet({{other.front(), dump->format()}}, meets)));
-        choice::hold_against(request.rows, o.against, common.quiet);
+        choice::compare_against(request.rows, o.against, common.quiet);
         if (request.answered && request.rows.front().form != &answers.form())
             throw InputError(
                 fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "

@@ -229,7 +229,7 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 Exit run(MapOptions o, const Common& common) {
     require_folder(o.out);
     auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
-    if (!o.against.empty()) choice::hold_against(rows, o.against, common.quiet);
+    if (!o.against.empty()) choice::compare_against(rows, o.against, common.quiet);
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);

@@ -252,7 +252,7 @@ Exit run(SweepOptions o, const Common& common) {
         {},
         made,
         divided};
-    if (!o.against.empty()) choice::hold_against(chosen.rows, o.against, common.quiet);
+    if (!o.against.empty()) choice::compare_against(chosen.rows, o.against, common.quiet);
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
     if (!o.metrics.empty()) chosen.asked = choice::select_metrics(o.metrics, made);
     if (!o.against.empty()) choice::add_pairs(chosen.asked);

@@ -262,7 +262,7 @@ void note_unasked(const shell::Command& command) {
             std::ranges::move(shell::items_in(word, option.name()), std::back_inserter(words));
     }
     if (std::ranges::none_of(names, [&words](const auto& name) { return matches_any(words, name); }))
-        fmt::print(stderr, "lostbits: {} {} loaded and not asked for; add -i {}\n", fmt::join(names, ", "),
+        fmt::print(stderr, "lostbits: {} {} loaded but not selected; add -i {}\n", fmt::join(names, ", "),
                    names.size() == 1 ? "is" : "are", names.front());
 }
 

@@ -52,7 +52,7 @@ std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scen
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format);
 
-/// The file, opened as the words say; `keep`: the columns of one's own are wanted.
+/// The file, opened as the words say; `keep`: the user's own columns are wanted.
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
                                              bool keep = false);
 

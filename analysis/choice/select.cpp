@@ -160,7 +160,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
     return asked;
 }
 
-void hold_against(std::vector<MapRow>& rows, const std::string& name, bool quiet) {
+void compare_against(std::vector<MapRow>& rows, const std::string& name, bool quiet) {
     const auto found = select_forms({name}, "--against");
     if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
     const Intersector& other = *found.front();

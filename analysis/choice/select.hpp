@@ -50,7 +50,7 @@ std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure
 
 /// Holds each row against a form, by name; rows of other shapes go, and of formats that it does not exist in.
 /// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
-void hold_against(std::vector<measure::map::MapRow>& rows, const std::string& form, bool quiet);
+void compare_against(std::vector<measure::map::MapRow>& rows, const std::string& form, bool quiet);
 
 /// What is measured of rows that are held against a form, where it is not asked for already.
 void add_pairs(std::vector<const measure::metric::Metric*>& metrics);

@@ -82,7 +82,8 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch));
     INFO(r.err);
     CHECK(r.code == 1);
-    CHECK(has(r.out, "In its way: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
+    CHECK(
+        has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
     CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
     const auto rows = read_csv(scratch.path() / "near" / "inputs.csv");
     REQUIRE(rows.size() == 16);

@@ -184,7 +184,7 @@ TEST_CASE("a report says what is chosen for a scene and a wish, when it is asked
     CHECK(all_of(part, "(data:image/png)").size() == 2);
     // Where nothing meets the wish, the page says why, as the command does.
     const std::string none = report_of(what + "--choose near-benign:53 --force", scratch);
-    CHECK(has(none, "In its way: "));
+    CHECK(has(none, "What limits it: "));
 }
 
 TEST_CASE("a report that cannot be made leaves nothing") {

@@ -39,7 +39,7 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
     const Answers a{{1, 1, 0, 0, nan, nan, 2, inf}, {1, 1, 1, 0, 1, 1, 1, 1}, {}};
     const Answers b{{1, 1 + 0x1p-22, 0, 0, nan, 1, 0, inf}, {1, 1, 0, 0, 1, 1, 1, 1}, {}};
     std::vector<double> which(8), apart(8);
-    measure::answer::hold_against(a, b, true, binary32, which, apart);
+    measure::answer::compare_against(a, b, true, binary32, which, apart);
     const auto is = [&which](std::size_t i, Against what) { return which[i] == static_cast<double>(what); };
     CHECK((is(0, Against::same_t) && apart[0] == 0));
     CHECK((is(1, Against::other_t) && apart[1] == -2));
@@ -49,7 +49,7 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
     CHECK((is(5, Against::other_t) && std::isinf(apart[5])));
     CHECK((is(6, Against::other_t) && apart[6] == std::ldexp(1.0, 150)));
     CHECK((is(7, Against::same_t) && apart[7] == 0));
-    measure::answer::hold_against(b, a, false, binary32, which, apart);
+    measure::answer::compare_against(b, a, false, binary32, which, apart);
     CHECK((is(0, Against::incomparable_t) && std::isnan(apart[0])));
     CHECK(is(2, Against::other_alone_hits));
 }

@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, std::string>> drivers() {
     return all;
 }
 
-/// A map with a row a pixel; the tables by the name of their row.
+/// A map with one row per pixel; the tables by the name of their row.
 std::filesystem::path map_of(const Scratch& folder, const std::string& scene, const std::string& words) {
     const Outcome o = run("map " + scene + " --size 96x72 --pixels csv -o out --device all " + words, folder.path());
     INFO(o.err);

@@ -29,8 +29,8 @@ bool are_comparable(const intersect::Info& a, const intersect::Info& b) {
     return a.roots != intersect::Roots::none && b.roots != intersect::Roots::none && a.direction == b.direction;
 }
 
-void hold_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
-                  std::span<double> which, std::span<double> apart) {
+void compare_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
+                     std::span<double> which, std::span<double> apart) {
     for (std::size_t i = 0; i < answers.hit.size(); ++i) {
         const bool hit = answers.hit[i] != 0, other_hit = other.hit[i] != 0;
         const Against found = classify(hit, other_hit, answers.t[i], other.t[i], comparable);

@@ -23,7 +23,7 @@ bool are_comparable(const intersect::Info& a, const intersect::Info& b);
 /// What became of each ray, as a place in `against_names`, and by how much the answers are apart where both hit:
 /// (t − t of the other)/ulp_F(t of the other); 0 for the same number, infinite where one is infinite or NaN alone, NaN
 /// where not both tell one. Two NaN are the same. Either span may be empty.
-void hold_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
-                  std::span<double> which, std::span<double> apart);
+void compare_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
+                     std::span<double> which, std::span<double> apart);
 
 }  // namespace lostbits::measure::answer

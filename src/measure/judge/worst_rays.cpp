@@ -44,7 +44,7 @@ void WorstRays::look_at(std::uint64_t first, const map::BandResult& result) {
             if (faults_[static_cast<std::size_t>(outcome)].size() < most_) keep_fault(note(first, i, result));
             continue;
         }
-        // An answer that is right to the last bit is no worst ray.
+        // An answer that is right to the last bit is never reported as the worst.
         const double error = std::fabs(ulps[i]);
         if (error > 0.5 && is_kept(error)) keep_error(note(first, i, result));
     }

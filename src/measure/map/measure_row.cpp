@@ -123,9 +123,9 @@ private:
         };
         const std::span<double> which = column("against"), apart = column("apart");
         if (which.empty() && apart.empty()) return;
-        answer::hold_against(*result_.answers, answer::evaluate(*row_.against, *result_.inputs),
-                             answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.shape, which,
-                             apart);
+        answer::compare_against(*result_.answers, answer::evaluate(*row_.against, *result_.inputs),
+                                answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.shape, which,
+                                apart);
     }
 
     /// All that no column can hold, of each ray whose outcome it is for.

@@ -24,8 +24,8 @@ struct Part {
 
 /// One chunk of shadow rays against all solids.
 template <class S, class Kernel>
-void hold_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
-                  const Part& part, std::vector<std::uint8_t>& blocked) {
+void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
+                     const Part& part, std::vector<std::uint8_t>& blocked) {
     const auto [begin, count, own_counts] = part;
     const scene::rays::RayBlock& r = shadow.rays;
     const auto ox = stored<S>(r.ox, begin, count), oy = stored<S>(r.oy, begin, count),
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         among.stop.check();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            hold_against<S>(kernel, shadow, among.solids.listed(), {begin, count, own_counts}, blocked);
+            compare_against<S>(kernel, shadow, among.solids.listed(), {begin, count, own_counts}, blocked);
         });
     });
     return blocked;

@@ -101,21 +101,23 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
         case Obstacle::Cause::no_hit:
             return near.worth.hits == 0
                        ? fmt::format(
-                             "  In its way: the {}. None of the rays truly hits anything, so there is no t to "
+                             "  What limits it: the {}. None of the rays truly hits anything, so there is no t to "
                              "keep bits of.\n",
                              chosen.request.rays ? "file" : "scene")
-                       : "  What is in its way is not known: only some of the rays were looked at for that, and none "
+                       : "  What limits it is not known: only some of the rays were looked at for that, and none "
                          "of these truly hits anything.\n";
         case Obstacle::Cause::width:
-            return fmt::format("  In its way: {} has {} bits. Try a wider format.\n", format, precision) +
+            return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
                    of_the_rounded_scene(chosen, near);
         case Obstacle::Cause::inputs:
-            return fmt::format("  In its way: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
-                               name_of_inputs(found.base), exact) +
+            return fmt::format(
+                       "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
+                       name_of_inputs(found.base), exact) +
                    what_it_takes(chosen, near);
         case Obstacle::Cause::inherent:
             return fmt::format(
-                       "  In its way: the problem, not the formula. Half an ulp of {} in each input would cost {:.1f} "
+                       "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
+                       "{:.1f} "
                        "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact.{}\n",
                        format, precision - found.inherent_kept, precision, bits(found.inherent_kept, wish), in_f64) +
                    of_the_rounded_scene(chosen, near);
@@ -129,7 +131,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
                   "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
                   "would leave {}",
                   format, bits(found.inherent_kept, wish));
-    return fmt::format("  In its way: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
+    return fmt::format("  What limits it: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
 }
 
 }  // namespace lostbits::output::choice

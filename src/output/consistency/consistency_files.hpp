@@ -1,4 +1,4 @@
-// The files of questions put in two ways over a scene: pictures, the contact sheet, a row a pixel, summary.csv.
+// The files of questions put in two ways over a scene: pictures, the contact sheet, one row per pixel, summary.csv.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace lostbits::output::consistency {
 
 struct ConsistencyFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
-    bool pixels_csv = false;       ///< also a row a pixel
+    bool pixels_csv = false;       ///< also one row per pixel
 };
 
 /// The columns of summary.csv: check, form, format, `consistency_columns`, and the first disagreement: its pixel and a
@@ -21,7 +21,7 @@ struct ConsistencyFilesOptions {
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// `<form>.<format>.<check>.png` shows each pixel, `<form>.<format>.csv` has a row a pixel.
+/// `<form>.<format>.<check>.png` shows each pixel, `<form>.<format>.csv` has one row per pixel.
 class ConsistencyFiles final : public measure::consistency::ConsistencySink {
 public:
     ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, const ConsistencyFilesOptions& options);

@@ -1,4 +1,4 @@
-// The files of judged rays: what a map writes, worst.toml with the rays to look at again, and a row a ray as CSV.
+// The files of judged rays: what a map writes, worst.toml with the rays to look at again, and one row per ray as CSV.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct JudgeFilesOptions {
     std::string id, title;
     std::string command;                                     ///< what to type to find the worst rays again
     std::vector<const measure::metric::Metric*> drawn = {};  ///< one heatmap each; empty: the rays are no picture
-    bool rows = false;                                       ///< a row a ray in `<form>.<format>.csv`
+    bool rows = false;                                       ///< one row per ray in `<form>.<format>.csv`
     std::size_t worst = 10;                                  ///< so many rays of each kind go into worst.toml
     map::KeepPiece keep = {};                                ///< of a shard
 };

@@ -1,4 +1,4 @@
-// The files of offsets over a scene: pictures, the contact sheet, a row a pixel, summary.csv.
+// The files of offsets over a scene: pictures, the contact sheet, one row per pixel, summary.csv.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace lostbits::output::offset {
 
 struct OffsetFilesOptions {
     std::filesystem::path folder;               ///< of this scene; made if missing
-    bool pixels_csv = false;                    ///< also a row a pixel
+    bool pixels_csv = false;                    ///< also one row per pixel
     std::vector<file::DataResource> also = {};  ///< other tables in the folder
 };
 
@@ -31,7 +31,7 @@ void add_summary_rows(const measure::offset::OffsetRequest& request,
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
 /// `<form>.<format>.<point>.<side>.safe.png` is the smallest safe offset of each point, and `….<strategy>.png` what
-/// becomes of the rays of a strategy; `<form>.<format>.<point>.csv` has a row a pixel.
+/// becomes of the rays of a strategy; `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
     OffsetFiles(const measure::offset::OffsetRequest& request, const OffsetFilesOptions& options);

@@ -29,7 +29,7 @@ struct DumpTerms {
     Format format;                    ///< of the answers: every number is rounded once to it
     MissRule miss = {};               ///< where no column is `hit`
     std::optional<Shape> solid = {};  ///< of the solids given once for all rays
-    bool keep = false;                ///< the columns of one's own are wanted
+    bool keep = false;                ///< the user's own columns are wanted
     OpenEnds open = {};               ///< of the ranges of all rays
 };
 
@@ -40,7 +40,7 @@ struct Chunk {
     std::vector<double> t = {};              ///< NaN where a hit has none that is a number, 0 of misses
     std::vector<std::uint8_t> hit = {};      ///< empty where the file has no answers
     std::vector<std::int32_t> object = {};   ///< the solid that was hit; empty where the file does not say
-    std::vector<std::string> kept = {};      ///< the columns of one's own, record by record, where they are wanted
+    std::vector<std::string> kept = {};      ///< the user's own columns, record by record, where they are wanted
     std::uint64_t rounded = 0;               ///< numbers that the format does not hold
     int digits = 0;                          ///< the most that a number has, see `NumberWords::Word`
     std::uint64_t decimals = 0;              ///< numbers that have some

@@ -29,7 +29,7 @@ struct DumpOptions {
     std::optional<Shape> solid = std::nullopt;  ///< of the solids that are given once
     OpenEnds open = {};                         ///< of the ranges of all rays
     intersect::process::StopToken stop = {};    ///< asked before each piece is read
-    bool keep = false;                          ///< the columns of one's own are wanted
+    bool keep = false;                          ///< the user's own columns are wanted
 };
 
 /// Consecutive records as the file has them.

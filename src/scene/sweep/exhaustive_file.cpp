@@ -29,7 +29,7 @@ std::uint64_t hash_of(const std::filesystem::path& path) {
     return hash;
 }
 
-/// The floats on either side of a number that is none.
+/// The floats on either side of a real number that is not one of them.
 struct Around {
     float below, above;
 };
@@ -96,8 +96,9 @@ void ExhaustiveFile::read_range(TableReader& table) {
         for (const char* key : {"from", "to"})
             table.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
         if (!solid_places.empty())
-            table.fail_at("all",
-                          "takes NaN, infinities and numbers of either sign, which are no solid's; write from and to");
+            table.fail_at(
+                "all",
+                "takes NaN, infinities and numbers of either sign, which are not valid for a solid; write from and to");
         ranges_ = {{place_of(0.0F), 0xffffffffU}, {place_of(-0.0F), 0}};
         return;
     }

@@ -139,7 +139,8 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in a component"));
     CHECK(
         has(error("ray.origin.z\"\nfrom = 1", "sphere.radius\"\nfrom = -1"), "s.toml:9:8: axis.from leaves a sphere"));
-    CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"), "no solid's"));
+    CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"),
+              "not valid for a solid"));
     CHECK(has(error("ray.origin.z", "box.lo.x", good_box), "s.toml:10:6: axis.to leaves a box whose hi is below lo"));
 }
 
