@@ -38,7 +38,11 @@ enum {
     LB_INSIDE_ZERO = 32, /* t = 0 */
     LB_INSIDE_NEAR = 48, /* the near root, t < 0, which the caller looks at; needs LB_NEAR */
     LB_INSIDE_MISS = 64,
-    LB_INSIDE = 112 /* the bits of these */
+    LB_INSIDE = 112, /* the bits of these */
+    /* Rays of every shape begin and end: `starts` and `ends` are looked at, t counts where start <= t <= end, both ends
+     * included, and where the range begins inside of a solid that answers 0 from inside, t is start. Needs LB_FIRST or
+     * LB_HIT_ONLY: of a form that tells near and far the first of them in the range is taken afterwards. */
+    LB_RANGE = 128
 };
 
 /* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */
@@ -52,6 +56,7 @@ typedef struct lb_batch {
                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */
     unsigned char* hit;  /* out, size: 1 or 0 */
     void* own;           /* lb_form.own */
+    const void* starts;  /* of LB_RANGE, size: where each ray begins, as t >= 0; NULL: all at 0 */
 } lb_batch;
 
 typedef struct lb_form {

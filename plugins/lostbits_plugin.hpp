@@ -28,14 +28,16 @@ namespace lostbits_plugin {
 template <class T>
 struct Ray {
     T origin[3], direction[3];
-    T end;  ///< infinity where the ray does not end
+    T end;        ///< infinity where the ray does not end
+    T start = 0;  ///< of a form `in_range`: where it begins, and 0 of others
 };
 template <class T>
 struct Segment {
     T from[3], to[3];
 };
 
-/// What it may take of a solid. The numbers of a batch are those of `Sphere` and of `Box`; the others are made of them.
+/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box` and `Triangle`; the
+/// others are made of them.
 template <class T>
 struct Sphere {
     T centre[3], radius;
@@ -47,6 +49,10 @@ struct SphereAtOrigin {  ///< the ray's origin minus the centre takes the origin
 template <class T>
 struct Box {
     T lo[3], hi[3];
+};
+template <class T>
+struct Triangle {
+    T a[3], b[3], c[3];
 };
 template <class T>
 struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
@@ -125,6 +131,13 @@ struct SolidOf<Box<T>> {
     static Box<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
+struct SolidOf<Triangle<T>> {
+    static constexpr int shape = LB_TRIANGLE;
+    static Triangle<T> make(const T* n, Ray<T>&) {
+        return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
+    }
+};
+template <class T>
 struct SolidOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
@@ -173,6 +186,8 @@ struct Traits;
 template <class R, template <class> class A, class T, class S>
 struct Traits<R (*)(const A<T>&, const S&)> {
     using Number = T;
+    static_assert(!(std::is_same_v<A<T>, Segment<T>> && SolidOf<S>::shape == LB_TRIANGLE),
+                  "a segment ends behind its solid, and behind a triangle is no place: take a Ray");
     static constexpr int shape = SolidOf<S>::shape;
     static constexpr bool hit_only = std::is_same_v<R, bool>;
     static constexpr bool of_segments = std::is_same_v<A<T>, Segment<T>>;
@@ -183,6 +198,7 @@ const char* run(const lb_batch* batch) {
     using Of = Traits<decltype(function)>;
     using T = typename Of::Number;
     const T* ray = static_cast<const T*>(batch->rays);
+    const T* const starts = static_cast<const T*>(batch->starts);
     const T* const ends = static_cast<const T*>(batch->ends);
     const T* solid = static_cast<const T*>(batch->solids);
     T* const near_far = static_cast<T*>(batch->near_far);
@@ -190,7 +206,8 @@ const char* run(const lb_batch* batch) {
         for (std::size_t i = 0; i < batch->size; ++i, ray += 6, solid += batch->solid_stride) {
             Ray<T> one{{ray[0], ray[1], ray[2]},
                        {ray[3], ray[4], ray[5]},
-                       ends ? ends[i] : static_cast<T>(__builtin_huge_val())};
+                       ends ? ends[i] : static_cast<T>(__builtin_huge_val()),
+                       starts ? starts[i] : T(0)};
             T scale = 1;  // of a fraction, the segment's length
             const auto told = call(function, one, solid, scale);
             if constexpr (Of::hit_only) {
@@ -237,6 +254,7 @@ struct Form : lb_form {
     }
     constexpr Form whole_line() const { return with(&lb_form::flags, flags | LB_LINE); }
     constexpr Form ignores_end() const { return with(&lb_form::flags, flags | LB_NO_END); }
+    constexpr Form in_range() const { return with(&lb_form::flags, flags | LB_RANGE); }
     constexpr Form one_thread() const { return with(&lb_form::flags, flags | LB_ONE_THREAD); }
 
 private:

@@ -36,6 +36,7 @@ const minus = (a, b) => a.map((x, k) => x - b[k]);
 const solids = {
     sphere: ([x, y, z, radius]) => ({ centre: [x, y, z], radius }),
     box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
+    triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
 function reach(origin, solid, end) {
@@ -56,7 +57,7 @@ const answers = {
 };
 
 /**
- * Answers with `mine(origin, direction, solid, end)`, or `mine(from, to, solid)` where `takes` is "segment" (its
+ * Answers with `mine(origin, direction, solid, end, start)`, where `start` is 0 but for `flags: "range"`; or `mine(from, to, solid)` where `takes` is "segment" (its
  * answer is a fraction then). `words` are the header's keys, and `takes` and `answers` ("t", "point", "thickness").
  * Numbers are doubles.
  */
@@ -65,10 +66,12 @@ export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
     const { name, ...rest } = keys;
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
-    const solid_of = solids[keys.shape], width = keys.shape === "box" ? 6 : 4, t_of = answers[told];
+    const solid_of = solids[keys.shape], width = { sphere: 4, box: 6, triangle: 9 }[keys.shape], t_of = answers[told];
+    const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends
-        const rays = new Float64Array(read(48 * n)), ends = new Float64Array(read(8 * ended));
+        const rays = new Float64Array(read(48 * n));
+        const starts = new Float64Array(ranged ? read(8 * ended) : 0), ends = new Float64Array(read(8 * ended));
         const numbers = new Float64Array(read(8 * width * many));
         const bytes = new Uint8Array(8 + 17 * n);
         bytes.set(new TextEncoder().encode("LBA1"));
@@ -80,7 +83,7 @@ export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
             const length = takes === "segment" ? reach(origin, solid, end) : 1;
             const answer = takes === "segment"
                 ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid)
-                : mine(origin, direction, solid, end);
+                : mine(origin, direction, solid, end, starts[i] ?? 0);
             if (answer === undefined || answer === null || answer === false) continue;
             bytes[8 + 16 * n + i] = 1;
             if (answer !== true) near_far.set(t_of(answer, origin, direction).map((t) => t * length), 2 * i);

@@ -3,8 +3,8 @@
     from lostbits_pipe import serve
     serve(mine, name="mylib.sphere", roots="first")
 
-mine(origin, direction, solid, end) answers t, or (near, far), or True; None or False is a miss. Print to standard error
-alone.
+mine(origin, direction, solid, end), and of flags="range" mine(origin, direction, solid, end, start), answers t, or
+(near, far), or True; None or False is a miss. Print to standard error alone.
 """
 import array
 import math
@@ -16,6 +16,8 @@ from types import SimpleNamespace
 def solid_of(shape, n):
     if shape == "box":
         return SimpleNamespace(lo=n[:3], hi=n[3:])
+    if shape == "triangle":
+        return SimpleNamespace(a=n[:3], b=n[3:6], c=n[6:])
     return SimpleNamespace(centre=n[:3], radius=n[3])
 
 
@@ -43,7 +45,8 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
-    out, width = sys.stdout.buffer, 6 if shape == "box" else 4
+    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9}[shape]
+    ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()
 
@@ -52,7 +55,8 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
 
     while request := sys.stdin.buffer.read(20):
         _, _, n, solids, ended = struct.unpack("<4s4I", request)  # magic, form, rays, solids, ends
-        rays, ends, held = numbers(6 * n), numbers(ended), numbers(width * solids)
+        rays, starts = numbers(6 * n), numbers(ended if ranged else 0)
+        ends, held = numbers(ended), numbers(width * solids)
         near_far, hits = array.array("d", bytes(16 * n)), bytearray(n)
         for i in range(n):
             origin, direction = rays[6 * i:6 * i + 3], rays[6 * i + 3:6 * i + 6]
@@ -62,7 +66,8 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
             if takes == "segment":
                 answer = mine(origin, [o + length * d for o, d in zip(origin, direction)], solid)
             else:
-                answer = mine(origin, direction, solid, end)
+                begin = [starts[i] if ended else 0.0] if ranged else []
+                answer = mine(origin, direction, solid, end, *begin)
             if answer is None or answer is False:
                 continue
             hits[i] = 1

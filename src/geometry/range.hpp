@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,15 @@ struct Range {
     T tmax = std::numeric_limits<T>::infinity();
     OpenEnds open = {};
 
+    /// The same numbers of this format as a range with both ends: t > tmin is t ≥ the next number above tmin. Infinity
+    /// stays the end of what has none.
+    [[nodiscard]] Range closed() const {
+        constexpr T nowhere = std::numeric_limits<T>::infinity();
+        Range all{tmin, tmax};
+        if (open.tmin) all.tmin = std::nextafter(tmin, nowhere);
+        if (open.tmax && tmax < nowhere) all.tmax = std::nextafter(tmax, -nowhere);
+        return all;
+    }
     /// All that lies ahead.
     [[nodiscard]] bool is_whole() const {
         return tmin == 0 && tmax == std::numeric_limits<T>::infinity() && !open.tmin;

@@ -90,6 +90,7 @@ struct Info {
     Formats formats = Formats::all;
     Inside inside = Inside::usual;
     bool endless = false;  ///< of a form that tells no t: it answers for rays without an end
+    bool ranged = false;   ///< it is told where rays begin and end, and answers within
     /// Of a set of forms: their conventions by shape, by their own words, as closed solids and as open ones; null where
     /// these are the same of all shapes.
     std::array<const Convention*, 3> by_shape = {};

@@ -55,8 +55,9 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
         return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
     };
     for (const std::string form :
-         {"clipped", "clipped_ahead", "zero", "misses", "exit_at_origin", "near", "signed_near", "near_line", "insists",
-          "box_exit", "box_clipped", "box_near", "endless", "segment", "centre", "at_origin", "thickness", "points"}) {
+         {"clipped",   "clipped_ahead", "zero",      "misses",      "exit_at_origin", "near",         "signed_near",
+          "near_line", "insists",       "box_exit",  "box_clipped", "box_near",       "endless",      "segment",
+          "centre",    "at_origin",     "thickness", "points",      "in_range",       "box_in_range", "blocks"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
     }
@@ -73,6 +74,8 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
              {"near", "say LB_FIRST (first_root, roots=first)"},
              {"behind", "or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss"},
              {"endless", "say LB_NO_END (ignores_end, flags=no_end)"},
+             {"open_at_start", "both ends of a range belong to it, start <= t <= end"},
+             {"forgets_the_start", "a range that begins behind the solid, where t = 8, hits"},
              {"thickness", "the thickness; hand over near + thickness"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), "promises broken"));
@@ -237,6 +240,51 @@ TEST_CASE("words: what contradicts itself is refused, and what a library of befo
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
         CHECK(header(words).code == 0);
+}
+
+TEST_CASE("words: a form that is told the range of a ray is held to it, in this process, behind a pipe and of boxes") {
+    const Scratch folder;
+    const std::string camera =
+        "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n";
+    const auto scene = [&](const std::string& name, const std::string& open, const std::string& solid) {
+        folder.write(name + ".toml",
+                     "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n" +
+                         camera + "[rays]\ntmin = 4.5\ntmax = 5.5\nopen_ends = \"" + open + "\"\n" + solid);
+    };
+    const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
+    scene("closed", "none", sphere);
+    scene("open", "both", sphere);
+    scene("boxes", "none", "[[box]]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n");
+    for (const std::string how : {"", " --isolate"}) {
+        for (const std::string name : {"closed", "open", "boxes"}) {
+            const Outcome map = run("map " + name +
+                                        ".toml --size 48x32 -i 'word.*in_range' -i 'word.blocks' -i "
+                                        "'bad.forgets_the_start' -f f32 -o out --plugin " +
+                                        worded + how,
+                                    folder.path());
+            INFO(map.err);
+            REQUIRE(map.code == 0);
+            const auto summary = folder.path() / "out" / name / "summary.csv";
+            if (name == "boxes") {
+                auto row = row_of(summary, "word.box_in_range");
+                CHECK(row["false_hit"] == "0");
+                CHECK(row["false_miss"] == "0");
+                CHECK(std::stoi(row["agree_hit"]) > 20);
+                CHECK(std::stoi(row["agree_miss"]) > 20);
+                continue;
+            }
+            for (const std::string form : {"word.in_range", "word.blocks"}) {
+                auto row = row_of(summary, form);
+                INFO(name << ' ' << form);
+                CHECK(row["false_hit"] == "0");
+                CHECK(row["false_miss"] == "0");
+                CHECK(std::stoi(row["agree_hit"]) > 20);
+                CHECK(std::stoi(row["agree_miss"]) > 20);
+            }
+            auto bad = row_of(summary, "bad.forgets_the_start");
+            CHECK(bad["false_hit"] != "0");  // its roots before the range are not taken away for it
+        }
+    }
 }
 
 }  // namespace test_words

@@ -99,6 +99,27 @@ Answer<float> signed_near(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
     return r.hit ? Answer<float>(static_cast<float>(r.near)) : miss;
 }
+/// The first root in the ray's range; from inside of a box, where the range begins.
+Answer<float> in_range(const Ray<float>& ray, const Sphere<float>& s) {
+    const Roots r = roots(ray, s);
+    if (!r.hit) return miss;
+    const float near = static_cast<float>(r.near), far = static_cast<float>(r.far), t = near < ray.start ? far : near;
+    return t >= ray.start && t <= ray.end ? Answer<float>(t) : miss;
+}
+Answer<float> box_in_range(const Ray<float>& ray, const Box<float>& b) {
+    const Roots r = roots(ray, b);
+    const float near = std::max(static_cast<float>(r.near), ray.start);
+    return r.hit && near <= static_cast<float>(r.far) && near <= ray.end ? Answer<float>(near) : miss;
+}
+bool sphere_blocks(const Ray<float>& ray, const Sphere<float>& s) { return in_range(ray, s).hit; }
+Answer<float> open_at_start(const Ray<float>& ray, const Sphere<float>& s) {
+    const Answer<float> a = in_range(ray, s);
+    return a.hit && a.near == ray.start ? Answer<float>(miss) : a;
+}
+Answer<float> forgets_the_start(const Ray<float>& ray, const Sphere<float>& s) {
+    const Answer<float> a = exit_inside(ray, s);
+    return a.hit && a.near <= ray.end ? a : Answer<float>(miss);
+}
 /// As much public code does in a debug build.
 Answer<float> insists(const Ray<float>& ray, const Sphere<float>& s) {
     const float* const d = ray.direction;
@@ -151,7 +172,8 @@ Points<float> points(const Ray<float>& ray, const Sphere<float>& s) {
 // What a library of the first version of the header was compiled to: it is read so for good.
 static_assert(sizeof(lb_form) == 72 && offsetof(lb_form, shape) == 24 && offsetof(lb_form, at_origin) == 44);
 static_assert(offsetof(lb_form, flags) == 48 && offsetof(lb_form, own) == 56 && offsetof(lb_form, run) == 64);
-static_assert(sizeof(lb_batch) == 64 && offsetof(lb_batch, near_far) == 40 && offsetof(lb_batch, own) == 56);
+static_assert(sizeof(lb_batch) == 72 && offsetof(lb_batch, starts) == 64 && offsetof(lb_batch, near_far) == 40 &&
+              offsetof(lb_batch, own) == 56);
 static_assert(LOSTBITS_PLUGIN_ABI == 1 && LB_LINE == 1 && LB_NO_END == 2 && LB_ONE_THREAD == 4 && LB_MISS == 1);
 
 using S = Sphere<float>;
@@ -178,6 +200,11 @@ LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses
                form<of_origin>("word.at_origin").first_root(),                                  //
                form<thickness>("word.thickness").whole_line(),                                  //
                form<points>("word.points").whole_line(),                                        //
+               form<in_range>("word.in_range").first_root().in_range(),                         //
+               form<box_in_range>("word.box_in_range").first_root().in_range(),                 //
+               form<sphere_blocks>("word.blocks").in_range(),                                   //
+               form<open_at_start>("bad.open_at_start").first_root().in_range(),                //
+               form<forgets_the_start>("bad.forgets_the_start").first_root().in_range(),        //
                form<unsigned_near>("bad.unsigned_near").near_root(),                            //
                form<touch_is_zero>("bad.touch").first_root(),                                   //
                form<with_tmin>("bad.tmin").first_root().origin_misses(),                        //

@@ -58,6 +58,13 @@ void require_roots(const Contract& c, const std::string& from) {
         throw InputError(from +
                          ": a near root that is clipped to 0 tells no surface at the origin from one behind it; say "
                          "at_origin = exit as well, or miss");
+    if ((c.flags & LB_RANGE) != 0 && (both || near))
+        throw InputError(from +
+                         ": range is said of a form that tells the first root in the range (roots = first) or yes and "
+                         "no; of near and far the first in the range is taken afterwards");
+    if ((c.flags & LB_RANGE) != 0 && (c.flags & LB_NO_END) != 0)
+        throw InputError(from +
+                         ": says range and no_end; a form that looks at where rays begin looks at their ends too");
     if (c.inside == Inside::near && !near)
         throw InputError(from + ": inside = near is said of a form of the near root alone (roots = near)");
     if (c.inside == Inside::exit && near)
@@ -100,7 +107,8 @@ void require_sense(const Contract& c, const std::string& library) {
                          ": state has a word that is unknown; leave it out where the processor computes as usual");
     if (c.bits != 32 && c.bits != 64)
         throw InputError(from + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
-    if ((c.flags & ~15U) != 0)
+    constexpr unsigned known = LB_LINE | LB_NO_END | LB_ONE_THREAD | LB_CLIPPED | LB_RANGE;
+    if ((c.flags & ~known) != 0)
         throw InputError(from +
                          ": flags has bits that this version does not know; rebuild it with this version's "
                          "lostbits_plugin.h");

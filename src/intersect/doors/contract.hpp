@@ -20,7 +20,7 @@ struct Contract {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Inside inside = Inside::usual;
-    unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED
+    unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE
     /// How the processor computes in it, which loading its library left (`FloatingPoint::words`); empty: as IEEE 754
     /// asks.
     std::string state = {};

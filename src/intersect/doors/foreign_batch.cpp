@@ -24,7 +24,7 @@ constexpr std::uint8_t neither = 0xEE;
 /// The columns of a batch ray by ray, with room for the answers. Kept by the thread.
 template <class S>
 struct Interleaved {
-    std::vector<S> rays, near_far, solids;
+    std::vector<S> rays, near_far, solids, starts, ends;
     std::vector<std::uint8_t> hit;
 
     void set(const table::RayBatch<S>& batch, const Target<S>& target) {
@@ -42,9 +42,21 @@ struct Interleaved {
         }
         near_far.resize(2 * n);
         hit.resize(n);
+        starts.clear();
+        ends.clear();
         mark_unwritten<S>(near_far, hit);
     }
 };
+
+/// Where each ray begins and ends, both included.
+template <class S>
+void tell_ranges(const table::RayBatch<S>& rays, std::vector<S>& starts, std::vector<S>& ends) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Range<S> range = rays.range(i).closed();
+        starts.push_back(range.tmin);
+        ends.push_back(range.tmax);
+    }
+}
 
 template <class S>
 bool is_unwritten(S x) {
@@ -99,15 +111,20 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
     const std::size_t n = rays.size();
     if (n == 0) return;
     room.set(rays, target);
-    const bool ends = told_end(form_.contract.shape) && !rays.tmax.empty();
+    const bool ranged = (form_.contract.flags & LB_RANGE) != 0 && rays.have_ranges();
+    if (ranged) tell_ranges(rays, room.starts, room.ends);
+    const bool ends = !ranged && told_end(form_.contract.shape) && !rays.tmax.empty();
     ask({.size = n,
          .rays = room.rays.data(),
-         .ends = ends ? rays.tmax.data() : nullptr,
+         .ends = ranged ? room.ends.data()
+                 : ends ? rays.tmax.data()
+                        : nullptr,
          .solids = room.solids.data(),
          .solid_stride = target.solids.size() == 1 ? 0 : target.solids.front().used().size(),
          .near_far = room.near_far.data(),
          .hit = room.hit.data(),
-         .own = nullptr});
+         .own = nullptr,
+         .starts = ranged ? room.starts.data() : nullptr});
     const Contract& contract = form_.contract;
     const auto fail = [&](std::size_t i, const std::string& what) {
         throw EnvironmentError(form_.from + ": form \"" + contract.name + "\" " + what + " (ray " + std::to_string(i) +

@@ -162,6 +162,7 @@ void ask_by_pipe(Child& child, const PipeRequest& request, const Contract& contr
     message.clear();
     message.add(&request, sizeof request);
     message.add(batch.rays, 6 * n * width);
+    if (batch.starts) message.add(batch.starts, n * width);
     if (batch.ends) message.add(batch.ends, n * width);
     message.add(batch.solids, request.solids * row_of(contract.shape).numbers * width);
 
@@ -178,6 +179,7 @@ void ask_in_memory(Partner& partner, const std::string& who, const PipeRequest& 
     std::byte* const data = room.with_bytes(at.end);
     if (data == nullptr) throw std::bad_alloc();
     std::memcpy(data + at.rays, batch.rays, 6 * n * width);
+    if (batch.starts) std::memcpy(data + at.starts, batch.starts, n * width);
     if (batch.ends) std::memcpy(data + at.ends, batch.ends, n * width);
     std::memcpy(data + at.solids, batch.solids, request.solids * row_of(contract.shape).numbers * width);
     if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
@@ -207,6 +209,7 @@ BatchPlaces places_of(const PipeRequest& request, const Contract& contract) {
         return begin;
     };
     at.rays = place(6 * n * width);
+    at.starts = place(contract.flags & LB_RANGE ? request.ends * width : 0);
     at.ends = place(request.ends * width);
     at.solids = place(request.solids * row_of(contract.shape).numbers * width);
     at.near_far = place(2 * n * width);

@@ -12,8 +12,8 @@
 
 namespace lostbits::intersect::doors {
 
-/// What comes before the numbers of a batch, little-endian. They follow as ray by ray 6, then the ends of the rays
-/// where there are any, then of each solid the numbers of its shape.
+/// What comes before the numbers of a batch, little-endian. They follow as ray by ray 6, then, where rays end,
+/// of a form that says range where each begins, and where each ends, then of each solid the numbers of its shape.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
     std::uint32_t form = 0;  ///< which of the header's, from 0
@@ -40,7 +40,7 @@ inline constexpr char shares_memory[4] = {'L', 'B', 'M', '1'};
 
 /// Where the columns of a batch stand in that memory, in bytes from its begin.
 struct BatchPlaces {
-    std::size_t rays = 0, ends = 0, solids = 0, near_far = 0, hit = 0, end = 0;
+    std::size_t rays = 0, starts = 0, ends = 0, solids = 0, near_far = 0, hit = 0, end = 0;
 };
 BatchPlaces places_of(const PipeRequest& request, const Contract& contract);
 

@@ -18,7 +18,8 @@ constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // of
 constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
 constexpr Words at_origins = at_origin_names, insides = inside_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
-constexpr std::array<std::string_view, 4> flags{"line", "no_end", "one_thread", "clipped"};
+constexpr std::array<std::string_view, 5> flags{"line", "no_end", "one_thread", "clipped", "range"};
+constexpr std::array<unsigned, 5> flag_bits{LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE};
 
 /// One key of a form: what it may say, and how the contract holds it.
 struct Key {
@@ -44,7 +45,7 @@ Key text(std::string_view name, std::string Contract::*field) {
 std::string flags_of(const Contract& c) {
     std::string all;
     for (std::size_t i = 0; i < flags.size(); ++i) {
-        if (c.flags & (1U << i)) all += (all.empty() ? "" : ",") + std::string(flags[i]);
+        if (c.flags & flag_bits[i]) all += (all.empty() ? "" : ",") + std::string(flags[i]);
     }
     return all;
 }
@@ -83,7 +84,7 @@ std::size_t place_of(Words words, const std::string& word, const std::string& wh
 void set_flags(Contract& contract, const std::string& value, const std::string& where) {
     for (std::size_t begin = 0; begin < value.size();) {
         const std::size_t comma = std::min(value.find(',', begin), value.size());
-        contract.flags |= 1U << place_of(flags, value.substr(begin, comma - begin), where, "flags");
+        contract.flags |= flag_bits[place_of(flags, value.substr(begin, comma - begin), where, "flags")];
         begin = comma + 1;
     }
 }

@@ -68,7 +68,7 @@ bool write_all(int to, const void* from, std::size_t bytes) {
 
 /// The numbers of a batch, as bytes: they are handed on as they came.
 struct Columns {
-    const std::byte *rays, *ends, *solids;  ///< `ends`: null where there are none
+    const std::byte *rays, *starts, *ends, *solids;  ///< `starts`, `ends`: null where there are none
     std::byte* near_far;
     std::uint8_t* hit;
 };
@@ -90,7 +90,8 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
                      .solid_stride = request.solids == 1 ? 0 : row_of(form.contract.shape).numbers,
                      .near_far = columns.near_far,
                      .hit = columns.hit,
-                     .own = nullptr});
+                     .own = nullptr,
+                     .starts = columns.starts});
     } catch (const std::exception& error) {
         return error.what();
     }
@@ -106,12 +107,13 @@ bool is_for(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
 /// Where the numbers of batches are kept: in memory of whoever asks, or here.
 struct Room {
     std::optional<process::SharedRoom> shared;
-    std::vector<std::byte> rays, ends, solids, near_far;
+    std::vector<std::byte> rays, starts, ends, solids, near_far;
     std::vector<std::uint8_t> hit;
 };
 
 Columns columns_in(std::byte* memory, const BatchPlaces& at, bool have_ends) {
     return {.rays = memory + at.rays,
+            .starts = have_ends && at.starts != at.ends ? memory + at.starts : nullptr,
             .ends = have_ends ? memory + at.ends : nullptr,
             .solids = memory + at.solids,
             .near_far = memory + at.near_far,
@@ -127,12 +129,15 @@ std::optional<Columns> take_batch(int input, const PipeRequest& request, const C
         return columns_in(memory, at, request.ends != 0);
     }
     const std::size_t width = static_cast<std::size_t>(contract.bits) / 8, n = request.rays;
-    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.ends, request.ends * width) ||
+    const std::size_t starts = (contract.flags & LB_RANGE) != 0 ? request.ends * width : 0;
+    if (!read_column(input, room.rays, 6 * n * width) || !read_column(input, room.starts, starts) ||
+        !read_column(input, room.ends, request.ends * width) ||
         !read_column(input, room.solids, request.solids * row_of(contract.shape).numbers * width))
         return std::nullopt;
     room.near_far.resize(2 * n * width);
     room.hit.resize(n);
     return Columns{.rays = room.rays.data(),
+                   .starts = room.starts.empty() ? nullptr : room.starts.data(),
                    .ends = room.ends.empty() ? nullptr : room.ends.data(),
                    .solids = room.solids.data(),
                    .near_far = room.near_far.data(),

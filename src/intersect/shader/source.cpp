@@ -258,6 +258,10 @@ ShaderSource read_shader(const std::string& named) {
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
     if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
+    if ((shader.contract.flags & LB_RANGE) != 0)
+        throw InputError(path +
+                         ": flags=range is not for shaders, which are not told where rays begin; leave it out, "
+                         "and the first of their roots in the range is taken");
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
     const bool ends = told_end(shader.contract.shape) && shader.contract.roots != Roots::none;

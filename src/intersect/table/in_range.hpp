@@ -15,10 +15,11 @@ constexpr bool is_met_inside(const Info& info, Shape shape) {
 /// or none does, as in a renderer that asks so. A form of solids that tells near and far is met where the range and
 /// [near, far] both begin, if they have a t in common: as slabs that start with tmin in place of 0 have it. Told the
 /// end of a ray a form has looked at that itself, but for an end that is open. What tells no t answers for the whole
-/// ray, and a hit at NaN stays one, to be shown as that.
+/// ray, and a hit at NaN stays one, to be shown as that. What is told the range itself answers for it: a t beyond is
+/// its mistake, and is shown as one.
 template <class S>
 void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
-    if (!rays.have_ranges() || info.roots == Roots::none) return;
+    if (!rays.have_ranges() || info.roots == Roots::none || info.ranged) return;
     const bool both = info.roots == Roots::both, solid = is_met_inside(info, shape);
     const bool looks_at_end = told_end(shape) && !rays.open.tmax;
     if (looks_at_end && rays.tmin.empty() && !rays.open.tmin) return;

@@ -17,6 +17,7 @@ struct Question {
     std::array<double, 6> ray;               ///< origin, direction
     std::array<double, most_numbers> solid;  ///< as in `Solid::numbers`
     double end = std::numeric_limits<double>::infinity();
+    double start = 0;
 };
 
 struct Reply {
@@ -30,10 +31,12 @@ template <class S>
 std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
                           bool one_solid) {
     const std::size_t n = questions.size(), numbers = row_of(form.contract.shape).numbers;
-    std::vector<S> rays, ends, solids, near_far(2 * n);
+    const bool ranged = (form.contract.flags & LB_RANGE) != 0;
+    std::vector<S> rays, starts, ends, solids, near_far(2 * n);
     std::vector<std::uint8_t> hit(n);
     for (const Question& q : questions) {
         for (const double x : q.ray) rays.push_back(static_cast<S>(x));
+        starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
         for (std::size_t k = 0; k < numbers; ++k) solids.push_back(static_cast<S>(q.solid[k]));
     }
@@ -45,7 +48,8 @@ std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<c
                  .solid_stride = one_solid ? 0 : numbers,
                  .near_far = near_far.data(),
                  .hit = hit.data(),
-                 .own = nullptr});
+                 .own = nullptr,
+                 .starts = ranged ? starts.data() : nullptr});
     std::vector<Reply> replies;
     for (std::size_t i = 0; i < n; ++i) {
         const bool told = hit[i] == 1 && form.contract.roots != intersect::Roots::none;

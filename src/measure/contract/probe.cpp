@@ -197,7 +197,7 @@ void try_end(Trial& trial) {
     const bool before = trial.ask(q).hit == 1;
     const ShapeRow& row = row_of(trial.shape);
     const std::string ends = "a ray that ends before the " + std::string(row.name);
-    if (!row.told_end) {
+    if (!row.told_end && !trial.says(LB_RANGE)) {
         if (!before) trial.told(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
@@ -208,6 +208,42 @@ void try_end(Trial& trial) {
                ends +
                    " hits; say LB_NO_END (ignores_end, flags=no_end) where ends are not "
                    "looked at (of a shader: float tmax)");
+}
+
+/// Of what says that it looks at where rays begin and end: near is met at 3, and far, where there is one, at 7.
+void try_range(Trial& trial) {
+    const auto within = [&trial](double start, double end) {
+        Question q = along(trial.shape, -5, 1);
+        q.start = start, q.end = end;
+        return trial.ask(q);
+    };
+    const std::optional<Ends<double>> ends = ends_of(along(trial.shape, -5, 1), trial.shape);
+    const double near = ends->near, far = ends->far;
+    const Reply on = within(near, infinity);
+    trial.hold(on.hit == 1 && (!trial.tells_t || is_answer(on.near, near)),
+               "a range that begins at the first root has it",
+               "a range that begins at the first root, t = " + text_of(near) +
+                   ", does not have it; both ends of a range belong to it, start <= t <= end");
+    trial.hold(within(0, near).hit == 1, "a range that ends at the first root has it",
+               "a range that ends at the first root, t = " + text_of(near) +
+                   ", does not have it; both ends of a range belong to it, start <= t <= end");
+    trial.hold(within(far + 1, infinity).hit == 0, "a range that begins behind the solid has none of it",
+               "a range that begins behind the solid, where t = " + text_of(far + 1) +
+                   ", hits; `starts` says where each ray begins");
+    if (!(near < far)) return;
+    const double between = near + (far - near) / 4;
+    const Reply r = within(between, infinity);
+    const Inside inside = intersect::doors::inside_of(trial.contract);
+    const bool zero = inside == Inside::zero || (inside == Inside::usual && zero_inside(trial.shape));
+    const std::string begins = "a range that begins inside, at t = " + text_of(between) + ", ";
+    const double right = zero ? between : far;
+    if (inside == Inside::miss)
+        return trial.hold(r.hit == 0, begins + "misses", begins + "hits; say what it answers from inside");
+    trial.hold(r.hit == 1 && (!trial.tells_t || is_answer(r.near, right)),
+               begins + (trial.tells_t ? "answers " + text_of(right) : "hits"),
+               begins + (r.hit == 0 ? "misses" : "answers " + text_of(r.near)) +
+                   (trial.tells_t ? "; it should be " + text_of(right) : std::string()) +
+                   ", or say another answer from inside");
 }
 
 /// One that must only be lived through.
@@ -273,6 +309,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
         trial.probe("at-origin", try_at_origin);
     if (trial.tells_t) trial.probe("close", try_close);
     trial.probe("end", try_end);
+    if (trial.says(LB_RANGE)) trial.probe("range", try_range);
     try_odd_numbers(trial);
     return std::move(trial.findings);
 }
