@@ -102,6 +102,10 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
 
 Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
     Node root = root_;
+    if (root.find("rays") == nullptr) {  // any scene can be given a range by a variant, by --set or by a sweep
+        root.entries.push_back({"rays", root.where, {}});
+        root.entries.back().value.kind = Node::Kind::table;
+    }
     if (variant != nullptr)
         for (const Override& change : variant->changes) toml::apply_override(root, change);
     for (const Override& change : options.overrides) toml::apply_override(root, change);

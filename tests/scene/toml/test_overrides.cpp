@@ -147,4 +147,17 @@ TEST_CASE("a variant's overrides apply in the order of writing") {
     CHECK(loaded(narrow_last).listed[0].sphere().centre.x == 9);
 }
 
+TEST_CASE("a range can be given to the rays of any scene, of all rays that lie ahead before") {
+    using scene::test::good_scene;
+    CHECK(scene::test::loaded(good_scene).range.is_whole());
+    LoadOptions options;
+    options.overrides.push_back(parse_override("rays.tmin=4.5"));
+    const auto scene = scene::test::loaded(good_scene, options);
+    CHECK(scene.range.tmin == 4.5);
+    CHECK(std::isinf(scene.range.tmax));
+    options.overrides.push_back(parse_override("rays.tmim=4.5"));
+    CHECK(scene::test::error_of([&] { scene::test::loaded(good_scene, options); }).find("did you mean \"tmin\"") !=
+          std::string::npos);
+}
+
 }  // namespace test_overrides
