@@ -53,7 +53,8 @@ double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth
 double model_error(const Sample& s) { return s.own && s.self ? in_ulps(s, *s.self, *s.own) : missing; }
 double rounding_error(const Sample& s) {
     if (!s.self) return missing;
-    return std::isinf(s.t) ? s.t : in_ulps(s, truth::exactly(s.t), *s.self);
+    if (std::isinf(s.t)) return truth::may_round_to(*s.self, s.t, s.format->shape) ? 0 : s.t;
+    return in_ulps(s, truth::exactly(s.t), *s.self);
 }
 
 double condition_number(const Sample& s) { return s.condition; }
@@ -107,7 +108,7 @@ constexpr Metric table[] = {
     {.name = "ulp_error",
      .unit = "ulp",
      .layer = "err.ulp",
-     .meaning = "(t - t*)/ulp(t*), signed, against the unrounded truth",
+     .meaning = "(t - t*)/ulp(t*), signed, against the unrounded truth; 0 where t is infinite as t* is when rounded",
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .by_default = true,

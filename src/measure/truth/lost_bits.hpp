@@ -9,9 +9,17 @@
 
 namespace lostbits::measure::truth {
 
-/// (t − t*)/ulp(t*) in that format; an infinite answer is infinitely far off.
+/// Whether t is x rounded to the format, or may be where x is known too loosely to tell. Of an infinite t this is an
+/// overflow as rounding alone makes it.
+inline bool may_round_to(const Certified& x, double t, const FloatFormat& format) {
+    const Neighbours ends = round_ends(x, format);
+    return ends.lower == t || ends.upper == t;
+}
+
+/// (t − t*)/ulp(t*) in that format. An infinite answer is infinitely far off, but where t* itself rounds to it: that
+/// one has no error.
 inline double ulp_error(double t, const Certified& truth, const FloatFormat& format) {
-    if (std::isinf(t)) return t;
+    if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : t;
     return scaled_difference(exactly(t), truth, ulp_exponent(format, truth.floor_log2()));
 }
 

@@ -6,6 +6,7 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/exact_reference.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
 namespace test_certified {
@@ -212,6 +213,24 @@ TEST_CASE("ordinals are the formats' own bit patterns") {
             if (measure::truth::ordinal(x, f) != n || measure::truth::ordinal(-x, f) != -n) FAIL(x << " at " << n);
         }
         CHECK(std::isinf(x));
+    }
+}
+
+TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, and everything elsewhere") {
+    using measure::truth::exactly;
+    using measure::truth::lost_bits;
+    using measure::truth::ulp_error;
+    for (const FloatFormat& format : {binary32, binary64, FloatFormat(binary16)}) {
+        const int p = format.precision;
+        measure::truth::Certified tie{.hi = 2 - std::ldexp(1.0, -p), .exponent = 1 - format.emin};
+        if (p == 53) tie = {.hi = 2 - 0x1p-52, .lo = 0x1p-53, .exponent = 1 - format.emin};
+        measure::truth::Certified below = tie, beyond = tie;
+        below.lo -= 0x1p-70, beyond.exponent += 5000;
+        for (const auto& x : {tie, beyond}) CHECK(ulp_error(HUGE_VAL, x, format) == 0);
+        CHECK(ulp_error(HUGE_VAL, below, format) == HUGE_VAL);
+        CHECK(ulp_error(-HUGE_VAL, beyond, format) == -HUGE_VAL);
+        CHECK(lost_bits(ulp_error(HUGE_VAL, exactly(1), format), p) == p);
+        CHECK(lost_bits(ulp_error(0, beyond, format), p) == p);
     }
 }
 

@@ -79,7 +79,8 @@ function scaled(x, e) {
  */
 const derived = {
     ulp_error(s) {
-        if (!Number.isFinite(s.t)) return s.t;
+        const overflow = 2 ** (1 - s.row.emin) * (2 - 2 ** -s.row.precision);  // from here on t* rounds to infinity
+        if (!Number.isFinite(s.t)) return Math.sign(s.t) * s.truth >= overflow ? 0 : s.t;
         const e = Math.max(s.truth === 0 ? -Infinity : binade(s.truth), s.row.emin) - s.row.precision + 1;
         return scaled(s.t - s.truth, -e) - scaled(s.rest, -e);
     },
