@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/triangle/forms/baldwin_weber.hpp"
+#include "shapes/triangle/forms/filtered.hpp"
 #include "shapes/triangle/forms/havel_herout.hpp"
 #include "shapes/triangle/forms/moller_trumbore.hpp"
 #include "shapes/triangle/forms/pbrt.hpp"
@@ -33,7 +34,8 @@ using TriangleForms = FormList<   //
     triangle::BaldwinWeber,       // the plane, then coordinates in it
     triangle::HavelHerout,        //
     triangle::Projection,         //
-    triangle::PlaneBarycentric    //
+    triangle::PlaneBarycentric,   //
+    triangle::Filtered            // exact signs
     >;
 
 }  // namespace lostbits::intersect::triangle

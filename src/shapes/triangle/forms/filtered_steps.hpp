@@ -1,0 +1,289 @@
+// The steps of `triangle.filtered`, and the inequalities that let a ray stop at one.
+#pragma once
+
+#include "geometry/vec.hpp"
+#include "intersect/way.hpp"
+#include "number/wide/dyadic_triangle.hpp"
+#include "number/wide/exact_sum.hpp"
+#include "number/wide/ladder.hpp"
+#include "shapes/triangle/forms/parts.hpp"
+
+namespace lostbits::intersect::triangle {
+namespace filtered {
+
+/// What a step says of a ray: the decision and t where they are proved, nothing where not.
+template <Number T>
+struct Settled {
+    mask_t<T> proved, hit;
+    T t;
+
+    /// `first` where it is proved, `second` where not.
+    friend Settled joined(const Settled& first, const Settled& second) {
+        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
+                select(first.proved, first.t, second.t)};
+    }
+};
+
+/// What `Triangle::span` decides by, in any number: the edges, with the vertices as seen from the origin, m = d·n and
+/// k = a·n with n = p × q, p = b − a and q = c − a.
+template <class N>
+struct Determinants {
+    Vec<N> d, a, b, c, p, q, n;
+    N ea, eb, ec, m, k;
+};
+
+template <Number N>
+Determinants<N> determinants_of(const Ray<N>& ray, const Triangle<N>& triangle) {
+    const Vec<N>& d = ray.direction;
+    const Vec<N> a = triangle.a - ray.origin, b = triangle.b - ray.origin, c = triangle.c - ray.origin;
+    const Vec<N> p = triangle.b - triangle.a, q = triangle.c - triangle.a, n = cross(p, q);
+    return {.d = d,
+            .a = a,
+            .b = b,
+            .c = c,
+            .p = p,
+            .q = q,
+            .n = n,
+            .ea = named("ea", dot(d, cross(b, c))),
+            .eb = named("eb", dot(d, cross(c, a))),
+            .ec = named("ec", dot(d, cross(a, b))),
+            .m = named("m", dot(d, n)),
+            .k = named("k", dot(a, n))};
+}
+
+/// The decision by the signs, where they are right.
+template <Number N>
+mask_t<N> meets(const Determinants<N>& of) {
+    const N zero(0), least = min(min(of.ea, of.eb), of.ec), most = max(max(of.ea, of.eb), of.ec);
+    return (least >= zero && of.m > zero && of.k >= zero) || (most <= zero && of.m < zero && of.k <= zero);
+}
+
+/// Where a hit is proved, and where a miss.
+template <class P>
+struct Proved {
+    mask_t<P> met, missed;
+};
+
+/// `of` was computed with v the roundoff of an operation; its words are of P, whose roundoff is w, and t is asked for
+/// in a format of roundoff u. To first order in v (Higham 2002, lemma 3.1), with M the largest of the vertices' sizes:
+///
+///     b, c              off by v of themselves
+///     d·(b × c)         each of the six products d_i b_j c_k by 7v: off by at most 7v Σ|d_i| 2M² = 14v |d| M², |d| the
+///                       sum of sizes; 16v cover what is of second order where v ≤ 2^-9
+///     n_i = x − y       by 3v of x and of y, and by v of n_i
+///     m, k              by v Σ|d_i| g_i and v Σ|a_i| g_i, g_i = 3(|x| + |y|) + 5|n_i|
+///
+/// m and k are asked to be right to s = min(14u, 2^-9) of themselves: t is then right to 2s and three roundings, within
+/// the 32u of 18 correct bits of 24. The edges add up to m; where all have one sign, that of m is the same.
+///
+/// Range, with L the least normal number of P: what underflows is off by wL, or by 5wL in two words. f = 64L w/v,
+/// which M² and |d| M² must reach and which is in g_i, m's bound and k's, covers it by v of itself. All products and
+/// sums are below 64 M², 64 |d| M² or the bounds of m and k, which must be finite; comparisons with NaN are false.
+template <class P>
+Proved<P> proved_by(const Determinants<P>& of, const P& v, const P& u) {
+    const P none = P(1) / P(0), zero(0);
+    const P f = P(64) * number::wide::least_normal<P>() * (unit_roundoff<P>() / v);
+    const P ratio = v / min(P(14) * u, P(1) / P(512));
+    const Vec<P> d = sizes(of.d), a = sizes(of.a), b = sizes(of.b), c = sizes(of.c), p = sizes(of.p), q = sizes(of.q);
+    const auto largest = [](const Vec<P>& x) { return max(max(x.x, x.y), x.z); };
+    const P most_way = max(max(largest(a), largest(b)), largest(c)), area = most_way * most_way;
+    const P volume = (d.x + d.y + d.z) * area, e = P(16) * v * volume;
+    const Vec<P> products(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+    const Vec<P> g = P(3) * products + P(5) * sizes(of.n) + Vec<P>(f, f, f);
+    const P of_m = dot(d, g) + f, of_k = dot(a, g) + f;
+    const mask_t<P> in_range = P(512) * v <= P(1) && area >= f && volume >= f && P(64) * area < none &&
+                               P(64) * volume < none && of_m < none && of_k < none;
+    const mask_t<P> good = in_range && ratio * of_m <= abs(of.m) && ratio * of_k <= abs(of.k);
+    const mask_t<P> ahead = (of.m > zero && of.k > zero) || (of.m < zero && of.k < zero);
+    const P least = min(min(of.ea, of.eb), of.ec), most = max(max(of.ea, of.eb), of.ec);
+    return {good && ahead && (least > e || most < -e), (in_range && least < -e && most > e) || (good && !ahead)};
+}
+
+/// The first word of a number: all of it, or the high one of two.
+template <class N>
+N word_of(const N& x) {
+    return x;
+}
+template <class B>
+B word_of(const number::wide::TwoWords<B>& x) {
+    return x.hi;
+}
+
+/// `f` of every number.
+template <class N, class F>
+auto each_of(const Determinants<N>& of, const F& f) {
+    using P = decltype(f(of.m));
+    const auto v = [&](const Vec<N>& x) { return Vec<P>(f(x.x), f(x.y), f(x.z)); };
+    return Determinants<P>{.d = v(of.d),
+                           .a = v(of.a),
+                           .b = v(of.b),
+                           .c = v(of.c),
+                           .p = v(of.p),
+                           .q = v(of.q),
+                           .n = v(of.n),
+                           .ea = f(of.ea),
+                           .eb = f(of.eb),
+                           .ec = f(of.ec),
+                           .m = f(of.m),
+                           .k = f(of.k)};
+}
+
+/// The ray and the triangle with `f` of every number.
+template <class W, Number T, class F>
+Determinants<W> determinants_in(const Ray<T>& ray, const Triangle<T>& triangle, const F& f) {
+    const auto v = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
+    return determinants_of<W>({v(ray.origin), v(ray.direction)}, {v(triangle.a), v(triangle.b), v(triangle.c)});
+}
+
+/// u of the format that `T` computes in, as a number of P.
+template <class T, class P>
+P roundoff_in() {
+    using number::wide::untold;
+    using Plain = decltype(untold(std::declval<T>()));
+    if constexpr (std::same_as<P, Plain>) return unit_roundoff<P>();
+    else return number::wide::taken_to<P>(unit_roundoff<Plain>());
+}
+
+/// In W: T, its `OneWord`, or two of those.
+template <class W, Number T>
+Settled<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
+    using number::wide::untold, number::wide::taken_for_granted;
+    const auto in = determinants_in<W>(ray, triangle, [](const T& x) -> W {
+        if constexpr (std::same_as<W, T>) return x;
+        else return number::wide::taken_to<W>(x);
+    });
+    const auto of = each_of(in, [](const W& x) { return word_of(x); });
+    using B = std::decay_t<decltype(of.m)>;
+    using P = decltype(untold(of.m));
+    P v = unit_roundoff<P>();
+    if constexpr (!std::same_as<W, B>) v = unit_roundoff<number::wide::TwoWords<P>>().hi;
+    const Proved<P> by = proved_by<P>(each_of(of, [](const B& x) { return untold(x); }), v, roundoff_in<T, P>());
+    const mask_t<B> proved = taken_for_granted<B>(by.met || by.missed);
+    const B t = named("t", of.k / of.m);
+    const auto hit = [&]() -> mask_t<B> {
+        if constexpr (tells_of_operations<T>) return meets<B>(of);
+        else return by.met;
+    };
+    if constexpr (std::same_as<W, T>) {
+        return {proved, hit(), t};
+    } else {
+        const auto told = [](const mask_t<B>& mask) -> mask_t<T> {
+            return number::wide::taken_back<T>(select(mask, B(1), B(0))) > T(0);
+        };
+        return {told(proved), told(hit()), number::wide::taken_back<T>(t)};
+    }
+}
+
+/// Three exact differences, or numbers.
+template <class B>
+using Words = std::array<number::wide::TwoWords<B>, 3>;
+
+/// x·(y × z), good to 2^-52 of itself and zero only where it is: the sum of the products of all words. Exact while the
+/// numbers fit.
+template <class B>
+B triple_product(const Words<B>& x, const Words<B>& y, const Words<B>& z) {
+    using number::wide::ExactSum, number::wide::TwoWords;
+    ExactSum<B, 192> all;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        ExactSum<B, 16> area;
+        const auto add = [&area](const TwoWords<B>& r, const TwoWords<B>& s) {
+            for (const B& word : {r.hi, r.lo}) {
+                area.add_product(word, s.hi);
+                area.add_product(word, s.lo);
+            }
+        };
+        add(y[j], z[k]);
+        add(-y[k], z[j]);
+        for (const B& word : area.words()) {
+            all.add_product(word, x[i].hi);
+            all.add_product(word, x[i].lo);
+        }
+    }
+    return all.value();
+}
+
+/// Whether every number is 0 or within 2^-160 and 2^160: products of three, and those of their last places, are then
+/// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
+template <Number T>
+mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
+    mask_t<T> all = T(0) <= T(0);
+    if constexpr (number::wide::has_whole_range<T>) {
+        using B = number::wide::OneWord<T>;
+        const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
+        B none(0);
+        for (const Vec<T>* const p : {&ray.origin, &ray.direction, &triangle.a, &triangle.b, &triangle.c})
+            for (int axis = 0; axis < 3; ++axis) {
+                const B size = abs(number::wide::taken_to<B>((*p)[axis]));
+                all = all && size <= most && (size >= least || size <= B(0));
+                none = none + B(0) * size;
+            }
+        all = all || !(none <= B(0));
+    }
+    return all;
+}
+
+/// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss. The edges add up to m, to
+/// 2^-50 of itself where all have one sign; where not it is not asked.
+template <Number T>
+[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
+    using B = number::wide::OneWord<T>;
+    using number::wide::sum_of, number::wide::taken_to, number::wide::TwoWords;
+    const auto apart = [](const Vec<T>& x, const Vec<T>& from) {
+        const auto one = [](const T& r, const T& s) { return sum_of<B>(taken_to<B>(r), -taken_to<B>(s)); };
+        return Words<B>{one(x.x, from.x), one(x.y, from.y), one(x.z, from.z)};
+    };
+    const Words<B> d = apart(ray.direction, Vec<T>(T(0), T(0), T(0))), a = apart(triangle.a, ray.origin),
+                   b = apart(triangle.b, ray.origin), c = apart(triangle.c, ray.origin);
+    const B ea = triple_product<B>(d, b, c), eb = triple_product<B>(d, c, a), ec = triple_product<B>(d, a, b);
+    const B k = triple_product<B>(a, apart(triangle.b, triangle.a), apart(triangle.c, triangle.a));
+    const B m = ea + eb + ec, zero(0), least = min(min(ea, eb), ec), most = max(max(ea, eb), ec);
+    const mask_t<B> hit = (least >= zero && m > zero && k >= zero) || (most <= zero && m < zero && k <= zero);
+    const T t = number::wide::taken_back<T>(select(hit, abs(k / m), B(-1)));
+    return {fit, t >= T(0), t};
+}
+
+/// `known`, and where it proves nothing the decision and t in the whole range.
+template <Number T>
+Settled<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const Settled<T>& known) {
+    const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
+    const std::array<T, 2> all = number::wide::asked_lanes<T, 15, 2>(
+        select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
+        {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_triangle<T>);
+    return {T(0) <= T(0), all[0] > T(0), all[1]};
+}
+
+/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
+/// double-double is the end.
+template <Number T, class Watch>
+Settled<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const Settled<T>& soft, Watch& watch) {
+    watch(Way::two_words);
+    const Part<T> part("in two words");
+    const Settled<T> wide = joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
+    if (!any_of(!wide.proved)) return wide;
+    watch(Way::exact);
+    if constexpr (tells_of_operations<T>) {
+        return wide;
+    } else {
+        const mask_t<T> fit = fits(ray, triangle);
+        Settled<T> known = wide;
+        if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, triangle, fit));
+        if constexpr (number::wide::has_whole_range<T>)
+            if (any_of(!known.proved)) return in_every_range<T>(ray, triangle, known);
+        return known;
+    }
+}
+
+/// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
+template <Number T, class Watch>
+[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Triangle<T> triangle, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, triangle, soft, watch);
+}
+template <Number T, class Watch>
+requires number::wide::InRegisters<T>
+[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Triangle<T> triangle, Settled<T> soft, Watch& watch) {
+    return beyond<T>(ray, triangle, soft, watch);
+}
+
+}  // namespace filtered
+}  // namespace lostbits::intersect::triangle
