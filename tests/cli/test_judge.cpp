@@ -228,6 +228,10 @@ TEST_CASE("what judge suspects is said in words of files") {
     CHECK(has(judged(rows(outside, [](int i) { return i % 7 + 0.25; }), sphere),
               "wrong on 40 of the 40 rays that hit or should: 40 have a t"));
     CHECK(has(judged(rows([](int i) { return 5.0 + i; }, [](int i) { return -6.0 - i; }), sphere), "--miss negative"));
+    std::string overflows;  // t* = 2^136 - 2^130, for which f32 has infinity alone
+    for (int i = 0; i < 40; ++i) overflows += "0,0,0,0,0,0.0009765625,1,inf\n";
+    CHECK(judged(overflows, "--sphere 0,0,0x1p126,0x1p120").empty());
+    CHECK(has(judged(overflows, "--sphere 0,0,0x1p100,0x1p90"), "40 have a t that is not a finite number"));
 }
 
 }  // namespace test_judge

@@ -79,7 +79,8 @@ TEST_CASE("shader: a batch larger than the device takes is answered in parts, ea
         REQUIRE(forms.size() == 1);
         CHECK(forms[0].contract.name == "shader.a.echo");
         CHECK(forms[0].contract.source == "a.glsl:1 on words");
-        forms[0].answer({n, rays.data(), nullptr, solids.data(), stride, near_far.data(), hit.data(), nullptr});
+        forms[0].answer(
+            {n, rays.data(), nullptr, solids.data(), stride, near_far.data(), hit.data(), nullptr, nullptr});
         CHECK(echo->runs == 16);  // of 64 rays, since one group is all that it takes
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < n; ++i) {
@@ -98,7 +99,7 @@ TEST_CASE("shader: a ray that the device does not answer is an error, not a miss
     std::vector<unsigned char> hit(100);
     const auto forms = forms_of(some_shader(), echo, false, "");
     CHECK_THROWS_WITH(
-        forms[0].answer({100, rays.data(), nullptr, solids.data(), 0, near_far.data(), hit.data(), nullptr}),
+        forms[0].answer({100, rays.data(), nullptr, solids.data(), 0, near_far.data(), hit.data(), nullptr, nullptr}),
         "echo: the device is lost: it wrote no answer; does the shader run for long?");
 }
 

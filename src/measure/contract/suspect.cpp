@@ -23,7 +23,7 @@ bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fab
 
 bool is_right(const Judged& j) {
     if (j.hit != j.truly_hits) return false;
-    return !j.hit || std::isnan(j.t) || is_about(j.t, j.true_t);
+    return !j.hit || std::isnan(j.t) || j.t == j.true_t || is_about(j.t, j.true_t);
 }
 
 /// The answer for another ray or another solid.

@@ -23,7 +23,7 @@ struct Judged {
 
 /// Both measures of a true hit; `unit`: by contract directions have unit length.
 Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
-              double t);
+              double t, const FloatFormat& format);
 
 /// Whose answers they are: what to write about a file is no word of a library's contract.
 enum class Whose : std::uint8_t { intersector, file };

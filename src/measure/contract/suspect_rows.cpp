@@ -4,6 +4,7 @@
 
 #include "measure/contract/suspect.hpp"
 #include "measure/map/culprit_order.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::contract {
@@ -22,19 +23,21 @@ void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>&
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const int object = truth.is_hit() ? truth.object : std::max(0, answers.object[i]);
         rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[static_cast<std::size_t>(object)], truth, unit,
-                              answers.hit[i] != 0, answers.t[i]));
+                              answers.hit[i] != 0, answers.t[i], row.format.shape));
     }
 }
 
 }  // namespace
 
 Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
-              double t) {
+              double t, const FloatFormat& format) {
     Judged j{.ray = ray, .solid = solid, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
     const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {
         j.true_t = number(unit ? truth.distance : truth.t);
         j.other_measure = number(unit ? truth.t : truth.distance);
+        // The format holds no better answer.
+        if (hit && std::isinf(t) && truth::ulp_error(t, unit ? truth.distance : truth.t, format) == 0) j.true_t = t;
     }
     return j;
 }

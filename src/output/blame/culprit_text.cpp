@@ -119,12 +119,14 @@ std::string culprit_sentence(const Explanation& x) {
     if (culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[culprit];
     const std::string what = words.text().definition(culprit);
+    const bool harmless = x.standing.outcome == measure::answer::Outcome::agree_hit && x.standing.lost < 1;
+    if (!std::isfinite(n.value) && harmless)
+        return fmt::format("{} is {}, and so is the true t when it is rounded.", what, file::decimal(n.value));
     if (!std::isfinite(n.value))
         return fmt::format("{} is {}. Everything after it follows from that.", what, file::decimal(n.value));
     const std::string arrives =
         is_decision(x.tape[subject].op) ? fmt::format("in {}", words.text().expression(subject)) : "in t";
     const OperationError& e = words.of(culprit);
-    const bool harmless = x.standing.outcome == measure::answer::Outcome::agree_hit && x.standing.lost < 1;
     const EqualsText equals(x, words);
     std::string text = fmt::format("{}{} {}: its {} of {} ulp is assigned {} ulp {}{}", amplifier_text(x, words),
                                    harmless ? "The largest contribution is that of" : "The culprit is", what,

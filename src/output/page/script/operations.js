@@ -89,9 +89,12 @@ function culpritSentence(found, row, ulp) {
                               row.format}. Everything after it follows from that.`;
     }
     const n = walk.at(walk.culprit), what = tape.definitions[walk.culprit];
-    if (!Number.isFinite(n.value)) return `${what} is ${decimal(n.value)}. Everything after it follows from that.`;
-    const harmless = pixels.outcome[i] === agreeHit && derived.lost_bits(sampleAt(pixels, i)) < 1,
-          equals = equalsOf(found), share = equals.sum / walk.error;
+    const harmless = pixels.outcome[i] === agreeHit && derived.lost_bits(sampleAt(pixels, i)) < 1;
+    if (!Number.isFinite(n.value)) {
+        return `${what} is ${decimal(n.value)}${
+            harmless ? ", and so is the true t when it is rounded." : ". Everything after it follows from that."}`;
+    }
+    const equals = equalsOf(found), share = equals.sum / walk.error;
     let text =
         `${amplifierText(found)}${harmless ? "The largest contribution is that of" : "The culprit is"} ${what}: ` +
         `its ${n.turned ? "wrong choice" : "rounding"} of ${brief(Math.abs(n.rounding / ownUlp(n)))} ulp is assigned ` +
