@@ -19,10 +19,13 @@ std::vector<std::string> strategy_names() {
     return names;
 }
 
-/// Where in a measurement the number of a claim stands.
-struct Place {
-    std::size_t row = 0, strategy = 0;
-    offset::Side side = offset::Side::outside;
+/// What is asked of the points of one row: no more than its claims name, for every strategy has rays of its own, and
+/// the search for a quiet offset takes as long as all the rest.
+struct RowClaims {
+    offset::OffsetRow row;
+    Places places;
+    std::vector<const offset::Strategy*> strategies = {};
+    bool quiet = false;
 };
 
 /// The fault that a metric is a share of; of any other metric a self-hit, if there is one.
@@ -51,6 +54,42 @@ map::WorstRay witness_of(const offset::BadRay& bad) {
     return w;
 }
 
+/// The row of a claim, with the claim in it.
+RowClaims& row_of(const Claim& claim, std::size_t place, const scene::file::Scene& scene,
+                  std::vector<RowClaims>& rows) {
+    const map::MapRow row = row_for(claim, scene);
+    if (!offset::can_be_asked(*row.form))
+        scene::toml::fail(claim.where, claim.form +
+                                           " does not tell where a ray meets a sphere or a box, so there "
+                                           "is no point to leave; name another form");
+    const auto point = static_cast<offset::HitPoint>(place_of_word(claim, "points", claim.points, offset::point_names));
+    const offset::OffsetRow asked{row, point};
+    auto found = std::ranges::find(rows, asked, &RowClaims::row);
+    if (found == rows.end()) found = rows.insert(found, {asked, {}});
+    found->places.push_back(place);
+    return *found;
+}
+
+const offset::Strategy* strategy_of(const Claim& claim) {
+    return &offset::strategies()[place_of_word(claim, "strategy", claim.strategy, strategy_names())];
+}
+
+void judge_row(const std::vector<Claim>& claims, const RowClaims& row, const OffsetSummary& summary,
+               std::vector<ClaimResult>& results) {
+    for (const std::size_t i : row.places) {
+        const Claim& claim = claims[i];
+        const auto strategy =
+            static_cast<std::size_t>(std::ranges::find(row.strategies, strategy_of(claim)) - row.strategies.begin());
+        const auto side = static_cast<offset::Side>(place_of_word(claim, "side", claim.side, offset::side_names));
+        ClaimResult& result = results[i] =
+            judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
+        if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
+        if (summary.unresolved == 0) continue;
+        result.state = ClaimResult::State::broken;
+        result.trouble = std::to_string(summary.unresolved) + " pixels have no proved truth";
+    }
+}
+
 }  // namespace
 
 void measure_offsets(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
@@ -61,41 +100,22 @@ void measure_offsets(const std::vector<Claim>& claims, const Places& places, con
         offset::require_few_solids(scene);
         return 0;
     });
-    offset::OffsetRequest request{.scene = &scene, .rows = {}, .strategies = {}, .limit = {.stop = run.stop}};
-    std::vector<Place> at;
-    const auto place_in = [](auto& list, const auto& thing) {
-        const auto found = std::ranges::find(list, thing);
-        if (found != list.end()) return static_cast<std::size_t>(found - list.begin());
-        list.push_back(thing);
-        return list.size() - 1;
-    };
+    std::vector<RowClaims> rows;
     for (const std::size_t i : places) {
         const Claim& claim = claims[i];
-        const map::MapRow row = row_for(claim, scene);
-        if (!offset::can_be_asked(*row.form))
-            scene::toml::fail(claim.where, claim.form +
-                                               " does not tell where a ray meets a sphere or a box, so there "
-                                               "is no point to leave; name another form");
-        const auto point =
-            static_cast<offset::HitPoint>(place_of_word(claim, "points", claim.points, offset::point_names));
-        const offset::Strategy* const strategy =
-            &offset::strategies()[place_of_word(claim, "strategy", claim.strategy, strategy_names())];
-        at.push_back({place_in(request.rows, offset::OffsetRow{row, point}), place_in(request.strategies, strategy),
-                      static_cast<offset::Side>(place_of_word(claim, "side", claim.side, offset::side_names))});
+        RowClaims& row = row_of(claim, i, scene, rows);
+        const offset::Strategy* const strategy = strategy_of(claim);
+        if (std::ranges::find(row.strategies, strategy) == row.strategies.end()) row.strategies.push_back(strategy);
+        row.quiet |= claim.metric.find("quiet") != std::string::npos;
+        place_of_word(claim, "side", claim.side, offset::side_names);  // before the work
     }
-    request.quiet = std::ranges::any_of(
-        places, [&claims](std::size_t i) { return claims[i].metric.find("quiet") != std::string::npos; });
-    const auto summaries = offset::run_offsets(request);
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const Claim& claim = claims[places[k]];
-        const auto& [row, strategy, side] = at[k];
-        const OffsetSummary& summary = summaries[row];
-        ClaimResult& result = results[places[k]] =
-            judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
-        if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
-        if (summary.unresolved == 0) continue;
-        result.state = ClaimResult::State::broken;
-        result.trouble = std::to_string(summary.unresolved) + " pixels have no proved truth";
+    for (const RowClaims& row : rows) {
+        const auto summaries = offset::run_offsets({.scene = &scene,
+                                                    .rows = {row.row},
+                                                    .strategies = row.strategies,
+                                                    .limit = {.stop = run.stop},
+                                                    .quiet = row.quiet});
+        judge_row(claims, row, summaries.front(), results);
     }
 }
 
