@@ -17,7 +17,7 @@
 namespace lostbits::test::test_triangle_filtered {
 
 using intersect::Way;
-using intersect::triangle::Filtered;
+using intersect::triangle::FilteredTriangle;
 
 namespace {
 
@@ -85,8 +85,9 @@ Numbers any_numbers(Seeded& rng, int deepest) {
 
 template <class T, class Load, class Watch>
 Hit<T> ask(const Load& x, Watch& watch) {
-    return Filtered::intersect(Ray<T>{{x(0), x(1), x(2)}, {x(3), x(4), x(5)}},
-                               Triangle<T>{{x(6), x(7), x(8)}, {x(9), x(10), x(11)}, {x(12), x(13), x(14)}}, watch);
+    return FilteredTriangle::intersect(Ray<T>{{x(0), x(1), x(2)}, {x(3), x(4), x(5)}},
+                                       Triangle<T>{{x(6), x(7), x(8)}, {x(9), x(10), x(11)}, {x(12), x(13), x(14)}},
+                                       watch);
 }
 
 /// Whether t is within 32 u of itself of the right one, or within the distance of subnormal numbers, or beyond the

@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::triangle {
 
-struct Filtered {
+struct FilteredTriangle {
     static constexpr Info info{
         .name = "triangle.filtered",
         .title = "signs of determinants where a bound proves them, wider where not",
@@ -29,7 +29,7 @@ struct Filtered {
             const filtered::Determinants<T> of = filtered::determinants_of(ray, triangle);
             return met<T>(filtered::meets<T>(of), named("t", of.k / of.m));
         } else {
-            filtered::Settled<T> known = filtered::settled_in<T>(ray, triangle);
+            filtered::TriangleDecision<T> known = filtered::settled_in<T>(ray, triangle);
             if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 watch(Way::wider);

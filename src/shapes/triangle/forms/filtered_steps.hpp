@@ -13,12 +13,12 @@ namespace filtered {
 
 /// What a step says of a ray: the decision and t where they are proved, nothing where not.
 template <Number T>
-struct Settled {
+struct TriangleDecision {
     mask_t<T> proved, hit;
     T t;
 
     /// `first` where it is proved, `second` where not.
-    friend Settled joined(const Settled& first, const Settled& second) {
+    friend TriangleDecision joined(const TriangleDecision& first, const TriangleDecision& second) {
         return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
                 select(first.proved, first.t, second.t)};
     }
@@ -146,7 +146,7 @@ P roundoff_in() {
 
 /// In W: T, its `OneWord`, or two of those.
 template <class W, Number T>
-Settled<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
+TriangleDecision<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     using number::wide::untold, number::wide::taken_for_granted;
     const auto in = determinants_in<W>(ray, triangle, [](const T& x) -> W {
         if constexpr (std::same_as<W, T>) return x;
@@ -174,14 +174,14 @@ Settled<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
     }
 }
 
-/// Three exact differences, or numbers.
+/// Three differences or numbers, exactly: each the sum of two words.
 template <class B>
-using Words = std::array<number::wide::TwoWords<B>, 3>;
+using ThreeSums = std::array<number::wide::TwoWords<B>, 3>;
 
 /// x·(y × z), good to 2^-52 of itself and zero only where it is: the sum of the products of all words. Exact while the
 /// numbers fit.
 template <class B>
-B triple_product(const Words<B>& x, const Words<B>& y, const Words<B>& z) {
+B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B>& z) {
     using number::wide::ExactSum, number::wide::TwoWords;
     ExactSum<B, 192> all;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -226,15 +226,15 @@ mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
 /// Proved where the numbers fit (`fit`); the answer is brought back as t, −1 for a miss. The edges add up to m, to
 /// 2^-50 of itself where all have one sign; where not it is not asked.
 template <Number T>
-[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
+[[gnu::noinline]] TriangleDecision<T> exactly(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     using number::wide::sum_of, number::wide::taken_to, number::wide::TwoWords;
     const auto apart = [](const Vec<T>& x, const Vec<T>& from) {
         const auto one = [](const T& r, const T& s) { return sum_of<B>(taken_to<B>(r), -taken_to<B>(s)); };
-        return Words<B>{one(x.x, from.x), one(x.y, from.y), one(x.z, from.z)};
+        return ThreeSums<B>{one(x.x, from.x), one(x.y, from.y), one(x.z, from.z)};
     };
-    const Words<B> d = apart(ray.direction, Vec<T>(T(0), T(0), T(0))), a = apart(triangle.a, ray.origin),
-                   b = apart(triangle.b, ray.origin), c = apart(triangle.c, ray.origin);
+    const ThreeSums<B> d = apart(ray.direction, Vec<T>(T(0), T(0), T(0))), a = apart(triangle.a, ray.origin),
+                       b = apart(triangle.b, ray.origin), c = apart(triangle.c, ray.origin);
     const B ea = triple_product<B>(d, b, c), eb = triple_product<B>(d, c, a), ec = triple_product<B>(d, a, b);
     const B k = triple_product<B>(a, apart(triangle.b, triangle.a), apart(triangle.c, triangle.a));
     const B m = ea + eb + ec, zero(0), least = min(min(ea, eb), ec), most = max(max(ea, eb), ec);
@@ -245,7 +245,7 @@ template <Number T>
 
 /// `known`, and where it proves nothing the decision and t in the whole range.
 template <Number T>
-Settled<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const Settled<T>& known) {
+TriangleDecision<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
     const std::array<T, 2> all = number::wide::asked_lanes<T, 15, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
@@ -256,17 +256,19 @@ Settled<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const 
 /// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
 /// double-double is the end.
 template <Number T, class Watch>
-Settled<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const Settled<T>& soft, Watch& watch) {
+TriangleDecision<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& soft,
+                           Watch& watch) {
     watch(Way::two_words);
     const Part<T> part("in two words");
-    const Settled<T> wide = joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
+    const TriangleDecision<T> wide =
+        joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
     if (!any_of(!wide.proved)) return wide;
     watch(Way::exact);
     if constexpr (tells_of_operations<T>) {
         return wide;
     } else {
         const mask_t<T> fit = fits(ray, triangle);
-        Settled<T> known = wide;
+        TriangleDecision<T> known = wide;
         if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, triangle, fit));
         if constexpr (number::wide::has_whole_range<T>)
             if (any_of(!known.proved)) return in_every_range<T>(ray, triangle, known);
@@ -276,12 +278,14 @@ Settled<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const Settled<
 
 /// The same as a function of its own, by value: the loops over packs keep their registers to themselves.
 template <Number T, class Watch>
-[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Triangle<T> triangle, Settled<T> soft, Watch& watch) {
+[[gnu::noinline]] TriangleDecision<T> to_the_end(Ray<T> ray, Triangle<T> triangle, TriangleDecision<T> soft,
+                                                 Watch& watch) {
     return beyond<T>(ray, triangle, soft, watch);
 }
 template <Number T, class Watch>
 requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Triangle<T> triangle, Settled<T> soft, Watch& watch) {
+[[gnu::noinline, gnu::flatten]] TriangleDecision<T> to_the_end(Ray<T> ray, Triangle<T> triangle,
+                                                               TriangleDecision<T> soft, Watch& watch) {
     return beyond<T>(ray, triangle, soft, watch);
 }
 

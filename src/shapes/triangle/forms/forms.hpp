@@ -35,7 +35,7 @@ using TriangleForms = FormList<   //
     triangle::HavelHerout,        //
     triangle::Projection,         //
     triangle::PlaneBarycentric,   //
-    triangle::Filtered            // exact signs
+    triangle::FilteredTriangle    // exact signs
     >;
 
 }  // namespace lostbits::intersect::triangle
