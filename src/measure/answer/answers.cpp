@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "intersect/doors/contract.hpp"
 #include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
@@ -253,7 +254,7 @@ void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, co
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
-    const bool marches = !is_solid(form.shape);
+    const bool marches = !is_solid(form.shape), takes_many = !intersect::doors::behind(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
@@ -274,7 +275,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
             chunk.move_to(begin);
             if (marches) march_to<S>(kernel, chunk, rays, inputs, answers);
-            else if (inputs.paired && !form.is_template()) own_at_once<S>(kernel, chunk, inputs, answers);
+            else if (inputs.paired && takes_many) own_at_once<S>(kernel, chunk, inputs, answers);
             else if (inputs.paired) each_its_own<S>(kernel, chunk, inputs, answers);
             else nearest_of<S>(kernel, chunk, inputs, answers);
         }

@@ -193,6 +193,22 @@ TEST_CASE("a kernel for every row, width and variant", "[trade]") {
     }
 }
 
+// Each ray of a set has a solid of its own. Rows of other flags were once asked about the first solid alone.
+TEST_CASE("what other flags make of a form is measured against the solid of each ray", "[trade]") {
+    for (const char* const form : {"sphere.double_inside", "triangle.undivided"}) {
+        std::vector<measure::map::MapRow> rows;
+        for (const measure::speed::TradeKernel& k : measure::speed::trade_kernels({row(form, "f32")}))
+            if (!k.variant.empty()) rows.push_back(k.measured);
+        CHECK(rows.size() == intersect::simd::variants().size());
+        const Shape shape = form_named(form).shape;
+        for (const auto& summary :
+             measure::map::measure_groups(measure::speed::ray_sets(shape).front().groups(), rows, {}, {})) {
+            CHECK(summary.count(measure::answer::Outcome::agree_hit) > summary.rays / 4);
+            CHECK(summary.wrong_count() < summary.rays / 50);
+        }
+    }
+}
+
 TEST_CASE("median and quartiles", "[trade]") {
     const measure::speed::Timing odd = measure::speed::timing_of({5, 1, 4, 2, 3});
     CHECK(odd.median == 3);
