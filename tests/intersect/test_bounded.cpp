@@ -59,11 +59,11 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally, bool 
     else form.native64(rays, intersect::Target<S>(solid), hits);
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
     // Exact sums say nothing of single operations, and the forms that end in them end before, over `Bounded`: in
-    // double-double, which has the same bits at the end but for the t of spheres of doubles.
+    // double-double, which has the same bits at the end but for the t of spheres of doubles and for triangles.
     // And where numbers of the format over- or underflow, those forms find t again in wider arithmetic.
     const auto way = form.way ? form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) : Way::own;
-    const bool of_doubles = sizeof(S) == 8 && form.shape == Shape::sphere && way == Way::exact;
-    const bool ends_otherwise = of_doubles || (any_scale && way != Way::own);
+    const bool narrower = form.shape == Shape::triangle || (form.shape == Shape::sphere && sizeof(S) == 8);
+    const bool ends_otherwise = (narrower && way == Way::exact) || (any_scale && way != Way::own);
     tally.other_bits += !ends_otherwise && (own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan));
 
     const Hit<Interval> exact = without_rounding(form, x);

@@ -181,7 +181,7 @@ double excess_bits(double t, const Certified& truth, const FloatFormat& format, 
     const double inherent = inherent_bits(condition, precision);
     if (inherent < precision || !std::isfinite(reach))
         return std::max(0.0, lost_bits(ulp_error(t, truth, format), precision) - inherent);
-    if (std::isinf(t)) return precision;
+    if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
     const auto half_ulp = static_cast<int>(ulp_exponent(format, truth.floor_log2())) - 1;
     const double allowed = std::max(reach, std::ldexp(1.0, half_ulp));
     if (allowed == 0) return t == 0 ? 0 : precision;

@@ -38,8 +38,11 @@ const std::string by_hand =
              "{ origin = [0, 0, 0], direction = [0, 0, 1] }") +
     // a = 2^200 and b² overflow: disc = inf − inf.
     one_case("a overflows", "centre = [0, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, '0x1p100'] }") +
-    // a = d·d = 2^-298 vanishes: t = −b/0 is infinite, and all 24 bits are gone.
-    one_case("a underflows", "centre = [0, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 'tiny'] }") +
+    // a = d·d = 2^-200 vanishes: t = −b/0 is infinite, and all 24 bits of 3·2^100 are gone.
+    one_case("a underflows", "centre = [0, 0, 5], radius = 2",
+             "{ origin = [0, 0, 0], direction = [0, 0, '0x1p-100'] }") +
+    // The same, but t = 3/tiny is infinite when it is rounded, too.
+    one_case("t overflows", "centre = [0, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 'tiny'] }") +
     // A miss is a miss: disc = 100 − 4·(9 + 25 − 4) = −20.
     one_case("exact miss", "centre = [3, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }");
 
@@ -76,14 +79,15 @@ TEST_CASE("verdicts that follow by hand") {
         measure::sweep::Verdict in_f64;
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there.
+    // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there, and t = 3·2^1074 infinite as well.
     const Expected expected[] = {
         {"exact", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
         {"radius lost", measure::sweep::Verdict::wrong_value, 12, measure::sweep::Verdict::right},
         {"c overflows", measure::sweep::Verdict::false_miss, none, measure::sweep::Verdict::right},
         {"c underflows", measure::sweep::Verdict::false_hit, none, measure::sweep::Verdict::right},
         {"a overflows", measure::sweep::Verdict::not_a_number, none, measure::sweep::Verdict::right},
-        {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::wrong_value},
+        {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::right},
+        {"t overflows", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
         {"exact miss", measure::sweep::Verdict::right, none, measure::sweep::Verdict::right}};
     for (std::size_t i = 0; i < file.size(); ++i) {
         CAPTURE(expected[i].name);
