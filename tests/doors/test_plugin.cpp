@@ -96,7 +96,7 @@ TEST_CASE("plugin: its forms are measured where -i names none, and where -i name
     for (const std::string words : {"-i sphere.unified", "-i 'box.*,sphere.unified' --against sphere.press"}) {
         const Outcome other = run("map near-benign " + words + with, folder.path());
         CHECK(other.code == 0);
-        CHECK(has(other.err, "lostbits: " + said + " and not asked for; add -i example.schoolbook"));
+        CHECK(has(other.err, "lostbits: " + said + " but not selected; add -i example.schoolbook"));
         CHECK(!has(run("map near-benign -q " + words + with, folder.path()).err, said));
     }
     for (const std::string words : {"", "-i 'exam*'", "-i sphere.unified --against example.schoolbook"})
