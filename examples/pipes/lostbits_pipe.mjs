@@ -57,9 +57,9 @@ const answers = {
 };
 
 /**
- * Answers with `mine(origin, direction, solid, end, start)`, where `start` is 0 but for `flags: "range"`; or `mine(from, to, solid)` where `takes` is "segment" (its
- * answer is a fraction then). `words` are the header's keys, and `takes` and `answers` ("t", "point", "thickness").
- * Numbers are doubles.
+ * Answers with `mine(origin, direction, solid, end, start)`, where `start` is 0 but for `flags: "range"`, or with
+ * `mine(from, to, solid)` where `takes` is "segment" (its answer is a fraction then). `words` are the header's keys,
+ * and `takes` and `answers` ("t", "point", "thickness"). Numbers are doubles.
  */
 export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
     const keys = { shape: "sphere", direction: takes === "segment" ? "unit" : "any", ...words, format: "f64" };
