@@ -27,6 +27,8 @@ const char* words_of(Outcome wrong) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
         case Outcome::wrong_object: return "a hit of the wrong solid";
+        case Outcome::crack: return "a crack in the mesh";
+        case Outcome::double_hit: return "a double hit";
         default: return "an answer that is not a number";
     }
 }

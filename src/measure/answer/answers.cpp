@@ -17,6 +17,7 @@
 #include "intersect/table/in_range.hpp"
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/chunk.hpp"
+#include "measure/answer/pair_columns.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::answer {
@@ -224,6 +225,21 @@ void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, 
     nearest_among<double>(one_by_one<double>(form, rounded), rays, in, answers);
 }
 
+/// Every ray against its candidates.
+template <class S, class Kernel>
+void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool at_once,
+                     Answers& answers) {
+    answers.claimed.resize(in.candidates->pairs());
+    const std::size_t together = at_once ? std::max(rays.size(), std::size_t{1}) : 512;
+    const std::size_t parts = (rays.size() + together - 1) / together;
+    intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
+        PairColumns<S> pairs(rays, in, part * together, std::min((part + 1) * together, rays.size()));
+        if (at_once) pairs.ask_at_once(kernel);
+        else pairs.ask_one_by_one(kernel);
+        pairs.put(answers);
+    });
+}
+
 /// The solid whose surface is nearest to the point at t, by double precision: of the solids of a field none says "I was
 /// it".
 std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Solid<double>> solids) {
@@ -271,6 +287,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
             const Intersector& asked = marches ? form : form.of(target.solids.front().shape);
             intersect::table::keep_in_range(*asked.info, asked.shape, batch, hits);
         };
+        if (inputs.candidates && !marches) return meet_candidates<S>(kernel, rays, inputs, takes_many, answers);
         RayChunk<S> chunk(rays);
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
             chunk.move_to(begin);

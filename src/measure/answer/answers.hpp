@@ -14,6 +14,8 @@ struct Answers {
     std::vector<std::uint8_t> hit;
     std::vector<std::int32_t>
         object;  ///< −1 where there is no hit; of a field, the solid whose surface is nearest to the answer
+    /// Of each pair of the inputs' `candidates`, whether the form claims a hit; empty where there are none.
+    std::vector<std::uint8_t> claimed = {};
     std::vector<intersect::MarchRecord> march = {};  ///< of the forms that march, for every ray; empty for the others
 };
 

@@ -11,7 +11,8 @@
 namespace lostbits::measure::answer {
 
 /// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN; `wrong_object` is a hit
-/// where there is one, but on another solid than the ray meets first. It stands last: files number outcomes.
+/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit` and `wrong_neighbour` are of
+/// meshes alone, and the last of them is no error. Files number outcomes: new ones stand last.
 enum class Outcome : std::uint8_t {
     agree_hit,
     agree_miss,
@@ -19,13 +20,19 @@ enum class Outcome : std::uint8_t {
     false_miss,
     not_a_number,
     unresolved,
-    wrong_object
+    wrong_object,
+    crack,
+    double_hit,
+    wrong_neighbour
 };
 
-inline constexpr std::array<std::string_view, 7> outcome_names{
-    "agree_hit", "agree_miss", "false_hit", "false_miss", "not_a_number", "unresolved", "wrong_object"};
+inline constexpr std::array<std::string_view, 10> outcome_names{
+    "agree_hit",  "agree_miss",   "false_hit", "false_miss", "not_a_number",
+    "unresolved", "wrong_object", "crack",     "double_hit", "wrong_neighbour"};
 /// So many of them, from the first, are there where a ray has one solid to hit.
 inline constexpr std::size_t outcomes_of_one_solid = 6;
+/// So many where it has several that are not a mesh.
+inline constexpr std::size_t outcomes_without_mesh = 7;
 
 /// Of a ray with one solid; where there are several, a hit of another one than the true one is a `wrong_object`.
 inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {

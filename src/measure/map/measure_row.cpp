@@ -51,7 +51,8 @@ public:
           own_ulps_(room.own_ulps) {}
 
     void measure(MapSummary& summary) {
-        find_outcomes(*result_.answers, truth_, tells_t(), {result_.outcomes, measured_}, summary);
+        find_outcomes({*result_.answers, *result_.inputs, *result_.band, truth_, row_.convention()}, tells_t(),
+                      {result_.outcomes, measured_}, summary);
         measure_columns();
         measure_pairs();
         measure_others();
@@ -146,8 +147,7 @@ private:
         for (std::size_t i = 0; i < measured_.size(); ++i) {
             result_.inputs->stop.check();  // blaming the operations of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
-            const bool fault =
-                outcome == Outcome::false_hit || outcome == Outcome::false_miss || outcome == Outcome::wrong_object;
+            const bool fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
             if (every) measure_own_words(i, ray, of_every);

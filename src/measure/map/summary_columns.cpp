@@ -54,8 +54,38 @@ Columns outcome_columns() {
         {"wrong_object_fraction", Kind::number, "1", "wrong_object among the rays that truly hit",
          [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }},
         {"wrong_fraction", Kind::number, "1",
-         "not_a_number, false_hit, false_miss and wrong_object among all rays whose truth is known",
-         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }}};
+         "not_a_number, false_hit, false_miss, wrong_object, crack and double_hit among all rays whose truth is known",
+         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }},
+        {.name = "crack",
+         .kind = Kind::count,
+         .unit = "",
+         .meaning = "rays that enter through a mesh where the form claims neither the triangle met nor a neighbour",
+         .value = outcome<Outcome::crack>,
+         .of_meshes = true},
+        {.name = "double_hit",
+         .kind = Kind::count,
+         .unit = "",
+         .meaning = "rays that cross a mesh once where the form claims two neighbouring triangles",
+         .value = outcome<Outcome::double_hit>,
+         .of_meshes = true},
+        {.name = "wrong_neighbour",
+         .kind = Kind::count,
+         .unit = "",
+         .meaning = "rays of which the form hits a neighbour of the triangle met; no wrong decision",
+         .value = outcome<Outcome::wrong_neighbour>,
+         .of_meshes = true},
+        {.name = "crack_fraction",
+         .kind = Kind::number,
+         .unit = "1",
+         .meaning = "crack among the rays that truly hit",
+         .value = [](const S& s) { return fraction(s.count(Outcome::crack), s.true_hits); },
+         .of_meshes = true},
+        {.name = "double_hit_fraction",
+         .kind = Kind::number,
+         .unit = "1",
+         .meaning = "double_hit among the rays that truly hit",
+         .value = [](const S& s) { return fraction(s.count(Outcome::double_hit), s.true_hits); },
+         .of_meshes = true}};
     constexpr std::array of_claims_alone{"not_a_number_fraction", "wrong_object_fraction", "wrong_fraction"};
     for (SummaryColumn& c : columns)
         c.tabled = std::find(of_claims_alone.begin(), of_claims_alone.end(), c.name) == of_claims_alone.end();
@@ -217,8 +247,8 @@ Columns fault_columns() {
         {.name = "fault_outcome",
          .kind = Kind::category,
          .unit = "",
-         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number or wrong_object; the other "
-                    "columns of a fault are of its first ray",
+         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_object, or of meshes "
+                    "crack or double_hit; the other columns of a fault are of its first ray",
          .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};
     add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",

@@ -21,7 +21,8 @@ struct SummaryColumn {
     std::string unit, meaning;
     std::function<double(const MapSummary&)> value;  ///< NaN where it is missing
     std::span<const std::string_view> categories = {};
-    bool tabled = true;  ///< false: for claims alone
+    bool tabled = true;      ///< false: for claims alone
+    bool of_meshes = false;  ///< tabled where there are meshes
 };
 
 /// Counts and fractions of outcomes, then mean, p50, p99 and max of |metric|, or the counts of its categories.

@@ -126,7 +126,7 @@ constexpr Convention other_conventions[] = {
 
 /// Which solids a ray is asked about: those that an index finds, all, or the one that it is paired with.
 struct Candidates {
-    const SphereIndex* index = nullptr;
+    const SolidIndex* index = nullptr;
     bool paired = false;
 };
 
@@ -134,14 +134,14 @@ struct Candidates {
 template <class S>
 Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
                  Convention convention, const Range<double>& range) {
-    const SphereIndex* const index = among.index;
+    const SolidIndex* const index = among.index;
     if (among.paired) {
         Truth truth = find_truth(ray, solids[i], limit, convention, range);
         if (truth.object >= 0) truth.object = static_cast<int>(i);
         return truth;
     }
     if (index == nullptr) {
-        if (!solids.flake()) return find_truth(ray, solids.listed(), limit, convention, range);
+        if (solids.all_listed()) return find_truth(ray, solids.listed(), limit, convention, range);
         return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, range);
     }
     thread_local std::vector<std::uint32_t> found;
@@ -169,8 +169,14 @@ Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     });
 }
 
+Truth Band::truth_of_solid(std::size_t i, std::size_t solid, Convention convention) const {
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        return find_truth(ray, solids[solid], limit_, convention, range(i));
+    });
+}
+
 void Band::find_truth_of_all() {
-    const SphereIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    const SolidIndex* const index = culler_ ? culler_->for_truth() : nullptr;
     stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index, paired_}, limit_, truths_)
                      : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index, paired_}, limit_, truths_);
     for (const auto& [i, closed] : truths_.whole) {
@@ -201,7 +207,7 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray begins elsewhere
-    if (ideal_ || shared_solids_.flake() || (culler_ && culler_->for_truth())) return true;
+    if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;
     const auto solids = shared_solids_.listed();
     return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids,
                                [ray = shared_[i]](const Solid<double>& solid) { return may_start_in(ray, solid); });
@@ -277,7 +283,10 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape, limit_.stop);
-    if (culler_) in.index = culler_->for_forms(shape, in.solids);
+    if (const auto index = culler_ ? culler_->for_forms(shape, in.solids) : nullptr) {
+        in.index = std::dynamic_pointer_cast<const SphereIndex>(index);
+        if (!in.index) in.candidates = std::make_shared<CandidateLists>(*index, in.rays);
+    }
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
         const Candidates among{index.get(), paired_};

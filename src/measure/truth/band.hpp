@@ -61,6 +61,8 @@ public:
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// The truth of ray i by the convention of a form.
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
+    /// The truth of ray i at one of the solids alone, as if there were no other.
+    [[nodiscard]] Truth truth_of_solid(std::size_t i, std::size_t solid, intersect::Convention convention) const;
     /// Whether ray i must be asked anew by a convention that is special: where it starts in a solid or on one, and
     /// where it ends.
     [[nodiscard]] bool asks_anew(std::size_t i, intersect::Convention convention) const;

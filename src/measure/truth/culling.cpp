@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/truth/box_tree.hpp"
+
 namespace lostbits::measure::truth {
 
 using scene::rays::SolidList;
 
 namespace {
 
-constexpr std::size_t least_spheres = 64;
+constexpr std::size_t least_solids = 64;
 
 double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
@@ -88,40 +90,47 @@ SolidList<double> shared_of(const scene::file::Scene& scene) {
     return scene.march ? SolidList(scene::rays::shared_solids(scene)) : scene::rays::shared_solid_list(scene);
 }
 
+/// What is known of spheres is known of spheres alone; a tree is over all others.
+std::shared_ptr<const SolidIndex> index_of(const SolidList<double>& solids, const RayBounds& bounds,
+                                           const FloatFormat* format) {
+    if (auto spheres = SphereIndex::make(solids, bounds, format)) return spheres;
+    return BoxTree::make(solids, bounds, format);
+}
+
 }  // namespace
 
 Culler::Culler(const scene::file::Scene& scene) {
     const bool own = scene.inputs == scene::file::Inputs::own;
     if (own) ideal_ = scene.march ? SolidList<Real>(scene.solids()) : scene::rays::ideal_solid_list(scene);
     else stored_ = shared_of(scene);
-    if (scene.solid_count() < least_spheres) return;
+    if (scene.solid_count() < least_solids && !scene.mesh) return;
     constexpr int rows = 16;
     for (int y = 0; y < scene.height; y += rows) {
         bounds_ =
             join(bounds_, bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
     }
-    truth_ = SphereIndex::make(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
+    truth_ = index_of(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
 Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray) : stored_(shared_of(scene)) {
     bounds_ = join(bounds_, bounds_of(scene::rays::group_of(ray).rays));
-    truth_ = SphereIndex::make(stored_, bounds_, nullptr);
+    truth_ = index_of(stored_, bounds_, nullptr);
 }
 
-std::shared_ptr<const SphereIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
+std::shared_ptr<const SolidIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
     return index_in(forms_, format, solids, true);
 }
-std::shared_ptr<const SphereIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
+std::shared_ptr<const SolidIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
     return index_in(own_truths_, format, solids, false);
 }
 
-std::shared_ptr<const SphereIndex> Culler::index_in(Indices& known, const FloatFormat& format,
-                                                    const SolidList<double>& solids, bool widened) {
+std::shared_ptr<const SolidIndex> Culler::index_in(Indices& known, const FloatFormat& format,
+                                                   const SolidList<double>& solids, bool widened) {
     const auto [place, fresh] = known.try_emplace({format.precision, format.emin, format.emax});
-    if (fresh && solids.size() >= least_spheres) {
+    if (fresh && (solids.size() >= least_solids || solids.mesh() != nullptr)) {
         // The rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
-        place->second = SphereIndex::make(
+        place->second = index_of(
             solids,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
             widened ? &format : nullptr);
@@ -131,7 +140,7 @@ std::shared_ptr<const SphereIndex> Culler::index_in(Indices& known, const FloatF
 
 std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& solids, const RayBounds& rays,
                                                      const FloatFormat* format) {
-    if (solids.size() < least_spheres || !std::isfinite(rays.origin) || !(rays.least_direction > 0)) return nullptr;
+    if (solids.size() < least_solids || !std::isfinite(rays.origin) || !(rays.least_direction > 0)) return nullptr;
     const auto extent = extent_of(solids, rays);
     if (!extent || !squares_are_safe(*extent, rays, binary64) || (format && !squares_are_safe(*extent, rays, *format)))
         return nullptr;

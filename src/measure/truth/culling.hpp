@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "measure/truth/solid_index.hpp"
 #include "number/format.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/solid_list.hpp"
@@ -38,7 +39,7 @@ RayBounds join(const RayBounds& a, const RayBounds& b);
 /// Spheres that stand together are asked together: 64 to a block, 8192 to a page, each with a ball around all that its
 /// spheres can reach. The order of a flake keeps neighbours together, so no tree over them is needed: the balls take
 /// one byte a sphere, and what is found are runs of places, which the kernels read where they stand.
-class SphereIndex {
+class SphereIndex : public SolidIndex {
 public:
     static constexpr std::size_t block = 64, page = 8192;
 
@@ -58,8 +59,7 @@ public:
         Vec<double> origin, along;
     };
 
-    /// Fills `found` with the candidates for a ray in rising order.
-    void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
+    void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
 
     [[nodiscard]] std::size_t pages() const { return pages_.x.size(); }
     using Run = std::pair<std::size_t, std::size_t>;  ///< places [first, second)
@@ -99,22 +99,22 @@ public:
     /// What the bands of a scene with shared inputs, and of one with own inputs, are made of.
     [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }
     [[nodiscard]] const scene::rays::SolidList<Real>& ideal() const { return ideal_; }
-    /// For the truth of the solids as given. May be null, as may those of a format.
-    [[nodiscard]] const SphereIndex* for_truth() const { return truth_.get(); }
+    /// For the truth of the solids as given. May be null, as may those of a format: ask every solid then.
+    [[nodiscard]] const SolidIndex* for_truth() const { return truth_.get(); }
     /// For forms in a format that are given `solids`, and for the truth of those. Made when it is first asked for.
-    std::shared_ptr<const SphereIndex> for_forms(const FloatFormat& format,
-                                                 const scene::rays::SolidList<double>& solids);
-    std::shared_ptr<const SphereIndex> for_own_truth(const FloatFormat& format,
-                                                     const scene::rays::SolidList<double>& solids);
+    std::shared_ptr<const SolidIndex> for_forms(const FloatFormat& format,
+                                                const scene::rays::SolidList<double>& solids);
+    std::shared_ptr<const SolidIndex> for_own_truth(const FloatFormat& format,
+                                                    const scene::rays::SolidList<double>& solids);
 
 private:
     RayBounds bounds_{0, 1, 1};
     scene::rays::SolidList<Real> ideal_;
     scene::rays::SolidList<double> stored_;
-    std::shared_ptr<const SphereIndex> truth_;
-    using Indices = std::map<std::array<int, 3>, std::shared_ptr<const SphereIndex>>;
-    std::shared_ptr<const SphereIndex> index_in(Indices& known, const FloatFormat& format,
-                                                const scene::rays::SolidList<double>& solids, bool widened);
+    std::shared_ptr<const SolidIndex> truth_;
+    using Indices = std::map<std::array<int, 3>, std::shared_ptr<const SolidIndex>>;
+    std::shared_ptr<const SolidIndex> index_in(Indices& known, const FloatFormat& format,
+                                               const scene::rays::SolidList<double>& solids, bool widened);
     Indices forms_, own_truths_;
 };
 

@@ -29,8 +29,9 @@ struct FormatInputs {
     std::unordered_map<std::size_t, Truth> own_past_origin = {};
     bool ideal = false;                             ///< the inputs are exactly those of the truth
     bool paired = false;                            ///< ray i is aimed at solid i alone
-    std::shared_ptr<const SphereIndex> index = {};  ///< candidates among the solids for each ray; null: all of them
-    intersect::process::StopToken stop = {};        ///< of the band, for whoever asks forms about them
+    std::shared_ptr<const SphereIndex> index = {};  ///< of spheres: which of them forms are asked about; null: all
+    std::shared_ptr<const CandidateLists> candidates = {};  ///< the same of other shapes, ray by ray; null: all
+    intersect::process::StopToken stop = {};                ///< of the band, for whoever asks forms about them
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {

@@ -104,8 +104,8 @@ template <class S>
 struct RaysAndSolids {
     const scene::rays::BasicRayBlock<S>& rays;
     const scene::rays::SolidList<S>& solids;
-    const SphereIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
-    bool paired = false;                 ///< ray i can meet solid i alone; all are of one shape
+    const SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
+    bool paired = false;                ///< ray i can meet solid i alone; all are of one shape
 };
 
 /// The truth of every ray among its solids, in parallel: the same decisions, hi and lo as by `find_truth`. How many

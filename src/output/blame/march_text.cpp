@@ -32,6 +32,9 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
         case Outcome::not_a_number: return "The form reports a hit at NaN.";
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
         case Outcome::wrong_object:
+        case Outcome::crack:
+        case Outcome::double_hit:
+        case Outcome::wrong_neighbour:
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);

@@ -49,6 +49,9 @@ std::string outcome_sentence(const Explanation& x) {
         case Outcome::wrong_object:
             return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
                                file::decimal(x.standing.t), file::decimal(x.true_t.value_or(0)));
+        case Outcome::crack:
+        case Outcome::double_hit:
+        case Outcome::wrong_neighbour:  // of a whole mesh; what is explained is an answer of one solid
         case Outcome::agree_hit: break;
     }
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
@@ -161,6 +164,9 @@ std::string fares(const measure::blame::Standing& s) {
         case Outcome::false_miss: return "a false miss";
         case Outcome::not_a_number: return "a hit at NaN";
         case Outcome::wrong_object: return "a hit of the wrong solid";
+        case Outcome::crack: return "a crack in the mesh";
+        case Outcome::double_hit: return "a double hit";
+        case Outcome::wrong_neighbour: return "a hit of the triangle beside";
         case Outcome::unresolved: break;
     }
     return "its true answer could not be proved";

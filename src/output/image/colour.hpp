@@ -20,8 +20,9 @@ static_assert(sizeof(Rgb8) == 3);
 /// layer. All but `agree_hit` stay away from the whole viridis ramp and from each other: between any two, CIEDE2000 is
 /// at least 25 for every eye, also a deuteranope's and a protanope's (tests hold the distances); their lightness
 /// differs too, so that a grey print still tells them apart. `agree_hit` is drawn with its metric's colour, and with
-/// this one where the metric has no value there, or in a map of classes alone.
-inline constexpr std::array<Rgb8, 7> outcome_colours{{
+/// this one where the metric has no value there, or in a map of classes alone. Beside the ramp there is room for these
+/// seven; the three of meshes are 20 apart from them and from it for an ordinary eye, and 10 for the two others.
+inline constexpr std::array<Rgb8, 10> outcome_colours{{
     {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
     {231, 231, 231},  // agree_miss: neutral, recedes
     {114, 51, 0},     // false_hit: brown
@@ -29,6 +30,9 @@ inline constexpr std::array<Rgb8, 7> outcome_colours{{
     {0, 0, 0},        // not_a_number: black
     {95, 46, 225},    // unresolved: violet
     {181, 124, 0},    // wrong_object: gold
+    {210, 0, 60},     // crack: crimson
+    {0, 240, 255},    // double_hit: cyan
+    {0, 75, 60},      // wrong_neighbour: dark green, recedes among the values
 }};
 
 /// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).

@@ -227,7 +227,9 @@ struct MapFiles::Parts {
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
-    : parts_(new Parts{.request = request, .options = options, .table = {request.metrics, request.scene->shapes()}}) {
+    : parts_(new Parts{.request = request,
+                       .options = options,
+                       .table = {request.metrics, request.scene->shapes(), request.scene->mesh != nullptr}}) {
     Parts& p = *parts_;
     require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
     if (!options.keep) p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());

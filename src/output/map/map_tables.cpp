@@ -41,9 +41,9 @@ Cell cell_of(const SummaryColumn& column, const measure::map::MapSummary& summar
 
 }  // namespace
 
-SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes)
+SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes, bool meshes)
     : columns_(measure::map::summary_columns(metrics)) {
-    std::erase_if(columns_, [](const SummaryColumn& c) { return !c.tabled; });
+    std::erase_if(columns_, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
     std::ranges::move(measure::map::worst_columns(shapes), std::back_inserter(columns_));
     fault_columns_ = measure::map::fault_columns();
 }

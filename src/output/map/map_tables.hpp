@@ -18,7 +18,9 @@ using NameOfRay = std::function<std::string(const measure::map::WorstRay&)>;
 /// `fault_columns`, the last two with the command that explains the ray. Empty where there is no sample.
 class SummaryTable {
 public:
-    SummaryTable(const std::vector<const measure::metric::Metric*>& metrics, const std::vector<Shape>& shapes);
+    /// `meshes`: the rays are at meshes, and have the outcomes of those.
+    SummaryTable(const std::vector<const measure::metric::Metric*>& metrics, const std::vector<Shape>& shapes,
+                 bool meshes = false);
 
     [[nodiscard]] std::vector<file::Column> columns() const;
     /// The cells of one row, from `form` on; the caller ends the row.

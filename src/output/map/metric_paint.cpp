@@ -176,8 +176,9 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
         entries.push_back({"other operations, each in its own colour", image::style::page, count_text(rest, blamed)});
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
-        const auto with_culprit = {Outcome::agree_hit, Outcome::false_hit, Outcome::false_miss, Outcome::wrong_object};
-        if (summary.outcomes[o] == 0 || std::ranges::find(with_culprit, outcome) != with_culprit.end()) continue;
+        const bool may_have_culprit =
+            outcome == Outcome::agree_hit || (outcome != Outcome::not_a_number && measure::map::is_wrong(outcome));
+        if (summary.outcomes[o] == 0 || may_have_culprit) continue;
         entries.push_back({plain_name(outcome), image::outcome_colours[o], std::to_string(summary.outcomes[o])});
     }
     return entries;

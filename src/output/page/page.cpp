@@ -275,7 +275,8 @@ std::string summary_table(const measure::map::MapRequest& request,
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
         "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th><th "
-        "scope=\"col\">wrong solids</th>"
+        "scope=\"col\">wrong solids</th>" +
+        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>" : "") +
         "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
         "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
@@ -284,7 +285,10 @@ std::string summary_table(const measure::map::MapRequest& request,
         const measure::map::MapRow& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
-        for (const char* name : {"false_hit", "false_miss", "not_a_number", "wrong_object", "unresolved"})
+        std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
+        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit"});
+        counts.push_back("unresolved");
+        for (const char* name : counts)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
         if (s.true_hits > 0 && !s.agreement().is_enough()) {

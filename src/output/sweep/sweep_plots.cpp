@@ -192,7 +192,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
 
 std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
     std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
-    for (const Outcome o : {Outcome::wrong_object, Outcome::not_a_number}) {
+    for (const Outcome o : {Outcome::wrong_object, Outcome::crack, Outcome::double_hit, Outcome::not_a_number}) {
         const auto occurs = [&](const SweepStep& step) {
             for (std::size_t r = 0; r < step.rows.size(); ++r) {
                 if (sweep.request.rows[r].format == format && step.rows[r].count(o) > 0) return true;
@@ -209,6 +209,8 @@ std::string wrong_title(Outcome outcome) {
         case Outcome::false_hit: return "False hits";
         case Outcome::false_miss: return "False misses";
         case Outcome::wrong_object: return "Hits of the wrong solid";
+        case Outcome::crack: return "Cracks";
+        case Outcome::double_hit: return "Double hits";
         default: return "Answers that are not a number";
     }
 }

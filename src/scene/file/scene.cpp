@@ -141,6 +141,10 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
+    std::vector<triangle::Mesh> meshes;
+    for (TableReader& table : file.tables("mesh"))
+        meshes.push_back(triangle::read_mesh_table(table, path_.parent_path()));
+    if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::joined(std::move(meshes)));
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
@@ -157,6 +161,8 @@ std::vector<Solid<Real>> Scene::solids() const {
             all.push_back(transformed(s, [](double x) { return Real(x); }));
         });
     }
+    for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i)
+        all.push_back(transformed(Solid<double>(mesh->triangle(i)), [](double x) { return Real(x); }));
     return all;
 }
 
@@ -164,7 +170,9 @@ std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
         const bool is_listed = std::ranges::find(listed, row.shape, &Solid<Real>::shape) != listed.end();
-        if (is_listed || (flake && row.shape == sphere::Sphereflake::shape)) found.push_back(row.shape);
+        if (is_listed || (flake && row.shape == sphere::Sphereflake::shape) ||
+            (mesh && row.shape == triangle::Mesh::shape))
+            found.push_back(row.shape);
     }
     return found;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "scene/toml/toml_tree.hpp"
 #include "shapes/solid.hpp"
 #include "shapes/sphere/flake/sphereflake.hpp"
+#include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::scene::file {
 
@@ -50,6 +52,7 @@ struct Scene {
     Camera camera;
     std::vector<Solid<Real>> listed;                       ///< as written, in world units, shape by shape
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
+    std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]: its triangles come last; null: none
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of it
@@ -63,9 +66,11 @@ struct Scene {
     [[nodiscard]] bool meets(Shapes forms) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    /// All of them: the listed, the flake. Some 300 bytes each: many are a `rays::SolidList`.
+    /// All of them: the listed, the flake, the mesh. Some 300 bytes each: many are a `rays::SolidList`.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
-    [[nodiscard]] std::size_t solid_count() const { return listed.size() + (flake ? flake->size() : 0); }
+    [[nodiscard]] std::size_t solid_count() const {
+        return listed.size() + (flake ? flake->size() : 0) + (mesh ? mesh->faces.size() : 0);
+    }
 };
 
 struct LoadOptions {

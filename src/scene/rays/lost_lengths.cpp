@@ -109,6 +109,10 @@ std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatForma
     if (scene.flake)
         sphere::for_each_solid(*scene.flake,
                                [&](const Solid<double>& s) { add(round_solid(s, stored), "sphereflake", i++); });
+    i = 0;
+    if (scene.mesh)
+        for (std::size_t k = 0; k < scene.mesh->faces.size(); ++k)
+            add(round_solid(Solid<double>(scene.mesh->triangle(k)), stored), "mesh", i++);
     return lost.lines();
 }
 

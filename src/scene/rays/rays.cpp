@@ -95,6 +95,8 @@ std::vector<Solid<double>> shared_solids(const Scene& scene) {
     if (scene.flake)
         sphere::for_each_solid(*scene.flake,
                                [&all](const Solid<double>& s) { all.push_back(round_solid(s, binary32)); });
+    for (std::size_t i = 0; scene.mesh && i < scene.mesh->faces.size(); ++i)
+        all.push_back(round_solid(Solid<double>(scene.mesh->triangle(i)), binary32));
     return all;
 }
 

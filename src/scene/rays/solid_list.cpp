@@ -16,19 +16,25 @@ std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const
     return columns;
 }
 
-std::shared_ptr<const SphereColumns> flake_of(const file::Scene& scene) {
-    if (!scene.flake) return nullptr;
-    sphere::require_room_for(*scene.flake);
-    return std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
+template <class S>
+SolidList<S> with_made(std::vector<Solid<S>> listed, const file::Scene& scene) {
+    typename SolidList<S>::Made made{.flake = {}, .mesh = {}, .inputs = scene.inputs};
+    if (scene.flake) {
+        sphere::require_room_for(*scene.flake);
+        made.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
+    }
+    if (scene.mesh) made.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.inputs);
+    return {std::move(listed), std::move(made)};
 }
 
 template <class S>
 SolidList<double> rounded_list(const SolidList<S>& solids, const FloatFormat& f) {
     std::vector<Solid<double>> listed;
     for (const Solid<S>& s : solids.listed()) listed.push_back(round_solid(s, f));
-    const FloatFormat& held = solids.flake() && solids.flake()->template stored<float>() ? binary32 : binary64;
+    const FloatFormat& held = solids.made().inputs == file::Inputs::shared ? binary32 : binary64;
     const bool holds = f.precision >= held.precision && f.emin <= held.emin && f.emax >= held.emax;
-    return {std::move(listed), solids.flake(), holds ? std::nullopt : std::optional(f)};
+    const auto& [flake, mesh, inputs] = solids.made();
+    return {std::move(listed), {flake, mesh, inputs}, holds ? std::nullopt : std::optional(f)};
 }
 
 }  // namespace
@@ -38,13 +44,20 @@ SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inpu
     else columns_ = columns_of<double>(flake, binary64);
 }
 
+MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, file::Inputs inputs)
+    : mesh_(std::move(mesh)), vertices_(mesh_->vertices) {
+    if (inputs == file::Inputs::own) return;
+    for (Vec<double>& v : vertices_)
+        for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, binary32);
+}
+
 SolidList<double> shared_solid_list(const file::Scene& scene) {
     std::vector<Solid<double>> listed;
     for (const Solid<Real>& solid : scene.listed) listed.push_back(round_solid(solid, binary32));
-    return {std::move(listed), flake_of(scene)};
+    return with_made(std::move(listed), scene);
 }
 
-SolidList<Real> ideal_solid_list(const file::Scene& scene) { return {scene.listed, flake_of(scene)}; }
+SolidList<Real> ideal_solid_list(const file::Scene& scene) { return with_made(scene.listed, scene); }
 
 SolidList<double> round_solids(const SolidList<double>& solids, const FloatFormat& f) {
     return rounded_list(solids, f);

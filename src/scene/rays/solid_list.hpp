@@ -46,27 +46,57 @@ private:
     std::variant<std::array<std::vector<float>, 4>, std::array<std::vector<double>, 4>> columns_;
 };
 
-/// Solids in storage type S: first those that stand in memory one by one, then perhaps the spheres of a flake. Copies
-/// share the flake.
+/// The triangles of a scene's meshes: the vertices as numbers of binary32 where inputs are shared, else as they are.
+class MeshColumns {
+public:
+    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, file::Inputs inputs);
+
+    [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
+    [[nodiscard]] Solid<double> operator[](std::size_t i) const {
+        const auto& [a, b, c] = mesh_->faces[i];
+        return Triangle<double>{vertices_[a], vertices_[b], vertices_[c]};
+    }
+    [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
+
+private:
+    std::shared_ptr<const triangle::Mesh> mesh_;
+    std::vector<Vec<double>> vertices_;
+};
+
+/// Solids in storage type S: first those that stand in memory one by one, then perhaps the spheres of a flake and the
+/// triangles of meshes. Copies share what was made.
 template <class S>
 class SolidList {
 public:
     SolidList() = default;
     SolidList(std::vector<Solid<S>> listed) : listed_(std::move(listed)) {}
-    /// `format` absent: the numbers of the flake are taken as they are.
-    SolidList(std::vector<Solid<S>> listed, std::shared_ptr<const SphereColumns> flake,
-              std::optional<FloatFormat> format = std::nullopt)
-        : listed_(std::move(listed)), flake_(std::move(flake)), format_(format) {}
+    /// What a scene has beside the solids that it lists; null where it has none. `inputs` of both.
+    struct Made {
+        std::shared_ptr<const SphereColumns> flake;
+        std::shared_ptr<const MeshColumns> mesh;
+        file::Inputs inputs = file::Inputs::shared;
+    };
+    /// `format` absent: the numbers of what was made are taken as they are.
+    SolidList(std::vector<Solid<S>> listed, Made made, std::optional<FloatFormat> format = std::nullopt)
+        : listed_(std::move(listed)), made_(std::move(made)), format_(format) {}
 
-    [[nodiscard]] std::size_t size() const { return listed_.size() + (flake_ ? flake_->size() : 0); }
+    [[nodiscard]] std::size_t size() const { return first_of_mesh() + (made_.mesh ? made_.mesh->size() : 0); }
     [[nodiscard]] Solid<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
-        return transformed((*flake_)[i - listed_.size()], [this](double x) { return S(rounded(x)); });
+        const std::size_t triangles = first_of_mesh();
+        return transformed(i < triangles ? (*made_.flake)[i - listed_.size()] : (*made_.mesh)[i - triangles],
+                           [this](double x) { return S(rounded(x)); });
     }
-    /// Without the flake.
+    [[nodiscard]] const Made& made() const { return made_; }
+    /// The triangles of meshes, where there are some.
+    [[nodiscard]] const MeshColumns* mesh() const { return made_.mesh.get(); }
+    /// The place of the first of them.
+    [[nodiscard]] std::size_t first_of_mesh() const { return listed_.size() + (made_.flake ? made_.flake->size() : 0); }
+    [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
+    /// Without what was made.
     [[nodiscard]] std::span<const Solid<S>> listed() const { return listed_; }
-    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return flake_; }
-    /// One by one in memory, the flake's as well.
+    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return made_.flake; }
+    /// One by one in memory, those that were made as well.
     [[nodiscard]] std::vector<Solid<S>> all() const {
         std::vector<Solid<S>> every = listed_;
         every.reserve(size());
@@ -79,7 +109,7 @@ public:
     [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
                                                             std::array<std::vector<T>, 4>& room) const {
         std::array<std::span<const T>, 4> view;
-        if (const auto* stored = flake_ && !format_ ? flake_->template stored<T>() : nullptr;
+        if (const auto* stored = made_.flake && !format_ ? made_.flake->template stored<T>() : nullptr;
             stored && begin >= listed_.size()) {
             for (std::size_t k = 0; k < 4; ++k)
                 view[k] = std::span((*stored)[k]).subspan(begin - listed_.size(), count);
@@ -98,13 +128,13 @@ private:
     [[nodiscard]] double rounded(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
 
     std::vector<Solid<S>> listed_;
-    std::shared_ptr<const SphereColumns> flake_;
+    Made made_;
     std::optional<FloatFormat> format_;
 };
 
-/// As `shared_solids`, the flake as columns.
+/// As `shared_solids`, what is made as columns.
 SolidList<double> shared_solid_list(const file::Scene& scene);
-/// The ideal solids of a scene with own inputs, the flake as columns.
+/// The ideal solids of a scene with own inputs, what is made as columns.
 SolidList<Real> ideal_solid_list(const file::Scene& scene);
 
 /// Every number rounded once to F.

@@ -111,10 +111,11 @@ SweepFile::Mark read_mark(TableReader& mark) {
                       .format = mark.optional_string("format").value_or("")};
     if (auto measured = mark.optional_table("measured")) {
         m.form = known(*measured, "form", form_names());
-        m.event = measured->has("event") ? known(*measured, "event",
-                                                 {"lost_bits", "false_hit", "false_miss", "not_a_number",
-                                                  "wrong_object", "max_dist", "max_steps", "stagnated"})
-                                         : "lost_bits";
+        m.event = measured->has("event")
+                      ? known(*measured, "event",
+                              {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_object", "crack",
+                               "double_hit", "max_dist", "max_steps", "stagnated"})
+                      : "lost_bits";
         m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
                       : m.event == "lost_bits"   ? "p50"
                                                  : "count";

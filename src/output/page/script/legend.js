@@ -53,7 +53,7 @@ async function drawLegend() {
     }
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches) {
-        const wrongOnes = ["false_hit", "false_miss", "wrong_object"].map(
+        const wrongOnes = ["false_hit", "false_miss", "wrong_object", "crack", "double_hit"].map(
             (name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
             if (metric.blamed && wrongOnes.includes(o)) return;

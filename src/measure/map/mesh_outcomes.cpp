@@ -1,0 +1,84 @@
+#include "measure/map/mesh_outcomes.hpp"
+
+#include <algorithm>
+
+#include "shapes/triangle/mesh/mesh.hpp"
+
+namespace lostbits::measure::map {
+
+using answer::Outcome;
+using truth::Truth;
+
+namespace {
+
+/// The solids of a ray, as the mesh knows them.
+class RayAtMesh {
+public:
+    RayAtMesh(const MeshAnswers& of, std::size_t ray)
+        : of_(of), ray_(ray), first_(of.inputs.solids.first_of_mesh()), mesh_(of.inputs.solids.mesh()->mesh()) {}
+
+    [[nodiscard]] Outcome outcome_of(Outcome before) const {
+        const std::int32_t truly = of_.truth.object[ray_], met = of_.answers.object[ray_];
+        Outcome outcome = before;
+        if (before == Outcome::false_miss && in_mesh(truly) && is_crack(truly)) outcome = Outcome::crack;
+        if (before == Outcome::wrong_object && in_mesh(truly)) {
+            if (are_neighbours(truly, met))
+                outcome = cross_at_one_t(truly, met) ? Outcome::agree_hit : Outcome::wrong_neighbour;
+            else if (is_crack(truly)) outcome = Outcome::crack;
+        }
+        const bool met_right = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
+        return met_right && in_mesh(met) && is_claimed_twice(met) ? Outcome::double_hit : outcome;
+    }
+
+private:
+    [[nodiscard]] bool in_mesh(std::int32_t solid) const {
+        return solid >= 0 && static_cast<std::size_t>(solid) >= first_;
+    }
+    [[nodiscard]] std::size_t face(std::int32_t solid) const { return static_cast<std::size_t>(solid) - first_; }
+    [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
+        return in_mesh(a) && in_mesh(b) && mesh_.share_a_vertex(face(a), face(b));
+    }
+    /// Whether the form claims any of the candidates of which `wanted(solid)`.
+    template <class Wanted>
+    [[nodiscard]] bool claims(const Wanted& wanted) const {
+        const truth::CandidateLists& candidates = *of_.inputs.candidates;
+        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
+            if (of_.answers.claimed[pair] != 0 && wanted(static_cast<std::int32_t>(candidates.solid(pair))))
+                return true;
+        return false;
+    }
+    [[nodiscard]] bool is_crack(std::int32_t truly) const {
+        return !mesh_.has_border(face(truly)) &&
+               !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); });
+    }
+    [[nodiscard]] Truth truth_at(std::int32_t solid) const {
+        return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
+    }
+    [[nodiscard]] bool cross_at_one_t(std::int32_t a, std::int32_t b) const {
+        const Truth at_a = truth_at(a), at_b = truth_at(b);
+        return at_a.is_hit() && at_b.is_hit() && compare(at_a.t, at_b.t) == 0;
+    }
+    [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
+        return claims([&](std::int32_t s) {
+            if (s == met || !are_neighbours(s, met)) return false;
+            const Truth here = truth_at(met), there = truth_at(s);
+            return !(here.is_hit() && there.is_hit()) || compare(here.t, there.t) == 0;
+        });
+    }
+
+    const MeshAnswers& of_;
+    std::size_t ray_, first_;
+    const scene::triangle::Mesh& mesh_;
+};
+
+}  // namespace
+
+void take_meshes_apart(const MeshAnswers& of, std::span<Outcome> outcomes) {
+    if (of.inputs.solids.mesh() == nullptr || of.answers.claimed.empty()) return;
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+        of.inputs.stop.check();
+        if (of.truth.decision[i] == Truth::Decision::hit) outcomes[i] = RayAtMesh(of, i).outcome_of(outcomes[i]);
+    }
+}
+
+}  // namespace lostbits::measure::map

@@ -1,0 +1,35 @@
+// What only meshes have: crossings that a form does not see, or sees twice.
+#pragma once
+
+#include <span>
+
+#include "measure/answer/answers.hpp"
+#include "measure/answer/outcome.hpp"
+#include "measure/columns/columns.hpp"
+#include "measure/truth/band.hpp"
+
+namespace lostbits::measure::map {
+
+/// A row's answers about a band, and the truth that they are held against.
+struct MeshAnswers {
+    const answer::Answers& answers;
+    const truth::FormatInputs& inputs;
+    const truth::Band& band;
+    const columns::TrueLengths& truth;
+    intersect::Convention convention;
+};
+
+/// Takes the outcomes of rays at meshes apart. Neighbours are triangles that share a vertex; a form claims a triangle
+/// where it says, asked about that one alone, that the ray hits it.
+///
+/// `crack`: the ray truly meets a triangle first, and the form claims neither that one nor a neighbour, though the mesh
+/// goes on across all of its edges: whatever lies behind shines through. Where an edge of the triangle is the mesh's
+/// border, it stays a false miss, or a hit of the wrong solid.
+/// `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, which the ray does not meet at
+/// that t. One on which the ray meets both at one t, for it runs through their edge or vertex, is an agreed hit.
+/// `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the mesh
+/// once: it misses one of the two, or meets both at one t. At a fold the ray meets both, one after the other, and
+/// nothing is counted twice.
+void take_meshes_apart(const MeshAnswers& of, std::span<answer::Outcome> outcomes);
+
+}  // namespace lostbits::measure::map

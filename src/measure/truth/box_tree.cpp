@@ -1,0 +1,134 @@
+#include "measure/truth/box_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace lostbits::measure::truth {
+
+using scene::rays::SolidList;
+
+namespace {
+
+float below(double x) {
+    const auto f = static_cast<float>(x);
+    return static_cast<double>(f) <= x ? f : std::nextafter(f, -HUGE_VALF);
+}
+float above(double x) { return -below(-x); }
+
+/// The box of a solid that is the hull of its corners, else of the ball around it. Nothing where it is not finite or
+/// round.
+std::optional<std::array<float, 6>> box_of(const Solid<double>& solid) {
+    const ShapeRow& row = row_of(solid.shape);
+    if (row.round) return std::nullopt;
+    Vec<double> lo, hi;
+    if (row.edges) {
+        lo = hi = solid.point(0);
+        for (std::size_t k = 3; k < row.numbers; k += 3)
+            for (int i = 0; i < 3; ++i)
+                lo[i] = std::min(lo[i], solid.point(k)[i]), hi[i] = std::max(hi[i], solid.point(k)[i]);
+    } else {
+        const Sphere<double> ball = ball_around(solid);
+        const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
+        lo = ball.centre - Vec<double>(reach, reach, reach), hi = ball.centre + Vec<double>(reach, reach, reach);
+    }
+    const std::array box{below(lo.x), below(lo.y), below(lo.z), above(hi.x), above(hi.y), above(hi.z)};
+    if (!std::ranges::all_of(box, [](float x) { return std::isfinite(x); })) return std::nullopt;
+    return box;
+}
+
+std::array<float, 6> around(const std::array<float, 6>& a, const std::array<float, 6>& b) {
+    std::array<float, 6> both;
+    for (std::size_t k = 0; k < 3; ++k) both[k] = std::min(a[k], b[k]), both[k + 3] = std::max(a[k + 3], b[k + 3]);
+    return both;
+}
+
+}  // namespace
+
+std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, const RayBounds& bounds,
+                                             const FloatFormat* format) {
+    if (solids.size() == 0 || !std::isfinite(bounds.origin) || !(bounds.least_direction > 0)) return nullptr;
+    std::vector<Corners> boxes;
+    boxes.reserve(solids.size());
+    double reach = 0;
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+        const auto box = box_of(solids[i]);
+        if (!box) return nullptr;
+        boxes.push_back(*box);
+        for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
+    }
+    std::shared_ptr<BoxTree> tree(new BoxTree);
+    // |(x, y, z)| ≤ √3 max |x|.
+    tree->margin_ = (0x1p-40 + (format ? std::min(std::ldexp(8.0, -format->precision), 0x1p-5) : 0)) *
+                    (bounds.origin + 1.75 * reach);
+    tree->order_.resize(boxes.size());
+    std::iota(tree->order_.begin(), tree->order_.end(), 0U);
+    tree->nodes_.reserve(boxes.size());
+    tree->build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
+    tree->nodes_.shrink_to_fit();
+    return tree;
+}
+
+void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std::uint32_t end) {
+    const std::size_t here = nodes_.size();
+    Corners all = boxes[order_[begin]], middles;
+    for (std::size_t k = 0; k < 3; ++k) middles[k] = HUGE_VALF, middles[k + 3] = -HUGE_VALF;
+    const auto middle = [&boxes](std::uint32_t solid, std::size_t k) {
+        return boxes[solid][k] / 2 + boxes[solid][k + 3] / 2;
+    };
+    for (std::uint32_t i = begin; i < end; ++i) {
+        all = around(all, boxes[order_[i]]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            middles[k] = std::min(middles[k], middle(order_[i], k));
+            middles[k + 3] = std::max(middles[k + 3], middle(order_[i], k));
+        }
+    }
+    nodes_.push_back({all, begin, end - begin});
+    if (end - begin <= most_in_leaf) return;
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+        if (middles[k + 3] - middles[k] > middles[axis + 3] - middles[axis]) axis = k;
+    const std::uint32_t half = begin + (end - begin) / 2;
+    const auto before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
+    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, before);
+    build(boxes, begin, half);
+    nodes_[here] = {all, static_cast<std::uint32_t>(nodes_.size()), 0};
+    build(boxes, half, end);
+}
+
+void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
+    found.clear();
+    const Vec<double>&o = ray.origin, &d = ray.direction;
+    const Vec<double> inverse(1 / d.x, 1 / d.y, 1 / d.z);
+    const auto may_meet = [&](const Corners& box) {
+        double enter = 0, leave = HUGE_VAL;
+        for (int k = 0; k < 3; ++k) {
+            const double lo = static_cast<double>(box[static_cast<std::size_t>(k)]) - margin_ - o[k],
+                         hi = static_cast<double>(box[static_cast<std::size_t>(k + 3)]) + margin_ - o[k];
+            if (d[k] == 0 && (lo > 0 || hi < 0)) return false;
+            if (std::isinf(inverse[k])) continue;  // of a component that is zero, or so small that 1/d overflows
+            const double a = lo * inverse[k], b = hi * inverse[k];
+            enter = std::max(enter, std::min(a, b));
+            leave = std::min(leave, std::max(a, b));
+        }
+        return enter <= leave;
+    };
+    std::array<std::uint32_t, 64> later;  // halves: a tree over 2^32 solids is 32 deep
+    std::size_t waiting = 0;
+    later[waiting++] = 0;
+    while (waiting > 0) {
+        const std::uint32_t i = later[--waiting];
+        const Node& node = nodes_[i];
+        if (!may_meet(node.box)) continue;
+        if (node.count > 0) {
+            for (std::uint32_t k = 0; k < node.count; ++k) found.push_back(order_[node.next + k]);
+        } else {
+            later[waiting++] = node.next;
+            later[waiting++] = i + 1;
+        }
+    }
+    std::ranges::sort(found);
+}
+
+}  // namespace lostbits::measure::truth

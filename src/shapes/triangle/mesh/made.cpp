@@ -1,0 +1,108 @@
+#include "shapes/triangle/mesh/made.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace lostbits::scene::triangle {
+
+namespace {
+
+Vec<double> divided_by_length(const Vec<double>& v) { return v / length(v); }
+
+/// Point i of n on the unit circle, counted from x: a quarter turn is parted by t = tan(a/2), rational in i, and the
+/// point is ((1 − t²)/(1 + t²), 2t/(1 + t²)); t steps evenly from 0 to 1, so that no sine is needed. n is a multiple
+/// of four. Steps at the ends of a quarter are up to twice as long as those in the middle.
+Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
+    const std::uint32_t quarter = n / 4, turn = i / quarter % 4;
+    const double t = static_cast<double>(i % quarter) / quarter, x = (1 - t * t) / (1 + t * t), y = 2 * t / (1 + t * t);
+    switch (turn) {
+        case 0: return {x, y, 0};
+        case 1: return {-y, x, 0};
+        case 2: return {-x, -y, 0};
+        default: return {y, -x, 0};
+    }
+}
+
+/// Two triangles over the corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1) of a net.
+template <class At>
+void add_square(Mesh& mesh, const At& at, std::uint32_t i, std::uint32_t j) {
+    mesh.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+    mesh.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+}
+
+}  // namespace
+
+Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
+    Mesh mesh;
+    const double g = (1 + std::sqrt(5.0)) / 2;
+    mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                     {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    for (Vec<double>& v : mesh.vertices) v = divided_by_length(v);
+    mesh.faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    for (int level = 0; level < levels; ++level) {
+        std::unordered_map<std::uint64_t, std::uint32_t> middles;
+        middles.reserve(mesh.faces.size() * 3 / 2);
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+            const auto [there, fresh] = middles.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
+            if (fresh) mesh.vertices.push_back(divided_by_length(mesh.vertices[a] + mesh.vertices[b]));
+            return there->second;
+        };
+        std::vector<Face> finer;
+        finer.reserve(4 * mesh.faces.size());
+        for (const auto& [a, b, c] : mesh.faces) {
+            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+        }
+        mesh.faces = std::move(finer);
+    }
+    for (Vec<double>& v : mesh.vertices) v = centre + radius * v;
+    return mesh;
+}
+
+Mesh make_grid(std::uint32_t across, std::uint32_t up, const Vec<double>& centre, const Vec<double>& size,
+               double bump) {
+    Mesh mesh;
+    for (std::uint32_t j = 0; j <= up; ++j) {
+        for (std::uint32_t i = 0; i <= across; ++i) {
+            const double x = static_cast<double>(i) / across - 0.5, y = static_cast<double>(j) / up - 0.5;
+            mesh.vertices.push_back(centre +
+                                    Vec<double>(size.x * x, size.y * y, bump * (1 - 4 * x * x) * (1 - 4 * y * y)));
+        }
+    }
+    const auto at = [across](std::uint32_t i, std::uint32_t j) { return j * (across + 1) + i; };
+    for (std::uint32_t j = 0; j < up; ++j)
+        for (std::uint32_t i = 0; i < across; ++i) add_square(mesh, at, i, j);
+    return mesh;
+}
+
+Mesh make_tube(std::uint32_t around, std::uint32_t along, const Vec<double>& centre, double ring_radius,
+               double radius) {
+    Mesh mesh;
+    for (std::uint32_t j = 0; j < along; ++j) {
+        const Vec<double> outward = on_circle(j, along);
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const Vec<double> p = on_circle(i, around);
+            mesh.vertices.push_back(centre + (ring_radius + radius * p.x) * outward + Vec<double>(0, 0, radius * p.y));
+        }
+    }
+    const auto at = [around, along](std::uint32_t i, std::uint32_t j) { return j % along * around + i % around; };
+    for (std::uint32_t j = 0; j < along; ++j)
+        for (std::uint32_t i = 0; i < around; ++i) add_square(mesh, at, i, j);
+    // Wound outward: along the ring first, around the tube then.
+    for (Face& face : mesh.faces) std::swap(face[1], face[2]);
+    return mesh;
+}
+
+Mesh make_fan(std::uint32_t count, const Vec<double>& centre, double radius) {
+    Mesh mesh;
+    mesh.vertices.push_back(centre);
+    for (std::uint32_t i = 0; i < count; ++i) mesh.vertices.push_back(centre + radius * on_circle(i, count));
+    for (std::uint32_t i = 0; i < count; ++i) mesh.faces.push_back({0, 1 + i, 1 + (i + 1) % count});
+    return mesh;
+}
+
+}  // namespace lostbits::scene::triangle

@@ -1,0 +1,121 @@
+#include "shapes/triangle/mesh/mesh.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "number/rounded.hpp"
+#include "shapes/on_one_line.hpp"
+
+namespace lostbits::scene::triangle {
+
+namespace {
+
+/// Its lower end first, and the face that it is of.
+struct Edge {
+    std::uint32_t low, high, face;
+    bool runs_up;
+};
+
+std::vector<Edge> sorted_edges(const Mesh& mesh) {
+    std::vector<Edge> edges;
+    edges.reserve(3 * mesh.faces.size());
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
+            edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f), from < to});
+        }
+    }
+    std::ranges::sort(edges, {}, [](const Edge& e) { return std::pair(e.low, e.high); });
+    return edges;
+}
+
+/// `take(edges)` for each edge, with all the faces that it is of.
+template <class Take>
+void for_each_edge(const Mesh& mesh, const Take& take) {
+    const std::vector<Edge> edges = sorted_edges(mesh);
+    for (auto first = edges.begin(), last = first; first != edges.end(); first = last) {
+        const auto same = [&](const Edge& e) { return e.low == first->low && e.high == first->high; };
+        last = std::find_if_not(first, edges.end(), same);
+        take(std::span(first, last));
+    }
+}
+
+void merge_vertices(Mesh& mesh) {
+    std::vector<std::uint32_t> order(mesh.vertices.size()), becomes(mesh.vertices.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto key = [&](std::uint32_t v) {
+        const Vec<double>& p = mesh.vertices[v];
+        return std::array{p.x, p.y, p.z};  // −0 and 0 compare equal
+    };
+    std::ranges::stable_sort(order, {}, key);
+    for (std::size_t i = 0; i < order.size(); ++i)
+        becomes[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? becomes[order[i - 1]] : order[i];
+    std::vector<std::uint32_t> place(mesh.vertices.size());
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (becomes[v] != v) continue;
+        place[v] = kept;
+        mesh.vertices[kept++] = mesh.vertices[v];
+    }
+    mesh.vertices.resize(kept);
+    for (Face& face : mesh.faces)
+        for (std::uint32_t& v : face) v = place[becomes[v]];
+}
+
+bool is_flat(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
+
+}  // namespace
+
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place) {
+    merge_vertices(mesh);
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        const auto& [a, b, c] = mesh.faces[f];
+        if (is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+            if (mesh.left_out++ == 0) mesh.first_left_out = place(f);
+            continue;
+        }
+        mesh.faces[kept++] = mesh.faces[f];
+    }
+    mesh.faces.resize(kept);
+    mesh.borders.assign(kept, false);
+    for_each_edge(mesh, [&](std::span<const Edge> of) {
+        if (of.size() == 1) mesh.borders[of.front().face] = true;
+    });
+}
+
+Topology topology_of(const Mesh& mesh) {
+    Topology found;
+    for_each_edge(mesh, [&](std::span<const Edge> of) {
+        found.border += static_cast<std::size_t>(of.size() == 1);
+        found.over_shared += static_cast<std::size_t>(of.size() > 2);
+        found.turned += static_cast<std::size_t>(of.size() == 2 && of[0].runs_up == of[1].runs_up);
+    });
+    return found;
+}
+
+Mesh joined(std::vector<Mesh> meshes) {
+    Mesh all = std::move(meshes.front());
+    for (std::size_t i = 1; i < meshes.size(); ++i) {
+        const Mesh& next = meshes[i];
+        const auto first = static_cast<std::uint32_t>(all.vertices.size());
+        all.vertices.insert(all.vertices.end(), next.vertices.begin(), next.vertices.end());
+        for (const auto& [a, b, c] : next.faces) all.faces.push_back({first + a, first + b, first + c});
+        all.borders.insert(all.borders.end(), next.borders.begin(), next.borders.end());
+        if (all.left_out == 0) all.first_left_out = next.first_left_out;
+        all.left_out += next.left_out;
+    }
+    return all;
+}
+
+std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
+    const auto rounded = [&](std::uint32_t v) {
+        Vec<double> p = mesh.vertices[v];
+        for (int k = 0; k < 3; ++k) p[k] = rounding::to_format(p[k], 0, format);
+        return p;
+    };
+    return static_cast<std::size_t>(std::ranges::count_if(
+        mesh.faces, [&](const Face& f) { return is_flat(rounded(f[0]), rounded(f[1]), rounded(f[2])); }));
+}
+
+}  // namespace lostbits::scene::triangle

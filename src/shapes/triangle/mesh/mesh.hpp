@@ -1,0 +1,71 @@
+// Meshes of triangles: made by formula, or read from files.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scene/toml/toml_reader.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::scene::triangle {
+
+/// Three places among the vertices.
+using Face = std::array<std::uint32_t, 3>;
+
+/// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
+/// one line are no triangles: they are left out and counted.
+struct Mesh {
+    static constexpr Shape shape = Shape::triangle;
+
+    std::vector<Vec<double>> vertices;
+    std::vector<Face> faces;
+    std::size_t left_out = 0;    ///< faces without area
+    std::string first_left_out;  ///< which of them was the first, in words; empty where there is none
+    /// Of each face, whether one of its edges has no other face across; see `find_borders`.
+    std::vector<bool> borders;
+
+    [[nodiscard]] Triangle<double> triangle(std::size_t face) const {
+        const auto& [a, b, c] = faces[face];
+        return {vertices[a], vertices[b], vertices[c]};
+    }
+    [[nodiscard]] bool share_a_vertex(std::size_t face, std::size_t other) const {
+        for (const std::uint32_t a : faces[face])
+            for (const std::uint32_t b : faces[other])
+                if (a == b) return true;
+        return false;
+    }
+    [[nodiscard]] bool has_border(std::size_t face) const { return borders[face]; }
+};
+
+/// Vertices with the same coordinates become one (0 and −0 are the same), so that faces which meet share their edge;
+/// faces whose corners lie on one line are left out, and `borders` is filled. `place(face)` names a face of the mesh as
+/// it is given.
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place);
+
+/// How the edges of a mesh are shared.
+struct Topology {
+    std::size_t border = 0;       ///< edges of one face
+    std::size_t over_shared = 0;  ///< edges of more than two
+    std::size_t turned = 0;       ///< edges that two faces run along in the same direction: one of them is turned
+    [[nodiscard]] bool is_closed() const { return border == 0 && over_shared == 0; }
+    [[nodiscard]] bool is_consistent() const { return turned == 0; }
+};
+/// O(n log n) for n faces.
+Topology topology_of(const Mesh& mesh);
+
+/// All of them as one, in their order.
+Mesh joined(std::vector<Mesh> meshes);
+
+/// The faces that lie on one line once the vertices are rounded to a format: no ray meets them truly.
+std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format);
+
+/// Reads a `[[mesh]]`: `make` with the keys of what is made, or `file`, which is looked for from `folder`. InputError
+/// with a position.
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder);
+
+}  // namespace lostbits::scene::triangle

@@ -1,0 +1,84 @@
+#include <cmath>
+
+#include "scene/toml/round.hpp"
+#include "shapes/triangle/mesh/made.hpp"
+#include "shapes/triangle/mesh/mesh_file.hpp"
+
+namespace lostbits::scene::triangle {
+
+namespace {
+
+enum class Made { icosphere, grid, tube, fan };
+constexpr std::pair<std::string_view, Made> made_names[] = {
+    {"icosphere", Made::icosphere}, {"grid", Made::grid}, {"tube", Made::tube}, {"fan", Made::fan}};
+
+constexpr int most_levels = 9;  // 5.2 million faces
+constexpr long long most_parts = 4096;
+constexpr double largest = 0x1p100, smallest = 0x1p-100;  // so that no product of three overflows or vanishes
+
+class MeshTable {
+public:
+    explicit MeshTable(toml::TableReader& table) : table_(table) {}
+
+    Mesh make() {
+        const Made what = table_.one_of<Made>("make", made_names);
+        const Vec<double> centre = point("centre");
+        switch (what) {
+            case Made::icosphere:
+                return make_icosphere(static_cast<int>(table_.integer("levels", 0, most_levels)), centre,
+                                      size("radius", 1));
+            case Made::grid: {
+                const auto parts = table_.optional_integers("parts", 2, 1, most_parts).value_or(std::vector{8LL, 8LL});
+                const double bump = table_.has("bump") ? size("bump", 1) : 0;
+                return make_grid(static_cast<std::uint32_t>(parts[0]), static_cast<std::uint32_t>(parts[1]), centre,
+                                 {size("width", 2), size("height", 2), 0}, bump);
+            }
+            case Made::tube: {
+                const double ring = size("ring_radius", 2), radius = size("radius", 0.5);
+                if (!(radius < ring)) table_.fail_at("radius", "must be less than ring_radius; the tube has a hole");
+                return make_tube(quarters("around", 16), quarters("along", 64), centre, ring, radius);
+            }
+            case Made::fan: break;
+        }
+        return make_fan(quarters("count", 64), centre, size("radius", 1));
+    }
+
+private:
+    Vec<double> point(std::string_view key) {
+        Vec<double> p(0, 0, 0);
+        if (const auto given = table_.optional_vec3(key))
+            for (int k = 0; k < 3; ++k) p[k] = toml::round_to_format((*given)[k], binary64);
+        for (int k = 0; k < 3; ++k)
+            if (!(std::fabs(p[k]) <= largest)) table_.fail_at(key, "must lie within 2^100 of the origin");
+        return p;
+    }
+    double size(std::string_view key, double otherwise) {
+        table_.read_number(key, otherwise, smallest, largest);
+        return otherwise;
+    }
+    /// A count that is a multiple of four: a circle is parted by its quarters.
+    std::uint32_t quarters(std::string_view key, long long otherwise) {
+        const long long n = table_.optional_integer(key, 4, most_parts * 256).value_or(otherwise);
+        if (n % 4 != 0) table_.fail_at(key, "must be a multiple of 4; write " + std::to_string(n / 4 * 4 + 4));
+        return static_cast<std::uint32_t>(n);
+    }
+
+    toml::TableReader& table_;
+};
+
+}  // namespace
+
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder) {
+    Mesh mesh;
+    if (table.has("file")) {
+        if (table.has("make")) table.reject("make", "stands beside file; a mesh is made or read, not both");
+        mesh = read_mesh_file(folder / table.string("file"));
+    } else {
+        mesh = MeshTable(table).make();
+        tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
+    }
+    table.reject_unknown_keys();
+    return mesh;
+}
+
+}  // namespace lostbits::scene::triangle
