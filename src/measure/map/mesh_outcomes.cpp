@@ -1,6 +1,7 @@
 #include "measure/map/mesh_outcomes.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "shapes/triangle/mesh/mesh.hpp"
 
@@ -49,7 +50,7 @@ private:
     }
     [[nodiscard]] bool is_crack(std::int32_t truly) const {
         return !mesh_.has_border(face(truly)) &&
-               !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); });
+               !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise();
     }
     [[nodiscard]] Truth truth_at(std::int32_t solid) const {
         return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
@@ -59,11 +60,28 @@ private:
         return at_a.is_hit() && at_b.is_hit() && compare(at_a.t, at_b.t) == 0;
     }
     [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
-        return claims([&](std::int32_t s) {
+        const auto of_one_crossing = [&](std::int32_t s) {
             if (s == met || !are_neighbours(s, met)) return false;
             const Truth here = truth_at(met), there = truth_at(s);
             return !(here.is_hit() && there.is_hit()) || compare(here.t, there.t) == 0;
-        });
+        };
+        return claims(of_one_crossing) && counts_otherwise();
+    }
+    /// Whether one of the two numbers is odd: of triangles of the mesh that the form claims, and of those that the ray
+    /// truly crosses, of which several at one t count once.
+    [[nodiscard]] bool counts_otherwise() const {
+        const truth::CandidateLists& candidates = *of_.inputs.candidates;
+        std::size_t claimed = 0;
+        std::vector<truth::Certified> crossings;
+        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
+            const auto solid = static_cast<std::int32_t>(candidates.solid(pair));
+            if (!in_mesh(solid)) continue;
+            claimed += of_.answers.claimed[pair];
+            const Truth at = truth_at(solid);
+            const auto same = [&](const truth::Certified& t) { return compare(t, at.t) == 0; };
+            if (at.is_hit() && std::ranges::none_of(crossings, same)) crossings.push_back(at.t);
+        }
+        return claimed % 2 != crossings.size() % 2;
     }
 
     const MeshAnswers& of_;

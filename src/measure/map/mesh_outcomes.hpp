@@ -22,14 +22,15 @@ struct MeshAnswers {
 /// Takes the outcomes of rays at meshes apart. Neighbours are triangles that share a vertex; a form claims a triangle
 /// where it says, asked about that one alone, that the ray hits it.
 ///
-/// `crack`: the ray truly meets a triangle first, and the form claims neither that one nor a neighbour, though the mesh
-/// goes on across all of its edges: whatever lies behind shines through. Where an edge of the triangle is the mesh's
-/// border, it stays a false miss, or a hit of the wrong solid.
-/// `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, which the ray does not meet at
-/// that t. One on which the ray meets both at one t, for it runs through their edge or vertex, is an agreed hit.
+/// `crack`: the ray truly meets a triangle first, the form claims neither that one nor a neighbour, though the mesh
+/// goes on across all of its edges, and of the crossings that the ray truly has it claims an odd number less or more:
+/// it leaves a closed mesh that it never entered, or the other way round. A form that misses both walls of a mesh,
+/// because it sees its outline elsewhere or the triangles not at all, has a false miss; so has one at the border of a
+/// mesh. `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, which the ray does not meet
+/// at that t. One on which the ray meets both at one t, for it runs through their edge or vertex, is an agreed hit.
 /// `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the mesh
-/// once: it misses one of the two, or meets both at one t. At a fold the ray meets both, one after the other, and
-/// nothing is counted twice.
+/// once: it misses one of the two, or meets both at one t; again its crossings are an odd number more or less. At a
+/// fold the ray meets both, one after the other, and nothing is counted twice.
 void take_meshes_apart(const MeshAnswers& of, std::span<answer::Outcome> outcomes);
 
 }  // namespace lostbits::measure::map
