@@ -11,6 +11,7 @@
 namespace lostbits::test::test_mesh_outcomes {
 
 using measure::answer::Outcome;
+using measure::truth::find_truth;
 using measure::truth::Truth;
 
 namespace {

@@ -11,6 +11,7 @@
 namespace lostbits::test::test_box_tree {
 
 using measure::truth::BoxTree;
+using measure::truth::find_truth;
 using measure::truth::Truth;
 using scene::rays::SolidList;
 

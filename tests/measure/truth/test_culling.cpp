@@ -124,7 +124,7 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
           "[measure][culling]") {
     const scene::file::Scene scene = flake_scene(5, "[2.1, 1.3, 1.7]", pinhole + "60");
     measure::truth::Culler culler(scene);
-    const SphereIndex& index = *culler.for_truth();
+    const auto& index = dynamic_cast<const SphereIndex&>(*culler.for_truth());
     REQUIRE(index.pages() == 9);
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     std::vector<std::uint32_t> found;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "number/format.hpp"
 #include "scene/toml/toml_reader.hpp"
 #include "shapes/solid.hpp"
 

@@ -1,11 +1,47 @@
 #include "shapes/triangle/mesh/mesh_file.hpp"
 
+#include <fstream>
+
 #include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "shapes/triangle/mesh/mesh_readers.hpp"
 
 namespace lostbits::scene::triangle {
 
+namespace {
+
+struct MeshFormat {
+    std::string_view extension;
+    MeshInFile (*read)(const std::filesystem::path&, std::istream&);
+    bool has_lines;
+};
+constexpr MeshFormat formats[] = {{".obj", read_obj, true}, {".ply", read_ply, false}, {".stl", read_stl, false}};
+
+const MeshFormat& format_of(const std::filesystem::path& path) {
+    for (const MeshFormat& format : formats)
+        if (path.extension() == format.extension) return format;
+    throw InputError(path.string() +
+                     ": the kind of a mesh is told by the end of its name; it ends in .obj, .ply or .stl");
+}
+
+}  // namespace
+
 Mesh read_mesh_file(const std::filesystem::path& path) {
-    throw InputError(path.string() + ": meshes are not read yet");
+    const MeshFormat& format = format_of(path);
+    std::ifstream bytes(path, std::ios::binary);
+    if (!bytes || std::filesystem::is_directory(path))
+        throw InputError(path.string() + ": there is no such file; file is looked for from the folder of the scene");
+    MeshInFile found = format.read(path, bytes);
+    const auto place = [&](std::size_t face) {
+        return format.has_lines ? path.string() + ":" + std::to_string(found.lines[face])
+                                : "face " + std::to_string(found.lines[face]) + " of " + path.string();
+    };
+    if (found.mesh.faces.empty()) throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
+    tidy(found.mesh, place);
+    if (found.mesh.faces.empty())
+        throw InputError(path.string() + ": all of its faces lie on lines; " + found.mesh.first_left_out +
+                         " is the first");
+    return std::move(found.mesh);
 }
 
 }  // namespace lostbits::scene::triangle
