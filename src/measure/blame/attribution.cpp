@@ -93,18 +93,13 @@ private:
 
     void find_exact(NodeId i) {
         const TapeNode& n = tape_[i];
-        const auto computed_exactly = [&]<TapeOp op>() -> Number {
-            return with_operands<op>(
-                [](const auto&... x) -> Number { return Operation<op>::template exact<Exact>(x...); },
-                [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
-        };
         switch (kind_of(n.op)) {
             case OperationKind::given:
-                exact(i) = with<OperationKind::given>(
-                    n.op, [&]<TapeOp op>() -> Number { return Operation<op>::template exact<Exact>(n); });
+            case OperationKind::rounded:
+            case OperationKind::exact:
+                exact(i) =
+                    without_rounding<Exact>(n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
                 break;
-            case OperationKind::rounded: exact(i) = with<OperationKind::rounded>(n.op, computed_exactly); break;
-            case OperationKind::exact: exact(i) = with<OperationKind::exact>(n.op, computed_exactly); break;
             case OperationKind::moved: exact(i) = exact(n.operands[0]); break;
             case OperationKind::sign: sign(i); break;
             case OperationKind::choice: choose(i); break;

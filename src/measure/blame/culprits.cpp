@@ -104,6 +104,11 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     return labels;
 }
 
+std::optional<Counterfactuals> Blame::counterfactuals() const {
+    if (!attribution || attribution->culprit == no_node || attribution->subject != tape->outputs.t) return std::nullopt;
+    return blame::counterfactuals(*tape, attribution->culprit);
+}
+
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
     return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
 }

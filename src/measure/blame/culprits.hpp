@@ -10,6 +10,7 @@
 
 #include "intersect/table/table.hpp"
 #include "measure/blame/attribution.hpp"
+#include "measure/blame/rerun.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -21,6 +22,9 @@ struct Blame {
     const Tape* tape = nullptr;
     const Attribution* attribution = nullptr;
     double ulp = 0;  ///< of the format at the exact value of the subject
+
+    /// Of a culprit of t; none where the subject is a decision, or nothing is to blame.
+    [[nodiscard]] std::optional<Counterfactuals> counterfactuals() const;
 };
 
 /// The solids and constants that the forms of a run are given; a view.

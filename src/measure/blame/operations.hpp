@@ -34,6 +34,21 @@ decltype(auto) with_operands(const F& f, const Operand& operand) {
     (std::make_index_sequence<row_of(op).operands>());
 }
 
+/// What an operation makes of operand(0), … without rounding. Only of what is given, rounded or exact.
+template <class Exact, class Operand>
+typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
+    using Number = typename Exact::Number;
+    const auto made = [&]<TapeOp op>() -> Number {
+        if constexpr (is_given(op)) return Operation<op>::template exact<Exact>(n);
+        else
+            return with_operands<op>(
+                [](const auto&... x) -> Number { return Operation<op>::template exact<Exact>(x...); }, operand);
+    };
+    if (is_given(n.op)) return with<OperationKind::given>(n.op, made);
+    return kind_of(n.op) == OperationKind::exact ? with<OperationKind::exact>(n.op, made)
+                                                 : with<OperationKind::rounded>(n.op, made);
+}
+
 constexpr const OperationText& text_of(TapeOp op) {
     switch (op) {
 #define LOSTBITS_CASE(name, kind, operands) \

@@ -1,5 +1,6 @@
 #include "measure/blame/rerun.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "measure/blame/exact_arithmetic.hpp"
@@ -14,7 +15,24 @@ using Number = DeepExact::Number;
 class Run {
 public:
     Run(const Tape& tape, std::function<bool(NodeId)> rounds) : tape_(tape), rounds_(std::move(rounds)) {
-        for (NodeId i = 0; i < tape.size(); ++i) values_.push_back(is_decision(tape[i].op) ? decided(i) : made(i));
+        for (NodeId i = 0; i < tape.size(); ++i) values_.push_back(result(i, *this));
+    }
+    /// The run that the tape recorded.
+    explicit Run(const Tape& tape) : tape_(tape), rounds_([](NodeId) { return true; }) {
+        for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
+    }
+    /// As `most`, but `operation` rounds, or chooses, as it does in `one`. Only what is computed from it is run again.
+    Run(const Run& most, const Run& one, NodeId operation) : Run(most) {
+        std::vector<bool> moved(values_.size());
+        for (NodeId i = operation; i < tape_.size(); ++i) {
+            const auto is_moved = [&](NodeId operand) {
+                return operand != no_node && moved[static_cast<std::size_t>(operand)];
+            };
+            const TapeNode& n = tape_[i];
+            if (i != operation && (is_given(n.op) || std::ranges::none_of(n.operands, is_moved))) continue;
+            moved[static_cast<std::size_t>(i)] = true;
+            values_[static_cast<std::size_t>(i)] = result(i, i == operation ? one : *this);
+        }
     }
     [[nodiscard]] const Number& value(NodeId i) const { return values_[static_cast<std::size_t>(i)]; }
 
@@ -31,41 +49,35 @@ private:
         [[nodiscard]] bool holds(std::size_t k) const { return run.value(n.operands[k]) != 0; }
     };
 
-    Number decided(NodeId i) const { return Number(holds(tape_[i].op, Judge{*this, tape_[i]}) ? 1 : 0); }
-
-    Number made(NodeId i) const {
+    /// Of the operands here; `as` says whether it rounds and by which values it decides.
+    [[nodiscard]] Number result(NodeId i, const Run& as) const {
         const TapeNode& n = tape_[i];
-        const auto exactly = [&]<TapeOp op>() -> Number {
-            return with_operands<op>(
-                [](const auto&... x) -> Number { return Operation<op>::template exact<DeepExact>(x...); },
-                [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
-        };
         switch (kind_of(n.op)) {
             case OperationKind::given:
-                return rounded(i, with<OperationKind::given>(n.op, [&]<TapeOp op>() -> Number {
-                                   return Operation<op>::template exact<DeepExact>(n);
-                               }));
-            case OperationKind::rounded: return rounded(i, with<OperationKind::rounded>(n.op, exactly));
-            case OperationKind::exact: return with<OperationKind::exact>(n.op, exactly);
-            case OperationKind::moved: return moved(i);
+            case OperationKind::rounded: {
+                const Number exact = without_rounding(n);
+                return as.rounds_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
+            }
+            case OperationKind::exact: return without_rounding(n);
+            case OperationKind::moved: return as.rounds_(i) ? moved(i) : value(n.operands[0]);
             case OperationKind::sign: {
                 const Number size = abs(value(n.operands[0]));
-                return signbit(value(n.operands[1])) != 0 ? Number(-size) : size;
+                return signbit(as.value(n.operands[1])) != 0 ? Number(-size) : size;
             }
-            case OperationKind::choice: return value(side_taken(n, Judge{*this, n}));
+            case OperationKind::choice: return value(side_taken(n, Judge{as, n}));
             case OperationKind::comparison:
-            case OperationKind::logic: break;
+            case OperationKind::logic: return Number(holds(n.op, Judge{as, n}) ? 1 : 0);
         }
         return {};
     }
-    Number rounded(NodeId i, const Number& x) const {
-        return rounds_(i) ? Number(DeepExact::round_to(x, tape_.format_of(i))) : x;
+    [[nodiscard]] Number without_rounding(const TapeNode& n) const {
+        return blame::without_rounding<DeepExact>(n,
+                                                  [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
     }
     /// Of what is no number of its format, that of the nearest.
-    Number moved(NodeId i) const {
+    [[nodiscard]] Number moved(NodeId i) const {
         const TapeNode& n = tape_[i];
         const Number& x = value(n.operands[0]);
-        if (!rounds_(i)) return x;
         if (n.op == TapeOp::convert) return Number(DeepExact::round_to(x, tape_.format_of(i)));
         return Number(result_of(n.op, {DeepExact::round_to(x, tape_.format_of(n.operands[0]))}, tape_.format_of(i)));
     }
@@ -88,10 +100,9 @@ Rerun::Rerun(const Tape& tape, const std::function<bool(NodeId)>& rounds) {
 }
 
 Counterfactuals counterfactuals(const Tape& tape, NodeId operation) {
-    const Run exact(tape, [](NodeId) { return false; });
-    const Run mended(tape, [operation](NodeId i) { return i != operation; });
-    const Run alone(tape, [operation](NodeId i) { return i == operation; });
-    return {difference(tape, mended, exact), difference(tape, alone, exact)};
+    const Run computed(tape), exact(tape, [](NodeId) { return false; });
+    return {difference(tape, Run(computed, exact, operation), exact),
+            difference(tape, Run(exact, computed, operation), exact)};
 }
 
 }  // namespace lostbits::measure::blame

@@ -25,8 +25,8 @@ struct Counterfactual {
 };
 
 struct Counterfactuals {
-    Counterfactual mended;  ///< this operation alone is not rounded
-    Counterfactual alone;   ///< this operation alone is
+    Counterfactual mended;  ///< this operation alone is not rounded; a choice: it alone chooses as exact values do
+    Counterfactual alone;   ///< this operation alone is rounded; a choice: it alone chooses as the format did
 };
 
 Counterfactuals counterfactuals(const Tape& tape, NodeId operation);

@@ -7,7 +7,6 @@
 #include <iterator>
 
 #include "measure/bits/log2.hpp"
-#include "measure/blame/rerun.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "measure/metric/own_bound.hpp"
 #include "measure/metric/published_bounds.hpp"
@@ -69,16 +68,13 @@ double least_field(const Sample& s) { return s.march ? s.march->least : missing;
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
 double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
 
-/// What one of two runs has for an error of t, in ulps; of a culprit of t alone.
-double counterfactual(const Sample& s, blame::Counterfactual blame::Counterfactuals::*run) {
-    if (!s.blame || !s.blame->attribution || s.blame->attribution->culprit == no_node) return missing;
-    const Tape& tape = *s.blame->tape;
-    if (s.blame->attribution->subject != tape.outputs.t) return missing;
-    const blame::Counterfactual c = blame::counterfactuals(tape, s.blame->attribution->culprit).*run;
+double in_blamed_ulps(const Sample& s, const blame::Counterfactual& c) {
     return c.hit ? c.error / s.blame->ulp : missing;
 }
-double without_culprit(const Sample& s) { return counterfactual(s, &blame::Counterfactuals::mended); }
-double culprit_alone(const Sample& s) { return counterfactual(s, &blame::Counterfactuals::alone); }
+double without_culprit(const Sample& s) {
+    return s.culprit_alone ? in_blamed_ulps(s, s.culprit_alone->mended) : missing;
+}
+double culprit_alone(const Sample& s) { return s.culprit_alone ? in_blamed_ulps(s, s.culprit_alone->alone) : missing; }
 
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
@@ -270,7 +266,7 @@ constexpr Metric table[] = {
      .unit = "ulp",
      .layer = "culprit.without",
      .meaning = "what rounding makes of t if the culprit alone does not round, in ulps of t without rounding",
-     .needs = needs_attribution,
+     .needs = needs_attribution | needs_counterfactuals,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = without_culprit},
@@ -278,7 +274,7 @@ constexpr Metric table[] = {
      .unit = "ulp",
      .layer = "culprit.alone",
      .meaning = "what rounding makes of t if the culprit alone rounds, in ulps of t without rounding",
-     .needs = needs_attribution,
+     .needs = needs_attribution | needs_counterfactuals,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = culprit_alone},
