@@ -60,7 +60,7 @@ TEST_CASE("operations that contribute the same are named, with what they come to
     CHECK(
         has(cancel["sentence"],
             "; (o − centre)·(o − centre), from which it is computed, contributes the same with the opposite sign. The "
-            "two undo each other: the error of 742 ulp is made by the others, the largest of them 2830 ulp by a."));
+            "two undo each other: the error of 742 ulp is assigned to the others, the most, 2830 ulp, to a."));
 
     const auto add = nlohmann::json::parse(run(oblique + "100,100 -i sphere.pbrt_interval --json").out);
     REQUIRE(add["equals"].size() == 1);

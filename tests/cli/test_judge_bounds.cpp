@@ -1,5 +1,6 @@
 // `lostbits judge` on single rays where a bound underflowed, and where two numbers lie almost all of a format apart.
 #include <filesystem>
+#include <regex>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -44,6 +45,28 @@ TEST_CASE("a bound whose products underflow is not below the error, and proves n
     REQUIRE(false_hit.size() == 1);
     CHECK(false_hit[0].at("outcome") == "false_hit");
     CHECK(false_hit[0].at("decision") == "undecided");
+}
+
+TEST_CASE("rays that part the slabs of a box far stay within what docs/bounds.md says of all floats") {
+    // Before a search looked, the page said 3 u, the largest that random rays of short numbers had shown.
+    static const std::regex said(R"(\*\*no ray in float needs more than\s+([0-9.]+) u)");
+    const std::string page = contents(std::filesystem::path(LOSTBITS_REPORTS_DIR).parent_path() / "docs/bounds.md");
+    std::smatch bound;
+    REQUIRE(std::regex_search(page, bound, said));
+    const auto needed = [](const std::string& ray) {
+        const auto rows = judged("ox,oy,oz,dx,dy,dz,lox,loy,loz,hix,hiy,hiz\n" + ray,
+                                 "--format f32 -i box.filtered --metric padding", "box.filtered.f32");
+        return rows.size() == 1 ? number_in(rows[0].at("padding")) : 0;
+    };
+    const double four = needed(
+        "-1.0255415439605713,-1.0519620180130005,0,1.0433335304260254,1.0091681480407715,0,"
+        "0.017799438908696175,-3,-1,3,-0.04278666153550148,1\n");
+    const double more =
+        needed("-0x1.5fcce4p-1,-0x1.1024b2p-1,0,0x1.ff8cb0p+0,0x1.fb3088p+0,0,-8,0x1.0642ccp-1,-1,0x1.76654cp-2,8,1\n");
+    CHECK(four == Approx(3.99997).epsilon(1e-5));
+    CHECK(more == Approx(5.69).epsilon(1e-3));
+    CHECK(four <= number_in(bound[1].str()));
+    CHECK(more <= number_in(bound[1].str()));
 }
 
 TEST_CASE("the steps between numbers of either sign fill 64 bits, and herbie_bits counts them") {

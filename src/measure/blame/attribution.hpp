@@ -1,4 +1,8 @@
 // Which operation lost the bits: the error of an answer shared out among the operations of its tape.
+//
+// An operation is assigned its own rounding error times the adjoint of the recorded path (Linnainmaa 1976, here with
+// difference quotients). That is a rule, not a cause: Herbgrind (2018) blames by local error instead, the values of
+// Shapley and of Aumann and Shapley share out without one path, and what one operation does by itself is in rerun.hpp.
 #pragma once
 
 #include <string>

@@ -104,11 +104,6 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     return labels;
 }
 
-std::optional<Counterfactuals> Blame::counterfactuals() const {
-    if (!attribution || attribution->culprit == no_node || attribution->subject != tape->outputs.t) return std::nullopt;
-    return blame::counterfactuals(*tape, attribution->culprit);
-}
-
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
     return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
 }
@@ -166,10 +161,12 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
     form_.record(format_, ray, target, tmax, tape_);
     if (answer) take_root(tape_, *answer);
     attribution_ = attribute(tape_);
-    Blame blame{missing, &tape_, &attribution_, missing};
+    Blame blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
     if (subject == no_node) return blame;
     blame.ulp = ulp_at(attribution_.of[static_cast<std::size_t>(subject)].exact, format_.shape);
+    if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
+        blame.culprit_alone = counterfactuals(tape_, attribution_.culprit);
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
     if (attribution_.culprit == no_node) {
         blame.culprit = 0;

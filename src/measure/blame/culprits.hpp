@@ -21,10 +21,8 @@ struct Blame {
     double culprit = 0;  ///< its place in the categories of the run; NaN where there is none to name
     const Tape* tape = nullptr;
     const Attribution* attribution = nullptr;
-    double ulp = 0;  ///< of the format at the exact value of the subject
-
-    /// Of a culprit of t; none where the subject is a decision, or nothing is to blame.
-    [[nodiscard]] std::optional<Counterfactuals> counterfactuals() const;
+    double ulp = 0;                                     ///< of the format at the exact value of the subject
+    std::optional<Counterfactuals> culprit_alone = {};  ///< of a culprit of t, where they are asked for
 };
 
 /// The solids and constants that the forms of a run are given; a view.
@@ -74,8 +72,8 @@ class Blamer {
 public:
     /// `categories` are those of the run's `culprit`; empty where it is not asked for.
     Blamer(const intersect::table::Intersector& form, const Format& format,
-           std::span<const std::string_view> categories)
-        : form_(form), format_(format), categories_(categories) {}
+           std::span<const std::string_view> categories, bool with_counterfactuals = false)
+        : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
     /// `answer`: what was taken of the form's roots, where the ray has a range.
     Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax,
@@ -88,6 +86,7 @@ private:
     const intersect::table::Intersector& form_;
     const Format& format_;
     std::span<const std::string_view> categories_;
+    bool with_counterfactuals_;
     Tape tape_;
     Attribution attribution_;
     std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;

@@ -46,7 +46,7 @@ public:
           result_(result),
           truth_(truth),
           needs_(needs_of(metrics_) & needs_met_by(*row_.form)),
-          blamer_(*row_.form, row_.format, culprits_of(metrics_)),
+          blamer_(*row_.form, row_.format, culprits_of(metrics_), (needs_ & metric::needs_counterfactuals) != 0),
           measured_(room.measured),
           own_ulps_(room.own_ulps) {}
 
@@ -66,8 +66,7 @@ private:
 
     /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
     static unsigned needs_met_by(const intersect::table::Intersector& form) {
-        return ~((form.ball ? 0U : metric::needs_self) |
-                 (form.record ? 0U : metric::needs_attribution | metric::needs_counterfactuals) |
+        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
                  (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way));
     }
 
@@ -201,7 +200,6 @@ private:
         if (self) sample.self = &*self;
         const Blame blame = blame_of(i, result_.answers->object[i]);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
-        if (needs_ & metric::needs_counterfactuals) sample.culprit_alone = blame.counterfactuals();
         const OwnWords own_words(row_, needs_ & ~unsigned{metric::needs_way}, in, ray, i, asked_of(i));
         own_words.into(sample);
         take(i, sample, which);

@@ -72,9 +72,11 @@ double in_blamed_ulps(const Sample& s, const blame::Counterfactual& c) {
     return c.hit ? c.error / s.blame->ulp : missing;
 }
 double without_culprit(const Sample& s) {
-    return s.culprit_alone ? in_blamed_ulps(s, s.culprit_alone->mended) : missing;
+    return s.blame && s.blame->culprit_alone ? in_blamed_ulps(s, s.blame->culprit_alone->mended) : missing;
 }
-double culprit_alone(const Sample& s) { return s.culprit_alone ? in_blamed_ulps(s, s.culprit_alone->alone) : missing; }
+double culprit_alone(const Sample& s) {
+    return s.blame && s.blame->culprit_alone ? in_blamed_ulps(s, s.blame->culprit_alone->alone) : missing;
+}
 
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
@@ -256,8 +258,7 @@ constexpr Metric table[] = {
      .value = cancelled},
     {.name = "culprit",
      .layer = "culprit.operation",
-     .meaning =
-         "the operation whose rounding contributes most to the error of t, or to a decision that rounding changed",
+     .meaning = "the operation to which most of the error of t, or of a decision that rounding changed, is assigned",
      .needs = needs_attribution,
      .ramp = Ramp::categories,
      .value = culprit,
@@ -266,7 +267,7 @@ constexpr Metric table[] = {
      .unit = "ulp",
      .layer = "culprit.without",
      .meaning = "what rounding makes of t if the culprit alone does not round, in ulps of t without rounding",
-     .needs = needs_attribution | needs_counterfactuals,
+     .needs = needs_tape,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = without_culprit},
@@ -274,7 +275,7 @@ constexpr Metric table[] = {
      .unit = "ulp",
      .layer = "culprit.alone",
      .meaning = "what rounding makes of t if the culprit alone rounds, in ulps of t without rounding",
-     .needs = needs_attribution | needs_counterfactuals,
+     .needs = needs_tape,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = culprit_alone},

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -29,14 +28,13 @@ struct Sample {
     double condition = truth::missing;        ///< κ of the problem at its ideal inputs
     /// How far half an ulp in each input can move t*; of a κ that says all bits are lost so, else NaN
     double reach = truth::missing;
-    const Ray<double>* ray = nullptr;                          ///< the inputs as the form received them
-    const Solid<double>* solid = nullptr;                      ///< the solid that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;             ///< null for the forms that do not march
-    const blame::Blame* blame = nullptr;                       ///< which operation lost the bits
-    std::optional<blame::Counterfactuals> culprit_alone = {};  ///< two runs of its tape
-    const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
-    const intersect::Way* way = nullptr;  ///< the arithmetic that settled it, of a form that filters
-    std::string_view label = {};          ///< of the metric that is being measured
+    const Ray<double>* ray = nullptr;                   ///< the inputs as the form received them
+    const Solid<double>* solid = nullptr;               ///< the solid that the form hit, as it received it
+    const intersect::MarchRecord* march = nullptr;      ///< null for the forms that do not march
+    const blame::Blame* blame = nullptr;                ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
+    const intersect::Way* way = nullptr;                ///< the arithmetic that settled it, of a form that filters
+    std::string_view label = {};                        ///< of the metric that is being measured
 };
 
 /// What must be computed before a metric can be.
@@ -49,7 +47,8 @@ enum Needs : unsigned {
     needs_attribution = 16,
     needs_bound = 32,  ///< of a format that is the machine's own
     needs_way = 64,
-    needs_counterfactuals = 128  ///< and an attribution, which says of which operation
+    needs_counterfactuals = 128,
+    needs_tape = needs_attribution | needs_counterfactuals
 };
 
 /// lost: from 0 to `high`, spaced by roots, so that the first bits show; kept: linear from 0 to `high`; magnitude:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "measure/blame/ties.hpp"
@@ -104,7 +105,7 @@ std::string rest_text(const Explanation& x, const OperationWords& words) {
     const auto others = largest_contributions(x.tape, a, least);
     const std::string left = short_number(std::fabs(a.error / words.ulp()));
     if (others.empty()) return fmt::format("{}, and an error of {} ulp is left", undo, left);
-    return fmt::format("{}: the error of {} ulp is made by the others, the largest of them {} ulp by {}", undo, left,
+    return fmt::format("{}: the error of {} ulp is assigned to the others, the most, {} ulp, to {}", undo, left,
                        short_number(std::fabs(words.contribution(others.front()))),
                        words.text().operand(others.front()));
 }
@@ -153,10 +154,13 @@ std::string counterfactual_sentence(const Explanation& x) {
         return fmt::format("With {0} alone exact the form {1}{2}; with {0} alone rounded it {3}.", what,
                            mended.hit == x.hit ? "still " : "", decides(mended.hit), decides(alone.hit));
     }
-    const auto off = [&](const measure::blame::Counterfactual& c) {
-        return c.hit ? fmt::format("{} ulp off", short_number(std::fabs(c.error / words.ulp()))) : "a miss";
+    const auto off = [&](std::string_view what, const measure::blame::Counterfactual& c) {
+        if (!c.hit) return std::string("the form misses");
+        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", what, std::fabs(c.error / words.ulp()))
+                                      : "t is not finite";
     };
-    return fmt::format("With {0} alone exact t is {1}; with {0} alone rounded, {2}.", what, off(mended), off(alone));
+    return fmt::format("With {0} alone exact, {1}; with {0} alone rounded, {2}.", what, off("rounding", mended),
+                       off("it", alone));
 }
 
 }  // namespace lostbits::output::blame

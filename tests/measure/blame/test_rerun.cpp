@@ -1,6 +1,8 @@
 // A tape run again: where everything rounds it is the tape, where nothing does it is exact.
 #include "measure/blame/rerun.hpp"
 
+#include <cmath>
+
 #include "catch.hpp"
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/recorded_rays.hpp"
@@ -55,6 +57,47 @@ TEST_CASE("a tape run again without rounding has the exact values of the attribu
             REQUIRE(same_number(again[i], found.of[static_cast<std::size_t>(i)].exact));
         }
     });
+}
+
+TEST_CASE("the counterfactuals of every operation are those of whole runs", "[attribution]") {
+    const auto near = [](double x, double y, double size) {
+        return same_number(x, y) || std::fabs(x - y) <= 0x1p-51 * size;
+    };
+    std::size_t hits = 0;
+    on_every_form([&](const Tape& tape) {
+        const auto [hit, t, near_root, far_root] = tape.outputs;
+        const Rerun exact(tape, [](NodeId) { return false; });
+        for (NodeId i = 0; i < tape.size(); i += 1 + tape.size() / 16) {
+            const OperationKind kind = kind_of(tape[i].op);
+            if (kind == OperationKind::sign || kind == OperationKind::choice || is_decision(tape[i].op)) continue;
+            const auto found = measure::blame::counterfactuals(tape, i);
+            const Rerun mended(tape, [i](NodeId k) { return k != i; }), alone(tape, [i](NodeId k) { return k == i; });
+            REQUIRE(found.mended.hit == (mended[hit] != 0));
+            REQUIRE(found.alone.hit == (alone[hit] != 0));
+            const auto size = [&](double x) { return std::fmax(std::fabs(x), std::fabs(exact[t])); };
+            REQUIRE(near(found.mended.error, mended[t] - exact[t], size(mended[t])));
+            REQUIRE(near(found.alone.error, alone[t] - exact[t], size(alone[t])));
+            hits += found.mended.hit && found.alone.hit;
+        }
+    });
+    CHECK(hits > 1000);
+}
+
+TEST_CASE("a choice that rounding turned is mended by the side that exact values choose", "[attribution]") {
+    // 1 + 2^-24 rounds to 1, so that it seems to be no more than 1.
+    Tape tape;
+    const auto input = [&tape](double x) { return tape.add_input(binary32, x); };
+    const NodeId one = input(1), small = input(0x1p-24), two = input(2), five = input(5);
+    const NodeId sum = tape.add(TapeOp::add, binary32, 1, {one, small});
+    const NodeId is_less = tape.add(TapeOp::less_equal, binary32, 1, {sum, one});
+    const NodeId t = tape.add(TapeOp::select, binary32, 2, {is_less, two, five});
+    tape.outputs = {no_node, t, t, t};
+    REQUIRE(measure::blame::attribute(tape, t).culprit == t);
+    for (const NodeId operation : {t, sum}) {
+        const auto found = measure::blame::counterfactuals(tape, operation);
+        CHECK(found.mended.error == 0);
+        CHECK(found.alone.error == -3);
+    }
 }
 
 TEST_CASE("of a sum of two roundings each counterfactual has the other one", "[attribution]") {

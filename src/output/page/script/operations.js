@@ -147,7 +147,7 @@ async function showOperations(element, map, row, x, y) {
         make(
             "p", { className: "hint" },
             "own: its rounding, in ulps of its own result. " +
-                "of t: what that rounding adds to the error of t. " +
+                "of t: how much of the error of t is assigned to that rounding. " +
                 "local: bits that the operation alone loses on exact operands. " +
                 "Only operations on the way to t are shown, without those that are exact."));
     element.dataset.pixel = `${x},${y}`;

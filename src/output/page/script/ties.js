@@ -87,6 +87,6 @@ function restText({ tape, walk }, ulp) {
     const least = Math.min(...[culprit, ...equals].map((i) => Math.abs(walk.at(i).contribution))),
           [other] = largestContributions(walk, least), left = brief(Math.abs(walk.error / ulp));
     if (other === undefined) return `${undo}, and an error of ${left} ulp is left`;
-    return `${undo}: the error of ${left} ulp is made by the others, the largest of them ${
-        brief(Math.abs(walk.at(other).contribution / ulp))} ulp by ${tape.operands[other]}`;
+    return `${undo}: the error of ${left} ulp is assigned to the others, the most, ${
+        brief(Math.abs(walk.at(other).contribution / ulp))} ulp, to ${tape.operands[other]}`;
 }
