@@ -49,16 +49,28 @@ std::string shortened(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
-/// Wrong decisions as shares of all pixels, the most frequent first.
+constexpr std::size_t two_lines = 50;  ///< letters below a cell of a sheet
+
+/// Wrong decisions as shares of all pixels, the most frequent first: by name all that two lines hold, else two of them,
+/// and the rest as one: `1.2% double hit, 1.0% crack, 0.3% other`.
 std::string faults_of(const MapSummary& s) {
     auto order = measure::map::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
+    const auto share = [&s](std::uint64_t n, std::string_view what) {
+        return fmt::format("{} {}", percent(n, s.rays), what);
+    };
     std::vector<std::string> faults;
+    std::uint64_t less_frequent = 0;  // than the first two
     for (const Outcome o : order) {
-        if (const auto n = s.count(o))
-            faults.push_back(percent(n, s.rays) + " " + (o == Outcome::not_a_number ? "NaN" : plain_name(o)));
+        const std::uint64_t n = s.count(o);
+        if (n == 0) continue;
+        if (faults.size() >= 2) less_frequent += n;
+        faults.push_back(share(n, o == Outcome::not_a_number ? "NaN" : plain_name(o)));
     }
-    return fmt::format("{}", fmt::join(faults, ", "));
+    std::string text = fmt::format("{}", fmt::join(faults, ", "));
+    if (faults.size() > 2 && text.size() > two_lines)
+        text = fmt::format("{}, {}, {}", faults[0], faults[1], share(less_frequent, "other"));
+    return text;
 }
 
 /// `22.7 of 53 lost, 30 kept`
