@@ -22,6 +22,7 @@
 
 namespace lostbits::measure::answer {
 
+using culling::SphereIndex;
 using intersect::Target;
 using intersect::simd::SolidArrays;
 using intersect::table::HitBatch;
@@ -29,7 +30,6 @@ using intersect::table::Intersector;
 using intersect::table::RayBatch;
 using scene::rays::RayBlock;
 using truth::FormatInputs;
-using truth::SphereIndex;
 
 namespace {
 

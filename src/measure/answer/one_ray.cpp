@@ -36,7 +36,7 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit
 }
 
 void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit) {
-    culler_ = std::make_unique<truth::Culler>(scene, one[0]);
+    culler_ = std::make_unique<culling::Culler>(scene, one[0]);
     band_ = std::make_unique<Band>(scene, std::move(one), *culler_, limit);
 }
 

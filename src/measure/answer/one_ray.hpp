@@ -57,7 +57,7 @@ private:
     /// Of a scene with shared inputs.
     void ask_among(const scene::file::Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit);
 
-    std::unique_ptr<truth::Culler> culler_;
+    std::unique_ptr<culling::Culler> culler_;
     std::unique_ptr<truth::Band> band_;
     std::size_t index_ = 0;
     std::optional<intersect::Touching> judged_;

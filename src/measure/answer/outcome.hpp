@@ -11,8 +11,8 @@
 namespace lostbits::measure::answer {
 
 /// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN; `wrong_object` is a hit
-/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit` and `wrong_neighbour` are of
-/// meshes alone, and the last of them is no error. Files number outcomes: new ones stand last.
+/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit` and `wrong_neighbour` are
+/// of meshes alone, and the last of them is no error. Files number outcomes: new ones stand last.
 enum class Outcome : std::uint8_t {
     agree_hit,
     agree_miss,

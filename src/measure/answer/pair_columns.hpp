@@ -19,7 +19,7 @@ class PairColumns {
 public:
     PairColumns(const scene::rays::RayBlock& rays, const truth::FormatInputs& in, std::size_t begin, std::size_t end)
         : in_(in), open_(rays.open) {
-        const truth::CandidateLists& candidates = *in.candidates;
+        const culling::CandidateLists& candidates = *in.candidates;
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
                 pairs_.push_back({candidates.solid(k), static_cast<std::uint32_t>(k), i});

@@ -138,14 +138,14 @@ std::optional<Found> look_at_scene(const ChoiceRequest& request, const map::MapR
     const auto there = stretched(thin, way, factor);
     if (!there) return std::nullopt;
     const Scene& scene = there->scene;
-    truth::Culler culler(scene);
+    culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
     const Worth worth = worth_on(band, row, request.wish);
     request.progress(band.pixels());
     if (scene.inputs == scene::file::Inputs::own) return Found{there->value, worth, true};
     Scene ideal = scene;
     ideal.inputs = scene::file::Inputs::own;
-    truth::Culler ideal_culler(ideal);
+    culling::Culler ideal_culler(ideal);
     const truth::Band meant(ideal, 0, ideal.height, request.limit, &ideal_culler);
     return Found{there->value, worth, is_as_meant(band, meant)};
 }

@@ -44,7 +44,7 @@ Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::T
 
 std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row) {
     const scene::file::Scene small = map::small_picture_of(scene, 64);
-    truth::Culler culler(small);
+    culling::Culler culler(small);
     std::vector<Judged> rays;
     judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
     return suspicion(rays);

@@ -206,7 +206,7 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
 
     const auto formats = needs_by_format(request.rows, request.metrics);
-    truth::Culler culler(scene);
+    culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
         if (request.stages) *request.stages += band.stages();

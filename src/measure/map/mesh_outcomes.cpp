@@ -42,7 +42,7 @@ private:
     /// Whether the form claims any of the candidates of which `wanted(solid)`.
     template <class Wanted>
     [[nodiscard]] bool claims(const Wanted& wanted) const {
-        const truth::CandidateLists& candidates = *of_.inputs.candidates;
+        const culling::CandidateLists& candidates = *of_.inputs.candidates;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
             if (of_.answers.claimed[pair] != 0 && wanted(static_cast<std::int32_t>(candidates.solid(pair))))
                 return true;
@@ -70,7 +70,7 @@ private:
     /// Whether one of the two numbers is odd: of triangles of the mesh that the form claims, and of those that the ray
     /// truly crosses, of which several at one t count once.
     [[nodiscard]] bool counts_otherwise() const {
-        const truth::CandidateLists& candidates = *of_.inputs.candidates;
+        const culling::CandidateLists& candidates = *of_.inputs.candidates;
         std::size_t claimed = 0;
         std::vector<truth::Certified> crossings;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {

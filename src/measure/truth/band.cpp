@@ -5,9 +5,7 @@
 #include <cmath>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/truth/enclose.hpp"
-#include "measure/truth/missing.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "scene/file/march_table.hpp"
@@ -52,12 +50,7 @@ RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::
 
 }  // namespace
 
-template <class Function>
-auto Band::with_ray(std::size_t i, Function&& function) const {
-    return ideal_ ? function((*ideal_)[i], ideal_solids_) : function(shared_[i], shared_solids_);
-}
-
-Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, Culler* culler)
+Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, culling::Culler* culler)
     : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
@@ -102,7 +95,7 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit)
     find_truth_of_all();
 }
 
-Band::Band(const scene::file::Scene& scene, RayBlock one, Culler& culler, TruthLimit limit)
+Band::Band(const scene::file::Scene& scene, RayBlock one, culling::Culler& culler, TruthLimit limit)
     : culler_(&culler),
       rows_(1),
       limit_(limit),
@@ -126,7 +119,7 @@ constexpr Convention other_conventions[] = {
 
 /// Which solids a ray is asked about: those that an index finds, all, or the one that it is paired with.
 struct Candidates {
-    const SolidIndex* index = nullptr;
+    const culling::SolidIndex* index = nullptr;
     bool paired = false;
 };
 
@@ -134,7 +127,7 @@ struct Candidates {
 template <class S>
 Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
                  Convention convention, const Range<double>& range) {
-    const SolidIndex* const index = among.index;
+    const culling::SolidIndex* const index = among.index;
     if (among.paired) {
         Truth truth = find_truth(ray, solids[i], limit, convention, range);
         if (truth.object >= 0) truth.object = static_cast<int>(i);
@@ -176,7 +169,7 @@ Truth Band::truth_of_solid(std::size_t i, std::size_t solid, Convention conventi
 }
 
 void Band::find_truth_of_all() {
-    const SolidIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    const culling::SolidIndex* const index = culler_ ? culler_->for_truth() : nullptr;
     stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index, paired_}, limit_, truths_)
                      : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index, paired_}, limit_, truths_);
     for (const auto& [i, closed] : truths_.whole) {
@@ -209,58 +202,15 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     if (ranged) return true;  // the ray begins elsewhere
     if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;
     const auto solids = shared_solids_.listed();
-    return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids,
-                               [ray = shared_[i]](const Solid<double>& solid) { return may_start_in(ray, solid); });
+    return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids, [ray = shared_[i]](const Solid<double>& solid) {
+        return culling::may_start_in(ray, solid);
+    });
 }
 
 Truth Band::truth(std::size_t i, Convention convention) const {
     if (convention.is_special() && asks_anew(i, convention)) return find_truth_of(i, convention);
     const Apart* const apart = find_apart(i, convention);
     return apart ? apart->truth : truths_[i];
-}
-
-void Band::find_condition() {
-    condition_.resize(pixels());
-    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            limit_.stop.check();
-            condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {});
-        }
-    });
-    for (auto& [key, apart] : apart_)
-        apart.condition = condition_of(key / 4, apart.truth.decision, apart.truth.object,
-                                       key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
-}
-
-double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
-    if (decision != Truth::Decision::hit) return missing;
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto solid = solids[static_cast<std::size_t>(object)];
-        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape), range(i));
-    });
-}
-
-double Band::condition(std::size_t i, Convention convention) const {
-    if (convention.is_special() && asks_anew(i, convention)) {
-        const Truth truth = find_truth_of(i, convention);
-        return condition_of(i, truth.decision, truth.object, convention);
-    }
-    const Apart* const apart = find_apart(i, convention);
-    return apart ? apart->condition : condition_[i];
-}
-
-double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const Format& format) const {
-    const int precision = format.shape.precision;
-    const double kappa = condition(i, convention);
-    if (!(inherent_bits(kappa, precision) >= precision)) return missing;
-    const Truth found = truth(i, convention);
-    const double t = std::ldexp(found.t.hi, static_cast<int>(found.t.exponent));
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto& [x, y, z] = std::array{double(ray.direction.x), double(ray.direction.y), double(ray.direction.z)};
-        const double unit = unit_of == intersect::Direction::unit ? std::hypot(x, y, z) : 1;
-        return unit * lostbits::measure::truth::reach(ray, solids[static_cast<std::size_t>(found.object)], t, kappa,
-                                                      precision);
-    });
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
@@ -284,8 +234,8 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
     if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape, limit_.stop);
     if (const auto index = culler_ ? culler_->for_forms(shape, in.solids) : nullptr) {
-        in.index = std::dynamic_pointer_cast<const SphereIndex>(index);
-        if (!in.index) in.candidates = std::make_shared<CandidateLists>(*index, in.rays);
+        in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
+        if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;

@@ -20,7 +20,7 @@ class Band {
 public:
     /// Finds the truth of every pixel, in parallel over the pixels. `culler`, of the same scene, spares the solids that
     /// cannot matter; it outlives the band.
-    Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit = {}, Culler* culler = nullptr);
+    Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit = {}, culling::Culler* culler = nullptr);
     /// Rays that are already stored numbers, with their solids: what a step of a sweep evaluates.
     Band(scene::rays::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {})
         : Band(scene::rays::RayGroup{std::move(rays), std::move(solids)}, limit) {}
@@ -31,7 +31,7 @@ public:
     Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit = {});
     /// One ray, which is a stored number, among the solids of a scene with shared inputs, which `culler` is of; it
     /// outlives the band.
-    Band(const scene::file::Scene& scene, scene::rays::RayBlock one, Culler& culler, TruthLimit limit = {});
+    Band(const scene::file::Scene& scene, scene::rays::RayBlock one, culling::Culler& culler, TruthLimit limit = {});
     /// The range of ray i, as it was given.
     [[nodiscard]] Range<double> range(std::size_t i) const { return ideal_ ? ideal_->range(i) : shared_.range(i); }
     /// Finds κ of every hit, in parallel.
@@ -81,7 +81,7 @@ private:
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
                                       intersect::Convention convention) const;
 
-    Culler* culler_ = nullptr;
+    culling::Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
@@ -100,7 +100,9 @@ private:
     /// Where the convention makes a difference on ray i; else null.
     [[nodiscard]] const Apart* find_apart(std::size_t i, intersect::Convention convention) const;
     template <class Function>
-    auto with_ray(std::size_t i, Function&& function) const;
+    auto with_ray(std::size_t i, Function&& function) const {
+        return ideal_ ? function((*ideal_)[i], ideal_solids_) : function(shared_[i], shared_solids_);
+    }
 
     RayTruths truths_;
     StageCounts stages_;

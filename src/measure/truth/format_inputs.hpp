@@ -8,7 +8,7 @@
 
 #include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
-#include "measure/truth/culling.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -27,11 +27,13 @@ struct FormatInputs {
     RayTruths own_truth = {};
     /// The same where an origin on a sphere does not count, for the rays on which that matters.
     std::unordered_map<std::size_t, Truth> own_past_origin = {};
-    bool ideal = false;                             ///< the inputs are exactly those of the truth
-    bool paired = false;                            ///< ray i is aimed at solid i alone
-    std::shared_ptr<const SphereIndex> index = {};  ///< of spheres: which of them forms are asked about; null: all
-    std::shared_ptr<const CandidateLists> candidates = {};  ///< the same of other shapes, ray by ray; null: all
-    intersect::process::StopToken stop = {};                ///< of the band, for whoever asks forms about them
+    bool ideal = false;   ///< the inputs are exactly those of the truth
+    bool paired = false;  ///< ray i is aimed at solid i alone
+    std::shared_ptr<const culling::SphereIndex> index =
+        {};  ///< of spheres: which of them forms are asked about; null: all
+    std::shared_ptr<const culling::CandidateLists> candidates =
+        {};                                   ///< the same of other shapes, ray by ray; null: all
+    intersect::process::StopToken stop = {};  ///< of the band, for whoever asks forms about them
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "measure/truth/culling.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -104,8 +104,8 @@ template <class S>
 struct RaysAndSolids {
     const scene::rays::BasicRayBlock<S>& rays;
     const scene::rays::SolidList<S>& solids;
-    const SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
-    bool paired = false;                ///< ray i can meet solid i alone; all are of one shape
+    const culling::SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every solid
+    bool paired = false;                         ///< ray i can meet solid i alone; all are of one shape
 };
 
 /// The truth of every ray among its solids, in parallel: the same decisions, hi and lo as by `find_truth`. How many

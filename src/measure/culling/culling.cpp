@@ -1,11 +1,11 @@
-#include "measure/truth/culling.hpp"
+#include "measure/culling/culling.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "measure/truth/box_tree.hpp"
+#include "measure/culling/box_tree.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 using scene::rays::SolidList;
 
@@ -233,4 +233,4 @@ bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
     return visit(solid, [&ray](const auto& shape) { return shape.may_hold(ray.origin); });
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

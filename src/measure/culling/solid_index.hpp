@@ -8,7 +8,7 @@
 #include "geometry/ray.hpp"
 #include "scene/rays/rays.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 /// Candidates among many solids for rays within stated bounds: supersets, never missing one that the line of the ray
 /// meets at t ≥ 0.
@@ -39,4 +39,4 @@ private:
     std::vector<std::uint32_t> solids_;
 };
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

@@ -1,11 +1,11 @@
-#include "measure/truth/solid_index.hpp"
+#include "measure/culling/solid_index.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include "intersect/process/parallel.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 CandidateLists::CandidateLists(const SolidIndex& index, const scene::rays::RayBlock& rays) {
     constexpr std::size_t together = 1024;
@@ -25,4 +25,4 @@ CandidateLists::CandidateLists(const SolidIndex& index, const scene::rays::RayBl
     for (const auto& part : solids) solids_.insert(solids_.end(), part.begin(), part.end());
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

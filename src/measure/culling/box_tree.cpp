@@ -1,11 +1,11 @@
-#include "measure/truth/box_tree.hpp"
+#include "measure/culling/box_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 using scene::rays::SolidList;
 
@@ -29,7 +29,7 @@ std::optional<std::array<float, 6>> box_of(const Solid<double>& solid) {
             for (int i = 0; i < 3; ++i)
                 lo[i] = std::min(lo[i], solid.point(k)[i]), hi[i] = std::max(hi[i], solid.point(k)[i]);
     } else {
-        const Sphere<double> ball = ball_around(solid);
+        const auto ball = ball_around(solid);
         const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
         lo = ball.centre - Vec<double>(reach, reach, reach), hi = ball.centre + Vec<double>(reach, reach, reach);
     }
@@ -131,4 +131,4 @@ void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& fou
     std::ranges::sort(found);
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

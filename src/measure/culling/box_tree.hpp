@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "measure/truth/culling.hpp"
-#include "measure/truth/solid_index.hpp"
+#include "measure/culling/culling.hpp"
+#include "measure/culling/solid_index.hpp"
 #include "scene/rays/solid_list.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 /// Every solid lies in the box of its leaf, and every box in that of its parent. Corners are binary32, rounded outward.
 ///
@@ -47,4 +47,4 @@ private:
     double margin_ = 0;
 };
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

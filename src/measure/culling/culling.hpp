@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "measure/truth/solid_index.hpp"
+#include "measure/culling/solid_index.hpp"
 #include "number/format.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/solid_list.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::culling {
 
 /// How large the numbers of a picture are: bounds over all of its rays.
 struct RayBounds {
@@ -121,4 +121,4 @@ private:
 /// Whether a ray may start in the solid or on it.
 bool may_start_in(const Ray<double>& ray, const Solid<double>& solid);
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::culling

@@ -9,7 +9,7 @@
 namespace lostbits::test::test_culling {
 
 using intersect::Touching;
-using measure::truth::SphereIndex;
+using measure::culling::SphereIndex;
 
 namespace {
 
@@ -43,7 +43,7 @@ struct Counts {
 
 /// Every sphere form in some formats with and without the index.
 Counts compare(const scene::file::Scene& scene, std::initializer_list<const char*> formats) {
-    measure::truth::Culler culler(scene);
+    measure::culling::Culler culler(scene);
     const measure::truth::Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
     REQUIRE(culler.for_truth() != nullptr);
     Counts counts;
@@ -123,7 +123,7 @@ TEST_CASE("an index of many spheres changes no answer: of several pages", "[meas
 TEST_CASE("whole blocks hold the candidates, which are the spheres that the line comes near enough to",
           "[measure][culling]") {
     const scene::file::Scene scene = flake_scene(5, "[2.1, 1.3, 1.7]", pinhole + "60");
-    measure::truth::Culler culler(scene);
+    measure::culling::Culler culler(scene);
     const auto& index = dynamic_cast<const SphereIndex&>(*culler.for_truth());
     REQUIRE(index.pages() == 9);
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
@@ -156,7 +156,7 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
 
 TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres",
           "[measure][culling]") {
-    const measure::truth::RayBounds bounds{3, 1, 1};
+    const measure::culling::RayBounds bounds{3, 1, 1};
     std::vector<Solid<double>> solids;
     for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
     const FloatFormat half = find_format("fp16")->shape;

@@ -1,0 +1,55 @@
+#include "intersect/process/parallel.hpp"
+#include "measure/truth/band.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::truth {
+
+using intersect::AtOrigin;
+using intersect::Convention;
+
+void Band::find_condition() {
+    condition_.resize(pixels());
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            limit_.stop.check();
+            condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {});
+        }
+    });
+    for (auto& [key, apart] : apart_)
+        apart.condition = condition_of(key / 4, apart.truth.decision, apart.truth.object,
+                                       key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit);
+}
+
+double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
+    if (decision != Truth::Decision::hit) return missing;
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        const auto solid = solids[static_cast<std::size_t>(object)];
+        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape), range(i));
+    });
+}
+
+double Band::condition(std::size_t i, Convention convention) const {
+    if (convention.is_special() && asks_anew(i, convention)) {
+        const Truth truth = find_truth_of(i, convention);
+        return condition_of(i, truth.decision, truth.object, convention);
+    }
+    const Apart* const apart = find_apart(i, convention);
+    return apart ? apart->condition : condition_[i];
+}
+
+double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const Format& format) const {
+    const int precision = format.shape.precision;
+    const double kappa = condition(i, convention);
+    if (!(inherent_bits(kappa, precision) >= precision)) return missing;
+    const Truth found = truth(i, convention);
+    const double t = std::ldexp(found.t.hi, static_cast<int>(found.t.exponent));
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        const auto& [x, y, z] = std::array{double(ray.direction.x), double(ray.direction.y), double(ray.direction.z)};
+        const double unit = unit_of == intersect::Direction::unit ? std::hypot(x, y, z) : 1;
+        return unit * lostbits::measure::truth::reach(ray, solids[static_cast<std::size_t>(found.object)], t, kappa,
+                                                      precision);
+    });
+}
+
+}  // namespace lostbits::measure::truth
