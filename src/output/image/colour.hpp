@@ -30,9 +30,9 @@ inline constexpr std::array<Rgb8, 10> outcome_colours{{
     {0, 0, 0},        // not_a_number: black
     {95, 46, 225},    // unresolved: violet
     {181, 124, 0},    // wrong_object: gold
-    {210, 0, 60},     // crack: crimson
-    {0, 240, 255},    // double_hit: cyan
-    {0, 75, 60},      // wrong_neighbour: dark green, recedes among the values
+    {200, 0, 65},     // crack: crimson
+    {110, 235, 255},  // double_hit: light cyan
+    {245, 175, 180},  // wrong_neighbour: pale pink
 }};
 
 /// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).

@@ -81,9 +81,10 @@ std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary)
     return entries;
 }
 
-std::vector<LegendEntry> widest_legend(std::uint64_t pixels) {
+std::vector<LegendEntry> widest_legend(std::uint64_t pixels, bool of_mesh) {
     std::vector<LegendEntry> entries;
-    for (std::size_t o = 1; o < image::outcome_colours.size(); ++o) {
+    const std::size_t end = of_mesh ? image::outcome_colours.size() : measure::answer::outcomes_without_mesh;
+    for (std::size_t o = 1; o < end; ++o) {
         entries.push_back(
             {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
     }

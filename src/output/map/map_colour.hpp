@@ -60,8 +60,9 @@ std::string count_text(std::uint64_t count, std::uint64_t total);
 
 /// The legend of a finished row; entries without a pixel are left out.
 std::vector<image::LegendEntry> outcome_legend(const measure::map::MapSummary& summary);
-/// Every class that may occur in a picture of so many pixels, with the widest count it can have.
-std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels);
+/// Every class that may occur in a picture of so many pixels, of a scene with a mesh or without, with the widest count
+/// it can have.
+std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels, bool of_mesh);
 /// Of a sheet: counts of several maps have no common whole.
 std::vector<image::LegendEntry> without_counts(std::vector<image::LegendEntry> entries);
 

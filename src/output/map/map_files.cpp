@@ -94,7 +94,7 @@ public:
                 .height = request.scene->height,
                 .scale = paint.scale(),
                 .unit = std::string(m->unit),
-                .legend = possible_legend(options, paint, request.scene->pixels()),
+                .legend = possible_legend(options, paint, *request.scene),
                 .widest_caption = paint.widest_caption(request.scene->pixels()) +
                                   worst_words(paint, {.x = request.scene->width, .y = request.scene->height})};
             if (const std::string note = input_note(*request.scene, std::span(&row, 1));

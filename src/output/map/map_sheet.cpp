@@ -27,10 +27,10 @@ LegendEntry envelope_entry(const image::ColourScale& scale, std::string count) {
 }
 
 std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint,
-                                         std::uint64_t pixels) {
-    auto entries = paint.widest(pixels);
+                                         const scene::file::Scene& scene) {
+    auto entries = paint.widest(scene.pixels(), scene.mesh != nullptr);
     if (is_enveloped(options, paint.metric()))
-        entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", pixels)));
+        entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", scene.pixels())));
     return entries;
 }
 
@@ -60,7 +60,7 @@ void MapSheet::open(const MapRequest& request, const MapFilesOptions& options, b
             .field_height = request.scene->height,
             .scales = std::move(scales),
             .unit = std::string(paint.metric().unit),
-            .legend = without_counts(possible_legend(options, paint, request.scene->pixels())),
+            .legend = without_counts(possible_legend(options, paint, *request.scene)),
             .categories = !paint.scale(),
             .note_lines = cell_note_lines});
 }

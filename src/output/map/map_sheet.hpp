@@ -22,9 +22,9 @@ std::string file_word(const measure::metric::Metric& metric);
 bool is_enveloped(const MapFilesOptions& options, const measure::metric::Metric& drawn);
 image::LegendEntry envelope_entry(const image::ColourScale& scale, std::string count);
 
-/// Every class that may occur, with the widest count, in a picture of so many pixels.
+/// Every class that may occur, with the widest count, in a picture of the scene.
 std::vector<image::LegendEntry> possible_legend(const MapFilesOptions& options, const MetricPaint& paint,
-                                                std::uint64_t pixels);
+                                                const scene::file::Scene& scene);
 
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct MapSheet {

@@ -125,9 +125,9 @@ Rgb8 MetricPaint::colour_without_value() const {
                                                                                         : Outcome::not_a_number)];
 }
 
-std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels) const {
+std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels, bool of_mesh) const {
     if (metric_->over == Over::agreed_hits) {
-        auto entries = widest_legend(pixels);
+        auto entries = widest_legend(pixels, of_mesh);
         entries.push_back({hit_without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
         return entries;
     }

@@ -25,7 +25,7 @@ public:
 
     [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const;
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
-    [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels) const;
+    [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels, bool of_mesh) const;
     /// Those that occurred; `m` is the metric's place in the summary, and `without` how many are `without_value`.
     [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m,
                                                          std::uint64_t without) const;

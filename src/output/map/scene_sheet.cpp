@@ -73,7 +73,7 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
                          .field_height = scene.height,
                          .scales = std::move(scales),
                          .unit = "lost bits",
-                         .legend = without_counts(widest_legend(scene.pixels())),
+                         .legend = without_counts(widest_legend(scene.pixels(), scene.mesh != nullptr)),
                          .note_lines = cell_note_lines});
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         p.rows.push_back(std::make_unique<SheetRow>(*p.sheet, p.grid.places[r],

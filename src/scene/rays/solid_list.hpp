@@ -53,8 +53,7 @@ public:
 
     [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
     [[nodiscard]] Solid<double> operator[](std::size_t i) const {
-        const auto& [a, b, c] = mesh_->faces[i];
-        return Triangle<double>{vertices_[a], vertices_[b], vertices_[c]};
+        return triangle::corners_of(mesh_->faces[i], vertices_);
     }
     [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
 

@@ -91,11 +91,11 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
     check_apart("shadows", colours_of(picture::widest_shadow_legend(1)));
 }
 
-TEST_CASE("an outcome has a colour and a name, the wrong solid too", "[colour]") {
-    const auto legend = map::widest_legend(1);
+TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
+    const auto legend = map::widest_legend(1, true);
     REQUIRE(legend.size() == outcome_colours.size() - 1);
-    CHECK(legend.back().label == "wrong solid");
-    CHECK(legend.back().colour == outcome_colours[static_cast<std::size_t>(Outcome::wrong_object)]);
+    CHECK(legend.back().label == "wrong neighbour");
+    CHECK(legend.back().colour == outcome_colours.back());
     CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
     for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());
 }

@@ -23,7 +23,10 @@ std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& c
             {"false miss", outcome_colours[3], count},
             {"not a number", outcome_colours[4], count},
             {"unresolved", outcome_colours[5], count},
-            {"wrong solid", outcome_colours[6], count}};
+            {"wrong solid", outcome_colours[6], count},
+            {"crack", outcome_colours[7], count},
+            {"double hit", outcome_colours[8], count},
+            {"wrong neighbour", outcome_colours[9], count}};
 }
 
 /// No two samples of a small field alike, and none a colour of the page.

@@ -115,7 +115,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     CHECK(legend.front().count == "700 (70.0%)");
     CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()));
     CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
-    CHECK(paint.widest(1000).size() == 1);
+    CHECK(paint.widest(1000, false).size() == 1);
     CHECK(paint.glance(MapSummary({&apart}), 0) == "no ray that both hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
 }

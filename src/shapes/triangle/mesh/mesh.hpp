@@ -18,6 +18,10 @@ namespace lostbits::scene::triangle {
 /// Three places among the vertices.
 using Face = std::array<std::uint32_t, 3>;
 
+inline Triangle<double> corners_of(const Face& face, const std::vector<Vec<double>>& vertices) {
+    return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
+}
+
 /// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
 /// one line are no triangles: they are left out and counted.
 struct Mesh {
@@ -31,8 +35,7 @@ struct Mesh {
     std::vector<bool> borders;
 
     [[nodiscard]] Triangle<double> triangle(std::size_t face) const {
-        const auto& [a, b, c] = faces[face];
-        return {vertices[a], vertices[b], vertices[c]};
+        return corners_of(faces[face], vertices);
     }
     [[nodiscard]] bool share_a_vertex(std::size_t face, std::size_t other) const {
         for (const std::uint32_t a : faces[face])
