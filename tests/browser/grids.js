@@ -44,7 +44,7 @@ function compareRow(row, csv, placeOf) {
         const sample = byPlace.get(cell.place), where = `${row.form} ${row.format} at ${cell.place}`;
         assert.ok(sample, `${where} is not in the CSV`);
         for (const [outcome, n] of Object.entries(cell.outcomes))
-            assert.equal(String(n), sample[outcome], `${where}: ${outcome}`);
+            assert.equal(String(n), sample[outcome] ?? "0", `${where}: ${outcome}`);  // those of meshes are no columns
         for (const [statistic, value] of Object.entries(cell.values))
             assert.equal(value, exact(sample[statistic]), `${where}: ${statistic}`);
         assert.equal(cell.verdict, sample.verdict);
