@@ -34,9 +34,7 @@ struct Mesh {
     /// Of each face, whether one of its edges has no other face across; see `find_borders`.
     std::vector<bool> borders;
 
-    [[nodiscard]] Triangle<double> triangle(std::size_t face) const {
-        return corners_of(faces[face], vertices);
-    }
+    [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
     [[nodiscard]] bool share_a_vertex(std::size_t face, std::size_t other) const {
         for (const std::uint32_t a : faces[face])
             for (const std::uint32_t b : faces[other])
