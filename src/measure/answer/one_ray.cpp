@@ -54,8 +54,7 @@ double OneRay::condition(const intersect::Info& info) const {
 }
 
 double OneRay::reach(const intersect::Info& info, const Format& format) const {
-    band_->find_condition();
-    return band_->reach(index_, convention(info), info.direction, format);
+    return band_->reach(index_, convention(info), info.direction, {.format = format});
 }
 
 truth::Certified OneRay::true_t(const intersect::Info& info) const {

@@ -9,8 +9,8 @@
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/operation_error.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "measure/truth/reach.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -188,7 +188,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     if (truth.is_hit()) {
         x.true_t = ray.rounded_truth(*form.info, binary64);
         x.condition = ray.condition(*form.info);
-        x.inherent = truth::inherent_bits(x.condition, format.shape.precision);
+        x.inherent = truth::inherent_bits(ray.reach(*form.info, format), ray.true_t(*form.info), format.shape);
     }
     const int met = answers.object[in.index];
     const bool elsewhere =
@@ -199,8 +199,8 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.standing.ulps = x.standing.lost = missing;
     }
     if (x.standing.outcome == Outcome::agree_hit) {
-        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, x.condition,
-                                      ray.reach(*form.info, format));
+        x.beyond =
+            truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, ray.reach(*form.info, format));
     }
     find_better(x, ray, beside);
     return x;

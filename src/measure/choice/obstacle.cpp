@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "measure/choice/file_rays.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "measure/truth/reach.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -44,13 +44,17 @@ Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, cons
 }
 
 /// What half an ulp of a format in each input leaves of its bits.
-double inherent_kept(const Band& band, const MapRow& row, const FloatFormat& format, const Wish& wish) {
+double inherent_kept(const Band& band, const MapRow& row, const Format& format, const Wish& wish) {
+    const intersect::Direction unit = row.form->info->direction;
     metric::Distribution lost;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
-        if (band.truth(i, row.convention()).is_hit())
-            lost.add(truth::inherent_bits(band.condition(i, row.convention()), format.precision));
+        const Truth found = band.truth(i, row.convention());
+        if (!found.is_hit()) continue;
+        const double reach = band.reach(i, row.convention(), unit, {.format = format});
+        const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
+        lost.add(truth::inherent_bits(reach, t, format.shape));
     }
-    return format.precision - lost.quantile(wish.quantile);
+    return format.shape.precision - lost.quantile(wish.quantile);
 }
 
 /// The inputs that a solid has: a box has no radius.
@@ -175,9 +179,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const MapRow& row, int pixe
         given.emplace(few, request.limit);
         ideal = ideal_of(few);
     }
-    given->find_condition();
-    found.inherent_kept = inherent_kept(*given, row, row.format.shape, request.wish);
-    found.inherent_kept_f64 = inherent_kept(*given, row, binary64, request.wish);
+    found.inherent_kept = inherent_kept(*given, row, row.format, request.wish);
+    found.inherent_kept_f64 = inherent_kept(*given, row, *find_format("f64"), request.wish);
     const Worth reached = worth_on(*given, row, request.wish);
     found.base = found.rounded_before ? binary32 : row.format.shape;
     found.wider_than_f64 = found.base == binary64;

@@ -31,6 +31,8 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
         for (const intersect::table::Intersector* form : {row.form, row.against})
             needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
         needs.own_truth |= (needs_of(metrics) & metric::needs_own_truth) != 0;
+        needs.reach = {(needs_of(metrics) & metric::needs_reach) != 0,
+                       (needs_of(metrics) & metric::needs_reach_normwise) != 0};
     }
     return formats;
 }
@@ -97,6 +99,11 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
     unsigned needs = metric::needs_nothing;
     for (const Metric* m : metrics) needs |= m->needs;
     return needs;
+}
+
+unsigned needs_met_by(const intersect::table::Intersector& form) {
+    return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
+             (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way));
 }
 
 namespace {

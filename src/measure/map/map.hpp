@@ -149,6 +149,9 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
 
 /// What the metrics need computed first: `Needs`, or-ed.
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
+/// Those that a row can meet: a file's, or someone else's function, has no formula to evaluate without rounding or to
+/// record.
+unsigned needs_met_by(const intersect::table::Intersector& form);
 
 struct MapRequest {
     const scene::file::Scene* scene = nullptr;

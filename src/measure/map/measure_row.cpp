@@ -64,12 +64,6 @@ public:
 private:
     [[nodiscard]] bool tells_t() const { return row_.form->info->roots != intersect::Roots::none; }
 
-    /// A row that is a file's, or someone else's function, has no formula to evaluate without rounding or to record.
-    static unsigned needs_met_by(const intersect::table::Intersector& form) {
-        return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
-                 (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way));
-    }
-
     static std::span<const std::string_view> culprits_of(const std::vector<const Metric*>& metrics) {
         const auto found = std::ranges::find_if(metrics, &Metric::by_run);
         return found == metrics.end() ? std::span<const std::string_view>() : (*found)->categories;
@@ -190,9 +184,12 @@ private:
             sample.truth_rounded = result_.band->rounded_truth(i, row_.format.shape, info.direction, row_.convention());
         const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
         if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
-        if (needs_ & metric::needs_condition)
-            sample.condition = result_.band->condition(i, row_.convention()),
-            sample.reach = result_.band->reach(i, row_.convention(), info.direction, row_.format);
+        if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
+        const auto reach = [&](truth::Perturbed inputs) {
+            return result_.band->reach(i, row_.convention(), info.direction, in, inputs);
+        };
+        if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbed::componentwise);
+        if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
         std::optional<truth::Certified> self;
         if (needs_ & metric::needs_self)
             self = answer::without_rounding(*row_.form, ray,

@@ -10,8 +10,8 @@
 #include "measure/metric/hit_point.hpp"
 #include "measure/metric/own_bound.hpp"
 #include "measure/metric/published_bounds.hpp"
-#include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
+#include "measure/truth/reach.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::metric {
@@ -57,8 +57,9 @@ double rounding_error(const Sample& s) {
 }
 
 double condition_number(const Sample& s) { return s.condition; }
-double inherent(const Sample& s) { return truth::inherent_bits(s.condition, s.format->shape.precision); }
-double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->shape, s.condition, s.reach); }
+double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.truth, s.format->shape); }
+double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.truth, s.format->shape); }
+double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->shape, s.reach); }
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
 double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
@@ -68,14 +69,11 @@ double least_field(const Sample& s) { return s.march ? s.march->least : missing;
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
 double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
 
-double in_blamed_ulps(const Sample& s, const blame::Counterfactual& c) {
+template <blame::Counterfactual blame::Counterfactuals::*run>
+double counterfactual(const Sample& s) {
+    if (!s.blame || !s.blame->culprit_alone) return missing;
+    const blame::Counterfactual& c = (*s.blame->culprit_alone).*run;
     return c.hit ? c.error / s.blame->ulp : missing;
-}
-double without_culprit(const Sample& s) {
-    return s.blame && s.blame->culprit_alone ? in_blamed_ulps(s, s.blame->culprit_alone->mended) : missing;
-}
-double culprit_alone(const Sample& s) {
-    return s.blame && s.blame->culprit_alone ? in_blamed_ulps(s, s.blame->culprit_alone->alone) : missing;
 }
 
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
@@ -176,15 +174,22 @@ constexpr Metric table[] = {
     {.name = "inherent_bits",
      .unit = "bits",
      .layer = "condition.inherent",
-     .meaning = "bits that half an ulp in each input alone would cost: lost bits of max(1/2, kappa/2) ulp",
-     .needs = needs_condition,
+     .meaning = "bits that half an ulp in each input alone can cost: lost bits of the most that t can move, in ulp(t*)",
+     .needs = needs_reach,
      .value = inherent},
+    {.name = "inherent_bits_normwise",
+     .unit = "bits",
+     .layer = "condition.normwise",
+     .meaning =
+         "the same of errors in the length of each vector v by u|v|, of a radius r by u r: no component keeps its 0",
+     .needs = needs_reach_normwise,
+     .value = normwise},
     {.name = "excess_bits",
      .unit = "bits",
      .layer = "condition.excess",
      .meaning = "lost_bits beyond inherent_bits: what the formula itself loses; where inherent_bits is p, log2 of "
                 "|t - t*| over what half an ulp in each input can move t",
-     .needs = needs_condition,
+     .needs = needs_reach,
      .value = excess},
     {.name = "point_error",
      .unit = "u",
@@ -270,7 +275,7 @@ constexpr Metric table[] = {
      .needs = needs_tape,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
-     .value = without_culprit},
+     .value = counterfactual<&blame::Counterfactuals::mended>},
     {.name = "culprit_alone",
      .unit = "ulp",
      .layer = "culprit.alone",
@@ -278,7 +283,7 @@ constexpr Metric table[] = {
      .needs = needs_tape,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
-     .value = culprit_alone},
+     .value = counterfactual<&blame::Counterfactuals::alone>},
     {.name = "iterations",
      .unit = "samples",
      .layer = "march.iterations",

@@ -26,10 +26,10 @@ struct Sample {
     const truth::Certified* own = nullptr;    ///< the truth of the inputs as the format holds them
     const truth::Certified* self = nullptr;   ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;        ///< κ of the problem at its ideal inputs
-    /// How far half an ulp in each input can move t*; of a κ that says all bits are lost so, else NaN
-    double reach = truth::missing;
-    const Ray<double>* ray = nullptr;                   ///< the inputs as the form received them
-    const Solid<double>* solid = nullptr;               ///< the solid that the form hit, as it received it
+    double reach = truth::missing;            ///< how far half an ulp in each input can move t*
+    double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
+    const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
+    const Solid<double>* solid = nullptr;     ///< the solid that the form hit, as it received it
     const intersect::MarchRecord* march = nullptr;      ///< null for the forms that do not march
     const blame::Blame* blame = nullptr;                ///< which operation lost the bits
     const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
@@ -48,6 +48,8 @@ enum Needs : unsigned {
     needs_bound = 32,  ///< of a format that is the machine's own
     needs_way = 64,
     needs_counterfactuals = 128,
+    needs_reach = 256,
+    needs_reach_normwise = 512,
     needs_tape = needs_attribution | needs_counterfactuals
 };
 

@@ -1,7 +1,6 @@
 #include "measure/truth/band.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "intersect/process/parallel.hpp"
@@ -237,6 +236,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
+    find_reach(in, needs);
     if (needs.own_truth && !in.ideal) {
         const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
         const Candidates among{index.get(), paired_};

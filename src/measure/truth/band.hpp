@@ -38,10 +38,10 @@ public:
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
-    /// Where κ of ray i says that all bits of the format are lost: how far half an ulp in each input can move its t, or
-    /// its distance, see `truth::reach`. After `find_condition`; else NaN.
+    /// How far errors of the inputs can move the t of ray i, or its distance, see `truth::reach`; NaN for a miss. `of`
+    /// says the format, and the answer where it holds it.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
-                               const Format& format) const;
+                               const FormatInputs& of, Perturbed perturbed = Perturbed::componentwise) const;
     /// The inputs of one format; parallel over the pixels where it computes.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
     /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded
@@ -80,6 +80,9 @@ private:
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
                                       intersect::Convention convention) const;
+    [[nodiscard]] double reach_of(std::size_t i, const Truth& found, const FloatFormat& format,
+                                  Perturbed perturbed) const;
+    void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;
     const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself

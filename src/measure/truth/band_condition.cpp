@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "intersect/process/parallel.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/conditioning.hpp"
@@ -50,6 +52,39 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction un
         return unit * lostbits::measure::truth::reach(ray, solids[static_cast<std::size_t>(found.object)], t, kappa,
                                                       precision);
     });
+}
+
+double Band::reach_of(std::size_t i, const Truth& found, const FloatFormat& format, Perturbed perturbed) const {
+    if (!found.is_hit()) return missing;
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        const auto solid = solids[static_cast<std::size_t>(found.object)];
+        return lostbits::measure::truth::reach(ray, solid, found.t, format, perturbed);
+    });
+}
+
+double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const FormatInputs& of,
+                   Perturbed perturbed) const {
+    const std::vector<double>& known = of.reach[static_cast<std::size_t>(perturbed)];
+    const bool closed = !known.empty() && !(convention.is_special() && asks_anew(i, convention)) &&
+                        find_apart(i, convention) == nullptr;
+    const double t = closed ? known[i] : reach_of(i, truth(i, convention), of.format.shape, perturbed);
+    if (unit_of != intersect::Direction::unit) return t;
+    return with_ray(i, [&](const auto& ray, const auto&) {
+        return t * std::hypot(double(ray.direction.x), double(ray.direction.y), double(ray.direction.z));
+    });
+}
+
+void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
+    for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
+        if (!needs.reach[static_cast<std::size_t>(perturbed)]) continue;
+        std::vector<double>& all = in.reach[static_cast<std::size_t>(perturbed)];
+        all.resize(pixels());
+        intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+            limit_.stop.check();
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                all[i] = reach_of(i, truths_[i], in.format.shape, perturbed);
+        });
+    }
 }
 
 }  // namespace lostbits::measure::truth

@@ -1,6 +1,7 @@
 // What the forms of one format are given of a band, and the truth of that.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -9,6 +10,7 @@
 #include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/culling/culling.hpp"
+#include "measure/truth/reach.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -27,12 +29,13 @@ struct FormatInputs {
     RayTruths own_truth = {};
     /// The same where an origin on a sphere does not count, for the rays on which that matters.
     std::unordered_map<std::size_t, Truth> own_past_origin = {};
+    /// By `Perturbed`, of the closed solid's truth and in units of t, see `truth::reach`; empty unless asked for.
+    std::array<std::vector<double>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
     bool paired = false;  ///< ray i is aimed at solid i alone
-    std::shared_ptr<const culling::SphereIndex> index =
-        {};  ///< of spheres: which of them forms are asked about; null: all
-    std::shared_ptr<const culling::CandidateLists> candidates =
-        {};                                   ///< the same of other shapes, ray by ray; null: all
+    /// Which of them forms are asked about: of spheres, and of other shapes ray by ray. Null: all.
+    std::shared_ptr<const culling::SphereIndex> index = {};
+    std::shared_ptr<const culling::CandidateLists> candidates = {};
     intersect::process::StopToken stop = {};  ///< of the band, for whoever asks forms about them
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
@@ -62,6 +65,7 @@ struct FormatInputs {
 struct BandNeeds {
     bool unit_rays = false;
     bool own_truth = false;
+    std::array<bool, 2> reach = {};  ///< by `Perturbed`
 };
 
 }  // namespace lostbits::measure::truth

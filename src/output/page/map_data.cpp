@@ -8,7 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "measure/truth/conditioning.hpp"
+#include "measure/truth/reach.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
 #include "output/map/metric_paint.hpp"
@@ -27,14 +27,14 @@ using measure::metric::Metric;
 
 namespace {
 
-/// Functions of t, t* and κ alone, `excess_bits` but where κ says nothing more; src/output/page/script/numbers.js has
-/// them again, and the browser test holds every pixel of a map against its CSV.
-constexpr std::array<std::string_view, 7> derived_metrics{
-    "lost_bits", "correct_bits", "ulp_error", "relative_error", "absolute_error", "inherent_bits", "excess_bits"};
+/// Functions of t and t* alone; src/output/page/script/numbers.js has them again, and the browser test holds every
+/// pixel of a map against its CSV.
+constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
+                                                          "absolute_error"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// Derived, and stored where κ excuses all bits: what t can reach decides there.
-bool is_reached(const Metric& m) { return m.name == "excess_bits"; }
+/// Stored of every true hit: the verdict on a miss says it too.
+bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
 constexpr std::int16_t exact_bound = -32768;
@@ -109,9 +109,8 @@ public:
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             with_condition_ |= (measure::map::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             const Metric& metric = *request.metrics[m];
-            if (is_reached(metric)) reached_ = m;
-            if (is_reached(metric) || (!is_derived(metric) && !is_condition(metric)))
-                stored_.push_back({m, Layer(4, n)});
+            if (is_inherent(metric)) inherent_ = m;
+            if (!is_derived(metric) && !is_condition(metric)) stored_.push_back({m, Layer(4, n)});
         }
     }
 
@@ -121,8 +120,7 @@ public:
             if (filled_) filled_->take(at, i, result, with_condition_);
             outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
             for (auto& [m, layer] : stored_) {
-                if (m != reached_ || is_beyond_condition(i, result))
-                    layer.set(at, static_cast<float>(result.metrics[m][i]));
+                layer.set(at, static_cast<float>(m == inherent_ ? inherent_of(i, result) : result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
             object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
@@ -158,10 +156,13 @@ private:
         return std::bit_cast<std::uint64_t>(t);
     }
 
-    [[nodiscard]] bool is_beyond_condition(std::size_t i, const BandResult& result) const {
-        const int precision = row_.format.shape.precision;
-        return result.truth(i).is_hit() &&
-               measure::truth::inherent_bits(result.band->condition(i, result.convention), precision) >= precision;
+    [[nodiscard]] double inherent_of(std::size_t i, const BandResult& result) const {
+        const measure::truth::Truth truth = result.truth(i);
+        if (!truth.is_hit()) return measure::truth::missing;
+        const Direction direction = row_.form->info->direction;
+        const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
+        return measure::truth::inherent_bits(reach, direction == Direction::unit ? truth.distance : truth.t,
+                                             row_.format.shape);
     }
 
     struct Stored {
@@ -172,8 +173,8 @@ private:
     std::size_t group_;
     Group* filled_;
     bool with_condition_ = false;
-    std::optional<std::size_t> reached_ = {};  ///< the place of `excess_bits`
-    std::set<int> places_;                     ///< of the solids that the form answers
+    std::optional<std::size_t> inherent_ = {};  ///< the place of `inherent_bits`
+    std::set<int> places_;                      ///< of the solids that the form answers
     Layer outcome_, object_, t_;
     std::vector<Stored> stored_;
 };
@@ -206,7 +207,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
               {"meaning", m.meaning},
               {"marches", m.over == measure::metric::Over::marches},
               {"blamed", m.over == measure::metric::Over::blamed},
-              {"kind", is_reached(m)     ? "reached"
+              {"kind", is_inherent(m)    ? "hits"
                        : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"
                                          : "stored"}};

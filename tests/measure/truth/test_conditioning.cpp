@@ -5,7 +5,6 @@
 #include "measure/metric/metrics.hpp"
 #include "measure/seeded.hpp"
 #include "measure/truth/conditioning.hpp"
-#include "measure/truth/lost_bits.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
@@ -103,74 +102,6 @@ TEST_CASE("Real inputs have the condition of the same numbers") {
     CHECK(measure::truth::condition(Ray<Real>{real(ray.origin), real(ray.direction)},
                                     Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
           Approx(measure::truth::condition(ray, sphere)).epsilon(1e-5));
-}
-
-TEST_CASE("inherent bits are the lost bits of the envelope max(1/2, kappa/2)") {
-    CHECK(measure::truth::inherent_bits(0.5, 24) == 0);
-    CHECK(measure::truth::inherent_bits(1, 24) == 0);
-    CHECK(measure::truth::inherent_bits(1024, 24) == 10);
-    CHECK(measure::truth::inherent_bits(HUGE_VAL, 24) == 24);
-}
-
-TEST_CASE("half an ulp in each input moves t no further than it can reach, on a tangent too") {
-    testing::Seeded random(9137);
-    constexpr int precision = 24;
-    const double half_ulp = std::ldexp(1, -precision);
-    for (int i = 0; i < 400; ++i) {
-        // Towards the rim of a sphere, from a few of its radii to many, nearer than κ is good for; the last ones touch.
-        const double far = std::ldexp(1 + random.unit(), static_cast<int>(random.index(12)));
-        const double x = i % 4 == 0 ? 1 : 1 - std::ldexp(random.unit(), -26);
-        const Ray<double> ray{{x, 0, far}, {0, 0, -1}};
-        const Sphere<double> sphere{{0, 0, 0}, 1};
-        const double t = far - std::sqrt((1 - x) * (1 + x));
-        const double kappa = measure::truth::condition(ray, sphere);
-        const double reach = measure::truth::reach(ray, sphere, t, kappa, precision);
-        CHECK(reach < 8e-3 * far);  // κ alone allows anything
-        const auto at = numbers(ray, sphere);
-        double most = 0;
-        for (int k = 0; k < 40; ++k) {
-            std::array<Wide, 10> moved;
-            for (std::size_t n = 0; n < 10; ++n) moved[n] = at[n] * (1 + half_ulp * (random.index(2) == 0 ? -1 : 1));
-            const Wide near = first_root(moved);
-            if (near == near) most = std::max(most, std::fabs(static_cast<double>(Wide(near - t))));
-        }
-        CHECK(most <= 1.001 * reach);
-        if (i % 4 == 0) CHECK(most > reach / 16);  // nor is the bound idle
-    }
-}
-
-TEST_CASE("where t = 0 it can reach as far as the surface can move from the origin, and nowhere from inside") {
-    using measure::truth::reach;
-    const Sphere<double> sphere{{0, 0, 0}, 1};
-    const double half_ulp = 0x1p-24;
-    // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
-    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, 0, HUGE_VAL, 24) == Approx(2 * half_ulp));
-    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, 0, HUGE_VAL, 24) == 0);
-    const Box<double> box{{-1, -1, -1}, {1, 1, 1}};
-    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, 0, HUGE_VAL, 24) == Approx(4 * half_ulp));
-    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, 0, HUGE_VAL, 24) == 0);
-    // Beyond what a double's square holds.
-    const double far = 0x1p600;
-    CHECK(reach(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, 4 * far, HUGE_VAL, 24) <
-          far / 64);
-}
-
-TEST_CASE("an error is excused by what t can reach, not by a condition that is infinite") {
-    using measure::truth::exactly;
-    using measure::truth::excess_bits;
-    // A tangent at t = 8, which moves by 2^-8 for half an ulp: 8.002 is the inputs', 0 loses ten bits and more.
-    CHECK(excess_bits(8.002, exactly(8), binary32, HUGE_VAL, 0x1p-8) == 0);
-    CHECK(excess_bits(0, exactly(8), binary32, HUGE_VAL, 0x1p-8) == 11);
-    CHECK(excess_bits(0, exactly(8), binary32, HUGE_VAL, std::nan("")) == 0);  // nothing is known of its reach
-    // 6 where the origin is on the surface and 0 is right; 1e-7 is what the inputs do.
-    CHECK(excess_bits(6, exactly(0), binary32, HUGE_VAL, 0x1p-23) == 24);
-    CHECK(excess_bits(1e-7, exactly(0), binary32, HUGE_VAL, 0x1p-23) == 0);
-    CHECK(excess_bits(6, exactly(0), binary64, HUGE_VAL, 0) == 53);
-    CHECK(excess_bits(0, exactly(0), binary64, HUGE_VAL, 0) == 0);
-    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, HUGE_VAL, 0x1p-8) == 24);
-    // Within the condition nothing changes: lost bits less those of the envelope.
-    CHECK(excess_bits(8 + 0x1p-10, exactly(8), binary32, 64, std::nan("")) ==
-          measure::truth::lost_bits(0x1p10, 24) - 6);
 }
 
 TEST_CASE("every operation of Dual differentiates as a central difference does") {

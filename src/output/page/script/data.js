@@ -150,7 +150,7 @@ async function readRow(map, row, name) {
                                         planes.doubles();
     const stored = {};
     for (const metric of map.metrics) {
-        if (metric.kind === "stored" || metric.kind === "reached") stored[metric.name] = planes.floats();
+        if (metric.kind === "stored" || metric.kind === "hits") stored[metric.name] = planes.floats();
     }
     return { row, truth, outcome, object, t, stored, painted: new Map() };
 }
@@ -160,7 +160,8 @@ const sampleAt = (pixels, i) => ({
     truth: pixels.truth.truth[i],
     rest: pixels.truth.rest[i],
     condition: pixels.truth.condition[i],
-    beyond: pixels.stored.excess_bits?.[i],
+    inherent: pixels.stored.inherent_bits?.[i],  // of every true hit
+    excess: pixels.stored.excess_bits?.[i],
     row: pixels.row
 });
 
@@ -168,6 +169,7 @@ const sampleAt = (pixels, i) => ({
 function valueAt(pixels, metric, i) {
     if (metric.kind === "stored") return pixels.stored[metric.name][i];
     if (pixels.outcome[i] !== agreeHit) return NaN;
+    if (metric.kind === "hits") return pixels.stored[metric.name][i];
     return metric.kind === "shared" ? pixels.truth.condition[i] : derived[metric.name](sampleAt(pixels, i));
 }
 

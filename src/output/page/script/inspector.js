@@ -115,7 +115,7 @@ function whoseEnvelope(map, row) {
  */
 function verdictText(map, pixels, i) {
     const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
-          costs = fixed(derived.inherent_bits(s), 1);
+          costs = fixed(s.inherent, 1);
     if (outcome === "agree_miss") return "Nothing is lost.";
     if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
     const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
@@ -125,15 +125,15 @@ function verdictText(map, pixels, i) {
             `${envelope} costs ${costs} bits.`;
     const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
     if (lost < 1) return `${alone}. Less than one bit is lost.`;
-    if (derived.excess_bits(s) < 1) return `${alone}; ${whoseEnvelope(map, pixels.row)}`;
+    if (s.excess < 1) return `${alone}; ${whoseEnvelope(map, pixels.row)}`;
     if (marches)
-        return `${alone}; the other ${fixed(derived.excess_bits(s), 1)} bits are lost where the march ended${
+        return `${alone}; the other ${fixed(s.excess, 1)} bits are lost where the march ended${
                    pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` :
                                               ""} or by its rounding: ` +
             "lostbits explain says which.";
-    if (derived.inherent_bits(s) >= pixels.row.precision)
-        return `${alone}, but cannot move t so far; the formula loses ${fixed(derived.excess_bits(s), 1)} bits.`;
-    return `${alone}; the formula loses the other ${fixed(derived.excess_bits(s), 1)} bits.`;
+    if (s.inherent >= pixels.row.precision)
+        return `${alone}, but cannot move t so far; the formula loses ${fixed(s.excess, 1)} bits.`;
+    return `${alone}; the formula loses the other ${fixed(s.excess, 1)} bits.`;
 }
 
 /** What to type for the same map, and for one ray of it. */

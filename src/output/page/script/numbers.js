@@ -95,13 +95,4 @@ const derived = {
         if (s.truth === 0) return s.t === 0 ? 0 : Infinity;
         return Math.abs((s.t - s.truth - s.rest) / s.truth);
     },
-    inherent_bits(s) {
-        const size = Math.max(0.5, s.condition / 2);
-        return size > 0.5 ? Math.min(Math.log2(size) + 1, s.row.precision) : 0;
-    },
-    /** Where the envelope is all bits, what t can reach decides, which is stored. */
-    excess_bits(s) {
-        const inherent = derived.inherent_bits(s);
-        return inherent < s.row.precision ? Math.max(0, derived.lost_bits(s) - inherent) : s.beyond ?? 0;
-    },
 };

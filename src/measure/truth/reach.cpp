@@ -1,0 +1,244 @@
+#include "measure/truth/reach.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "geometry/flat_span.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "number/bounded.hpp"
+#include "number/dual.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::measure::truth {
+
+namespace {
+
+/// Makes up for the roundings of the bound itself, a few dozen u.
+constexpr double outward = 1 + 0x1p-40;
+constexpr double anywhere = std::numeric_limits<double>::infinity();
+constexpr int exponent_of_zero = -1000000;
+constexpr double tiny = std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
+
+double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
+double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
+int exponent_of(double x) { return x == 0 ? exponent_of_zero : std::ilogb(x); }
+int exponent_of(const Real& x) {
+    int e = 0;
+    if (x != 0) static_cast<void>(frexp(x, &e));
+    return x == 0 ? exponent_of_zero : e - 1;
+}
+
+/// A problem with N numbers (origin, direction, the solid's), in units in which its largest length and its largest
+/// component of d are about 1, each number as all that it may be: f(x') of any x' within the errors is in f(ray,
+/// solid).
+template <std::size_t N>
+class Perturbable {
+public:
+    using One = Bounded<double>;
+    using Each = Dual<One, N>;
+    Ray<Each> ray;
+    Solid<Each> solid;
+
+    template <class S>
+    Perturbable(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed)
+        : solid(s.shape), normwise_(perturbed == Perturbed::normwise) {
+        const auto number = [&](std::size_t i) {
+            return i < 3   ? r.origin[static_cast<int>(i)]
+                   : i < 6 ? r.direction[static_cast<int>(i - 3)]
+                           : s.numbers[i - 6];
+        };
+        std::array<int, N> exponents;
+        for (std::size_t i = 0; i < N; ++i) {
+            exponents[i] = exponent_of(number(i));
+            int& unit = is_direction(i) ? direction_ : length_;
+            unit = std::max(unit, exponents[i]);
+        }
+        // Within these nothing that decides underflows: a triangle multiplies four numbers.
+        for (int* const unit : {&length_, &direction_})
+            if (std::abs(*unit) < 32) *unit = 0;
+        for (std::size_t i = 0; i < N; ++i) {
+            x_[i] = scaled(number(i), -unit_of(i));
+            spread_ |= exponents[i] > exponent_of_zero && exponents[i] - unit_of(i) < -600;
+            step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
+        }
+        if (normwise_)
+            for_each_vector([&](std::size_t first, std::size_t end) {
+                double squares = 0;
+                for (std::size_t i = first; i < end; ++i) squares += x_[i] * x_[i];
+                std::fill(&step_[first], &step_[first] + (end - first),
+                          scaled(std::sqrt(squares), -format.precision) + tiny);
+            });
+        const auto input = [&](std::size_t i) {
+            const double stored = std::is_same_v<S, double> ? 0 : std::fabs(x_[i]) * 0x1p-53;
+            return Each::input(One(x_[i], (step_[i] + stored) * outward + tiny), i);
+        };
+        ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
+        for (std::size_t i = 6; i < N; ++i) solid.numbers[i - 6] = input(i);
+    }
+
+    /// Whether beside the largest of its numbers others are so small that what is made of them underflows.
+    [[nodiscard]] bool is_spread() const { return spread_; }
+    /// log2 of the unit of t.
+    [[nodiscard]] int time() const { return length_ - direction_; }
+    [[nodiscard]] Each of(const Certified& t) const {
+        const auto e = std::clamp<std::int64_t>(t.exponent - time(), -5000, 5000);
+        const double value = std::ldexp(t.hi, static_cast<int>(e));
+        return Each(One(value, std::fabs(value) * 0x1p-51));
+    }
+
+    /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
+    /// vectors Σ hᵥ |∇ᵥ f|.
+    [[nodiscard]] double moved(const Each& f) const {
+        double sum = 0;
+        const auto by = [&](std::size_t i) {
+            const One& slope = f.derivative(i);
+            const double most = std::fabs(slope.value()) + slope.error();
+            return most == 0 ? 0 : step_[i] * most + tiny;
+        };
+        if (!normwise_)
+            for (std::size_t i = 0; i < N; ++i) sum += by(i);
+        else
+            for_each_vector([&](std::size_t first, std::size_t end) {
+                double squares = 0;
+                for (std::size_t i = first; i < end; ++i) squares += by(i) * by(i);
+                sum += std::sqrt(squares);
+            });
+        return sum * outward;
+    }
+
+    /// How far f(x') can be from 0, of an f that is 0 where t is its root. Where it is not (the range begins there, or
+    /// another face is met), what the enclosure of f(x') leaves beyond 0 bounds it too, and is often nothing.
+    [[nodiscard]] double aside(const Each& f) const {
+        const One& all = f.value();
+        return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
+    }
+
+    /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
+    /// for what the solid itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|.
+    [[nodiscard]] double across(const Each& t) const {
+        const auto length_of = [](const auto& x, std::size_t first, std::size_t end) {
+            double squares = 0;
+            for (std::size_t i = first; i < end; ++i) squares += x[i] * x[i];
+            return std::sqrt(squares);
+        };
+        Solid<double> plain(solid.shape);
+        std::copy(x_.begin() + 6, x_.end(), plain.numbers.begin());
+        double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, N);
+        for_each_vector([&](std::size_t first, std::size_t end) {
+            if (first != 3) away += length_of(step_, first, end);
+        });
+        const double turn = length_of(step_, 3, 6);
+        away += std::fabs(t.value().value()) * turn;
+        const double d = length_of(x_, 3, 6) - turn;
+        return d > 0 ? away * (1 + 0x1p-30) / d : anywhere;
+    }
+
+private:
+    static bool is_direction(std::size_t i) { return i >= 3 && i < 6; }
+    [[nodiscard]] int unit_of(std::size_t i) const { return is_direction(i) ? direction_ : length_; }
+    template <class Act>
+    void for_each_vector(const Act& act) const {
+        act(0, 3), act(3, 6);
+        for_each_key(solid.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+    }
+
+    bool normwise_, spread_ = false;
+    int length_ = exponent_of_zero, direction_ = exponent_of_zero;
+    std::array<double, N> x_, step_;
+};
+
+/// With P' and s' of the problem with errors, P'(t) and half of its slope there: t' − t is a root of
+/// a'δ² + 2s'δ + P'(t), which is −P'(t)/(s' ± √(s'² − a'P'(t))), and the same root where the sign is that of s. With
+/// |P'(t)| ≤ B, as P(t) = 0, and σ ≤ |s'| on the side of s,
+///     |δ| ≤ B/(σ + √(σ² − a'B))  where σ² ≥ a'B for the largest a': B/(2|s|) to first order, which is κ's;
+///     |δ| ≤ √(B/a')              where not, for the smallest a': as near to a tangent t goes as a square root (the
+///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
+/// and |s'|/a' twice more where s' may have the other sign.
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounded<double>, N>>& s,
+                  const Dual<Bounded<double>, N>& t) {
+    const auto at = quadratic_at(s, t);
+    const double B = problem.aside(at.value);
+    if (B == 0) return 0;
+    const auto &slope = at.slope.value(), &a = s.a.value();
+    const double sigma = std::fabs(slope.value()) - slope.error() * outward;
+    const double aB = (a.value() + a.error()) * B * outward;
+    if (sigma > 0 && sigma * sigma >= aB) return B / (sigma + std::sqrt(sigma * sigma - aB));
+    const double least = a.value() * (1 - 0x1p-40) - a.error();
+    return least > 0 ? std::sqrt(B / least) + 2 * std::max(0.0, -sigma) / least : anywhere;
+}
+
+/// t' − n/m = (n' − t m')/m' of t = n/m.
+template <std::size_t N>
+double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded<double>, N>>& at,
+                      const Dual<Bounded<double>, N>& t) {
+    const double B = problem.aside(at.n - t * at.m);
+    if (B == 0) return 0;
+    const double least = at.m.value().value() * (1 - 0x1p-40) - at.m.value().error();
+    return least > 0 ? B / least : anywhere;
+}
+
+/// t is one of these, the largest or the smallest: it moves as far as any that can come to where it is.
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<Bounded<double>, N>>& s,
+                  const Dual<Bounded<double>, N>& t) {
+    double most = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (!s.crossed[i].value()) continue;
+        for (const auto* side : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, (*side)[i], t));
+    }
+    return most;
+}
+
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<Bounded<double>, N>>& s,
+                  const Dual<Bounded<double>, N>& t) {
+    return moved_quotient(problem, s.at, t);
+}
+
+template <class S>
+double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, const FloatFormat& format,
+                Perturbed perturbed) {
+    return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
+        const Perturbable<N> problem(ray, solid, format, perturbed);
+        const auto at = problem.of(t);
+        const double root =
+            problem.is_spread() ? anywhere : moved_root(problem, problem.solid.template as<Of>().span(problem.ray), at);
+        const double most = root == 0 ? 0 : std::min(root, problem.across(at));
+        const double in_time = std::ldexp(most * outward, problem.time());
+        return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
+    });
+}
+
+}  // namespace
+
+double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& t, const FloatFormat& format,
+             Perturbed perturbed) {
+    return reach_of(ray, solid, t, format, perturbed);
+}
+double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t, const FloatFormat& format,
+             Perturbed perturbed) {
+    return reach_of(ray, solid, t, format, perturbed);
+}
+
+double inherent_bits(double reach, const Certified& truth, const FloatFormat& format) {
+    return lost_bits(std::ldexp(reach, -static_cast<int>(ulp_exponent(format, truth.floor_log2()))), format.precision);
+}
+
+double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach) {
+    const int precision = format.precision;
+    const double inherent = inherent_bits(reach, truth, format);
+    if (inherent < precision) return std::max(0.0, lost_bits(ulp_error(t, truth, format), precision) - inherent);
+    if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
+    if (std::isinf(reach)) return 0;
+    const int scale = std::ilogb(reach);
+    const double times = std::fabs(scaled_difference(exactly(t), truth, scale)) / std::ldexp(reach, -scale);
+    if (!(times > 1)) return 0;
+    return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
+}
+
+}  // namespace lostbits::measure::truth

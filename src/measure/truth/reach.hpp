@@ -1,0 +1,33 @@
+// How far a small error in every input can move the true answer, at a tangent too.
+#pragma once
+
+#include <cstdint>
+
+#include "measure/truth/certified.hpp"
+#include "number/format.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::measure::truth {
+
+/// Which errors the inputs of a problem have. `componentwise`: each number half an ulp of the format (0: half of the
+/// least subnormal number), which leaves zeros what they are. `normwise`: each vector (origin, direction, each point of
+/// the solid) and each length v an error of length u|v|, u = 2^-p, in any direction: a 0 beside a 1 moves as far.
+enum class Perturbed : std::uint8_t { componentwise, normwise };
+
+/// A bound of |t' − t|, in units of t, for every problem within those errors whose answer is the same root: the near
+/// root or the far one, the same face. It is never too small; reach.cpp has the inequalities. `t` is the root, or where
+/// the range begins. A problem within the errors may also miss, or meet another root first, where its line may pass the
+/// rim, or its origin the surface: then the inputs do not decide, and what those answer is no part of the bound.
+double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& t, const FloatFormat& format,
+             Perturbed perturbed = Perturbed::componentwise);
+double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t, const FloatFormat& format,
+             Perturbed perturbed = Perturbed::componentwise);
+
+/// The bits that such errors can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
+double inherent_bits(double reach, const Certified& truth, const FloatFormat& format);
+
+/// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
+/// still held against `reach`: log2(|t − t*| / max(reach, ½ ulp)), from 0 to p.
+double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach);
+
+}  // namespace lostbits::measure::truth

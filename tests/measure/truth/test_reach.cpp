@@ -1,0 +1,360 @@
+// What errors of the inputs can move t by, against problems that have such errors, in 2048 bits.
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/triangle/triangle_rays.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/box_families.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/ray_families.hpp"
+#include "measure/truth/reach.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace test_reach {
+
+using namespace lostbits;
+using measure::truth::exactly;
+using measure::truth::Perturbed;
+using measure::truth::reach;
+using testing::Seeded;
+
+namespace {
+
+using Wide = BasicReal<2048>;
+constexpr std::size_t most_numbers = 15;
+
+/// The numbers of a problem: origin, direction, solid.
+using Numbers = std::array<Wide, most_numbers>;
+
+Vec<Wide> point(const Numbers& x, std::size_t i) { return {x[i], x[i + 1], x[i + 2]}; }
+
+struct Quadratic {
+    Wide a, h, c;
+    explicit Quadratic(const Numbers& x) {
+        const Vec<Wide> f = point(x, 0) - point(x, 6), d = point(x, 3);
+        a = dot(d, d), h = dot(f, d), c = dot(f, f) - x[9] * x[9];
+    }
+    [[nodiscard]] std::optional<Wide> root(int side) const {
+        const Wide q = h * h - a * c;
+        if (q < 0) return std::nullopt;
+        const Wide root = sqrt(q);
+        return Wide((side < 0 ? Wide(-h - root) : Wide(-h + root)) / a);
+    }
+};
+
+/// A shape by the textbook: the t of a root or a face, if the line meets it, and what is 0 there.
+struct Textbook {
+    int which = 0;                     ///< of a sphere −1 and 1: the near root and the far one
+    std::array<bool, 3> crossed = {};  ///< of a box: the axes along which the ray moves
+
+    [[nodiscard]] std::optional<Wide> t(Shape shape, const Numbers& x) const {
+        if (shape == Shape::sphere) return Quadratic(x).root(which);
+        if (shape == Shape::box) return entry(x);
+        return through_triangle(x);
+    }
+    static std::optional<Wide> through_triangle(const Numbers& x) {
+        const Vec<Wide> d = point(x, 3), a = point(x, 6) - point(x, 0), b = point(x, 9) - point(x, 0),
+                        c = point(x, 12) - point(x, 0);
+        const Wide u = dot(d, cross(b, c)), v = dot(d, cross(c, a)), w = dot(d, cross(a, b)), det = u + v + w;
+        const bool inside = det > 0 ? u >= 0 && v >= 0 && w >= 0 : det < 0 && u <= 0 && v <= 0 && w <= 0;
+        if (!inside) return std::nullopt;
+        return Wide(dot(a, cross(b, c)) / det);
+    }
+    /// The last of the entries, where no exit comes before it, and where it is of a face that is crossed.
+    [[nodiscard]] std::optional<Wide> entry(const Numbers& x) const {
+        bool same = true;
+        std::optional<Wide> last, first;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Wide &o = x[k], &d = x[3 + k], &lo = x[6 + k], &hi = x[9 + k];
+            if (d == 0) {
+                if (o < lo || o > hi) return std::nullopt;
+                continue;
+            }
+            Wide in = (lo - o) / d, out = (hi - o) / d;
+            if (d < 0) std::swap(in, out);
+            if (!last || in > *last) last = in, same = crossed[k];
+            if (!first || out < *first) first = out;
+        }
+        return last && *last <= *first && same ? last : std::nullopt;
+    }
+};
+
+/// P(t) of a sphere, else n − t m of the face: what moves when t moves.
+Wide residual(Shape shape, const Numbers& x, const Wide& t, std::size_t axis) {
+    if (shape == Shape::sphere) {
+        const Quadratic p(x);
+        return (p.a * t + 2 * p.h) * t + p.c;
+    }
+    if (shape == Shape::box) {
+        const Wide& plane = x[3 + axis] < 0 ? x[9 + axis] : x[6 + axis];
+        return plane - x[axis] - t * x[3 + axis];
+    }
+    const Vec<Wide> n = cross(Vec<Wide>(point(x, 9) - point(x, 6)), Vec<Wide>(point(x, 12) - point(x, 6)));
+    return dot(Vec<Wide>(point(x, 6) - point(x, 0)), n) - t * dot(point(x, 3), n);
+}
+
+double half_ulp_of(double x, const FloatFormat& format) {
+    const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
+    return std::ldexp(1.0, e - format.precision);
+}
+
+/// One ray at one solid, its answer, and other problems within the errors.
+class Trial {
+public:
+    Trial(const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format)
+        : ray_(ray), solid_(solid), format_(format), count_(6 + row_of(solid.shape).numbers) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            x_[k] = ray.origin[static_cast<int>(k)], x_[3 + k] = ray.direction[static_cast<int>(k)];
+        }
+        for (std::size_t k = 6; k < count_; ++k) x_[k] = solid.numbers[k - 6];
+        for (std::size_t k = 0; k < 3; ++k) book_.crossed[k] = x_[3 + k] != 0;
+        const auto found = measure::truth::find_truth(ray, solid);
+        if (!found.is_hit()) return;
+        certified_ = found.t;
+        find_root(found.t);
+    }
+    /// Whether the answer is a root or a face of the textbook, and not where the ray begins inside.
+    [[nodiscard]] bool is_of_use() const { return t_.has_value(); }
+    /// Whether the ray still hits where t moves most, to both sides.
+    [[nodiscard]] bool is_decided() const { return is_decided_; }
+
+    /// The farthest that t was seen to move, over what it can reach; both 0 is 0.
+    double worst_of_componentwise(Seeded& rng, int draws) {
+        std::array<double, most_numbers> step{};
+        for (std::size_t i = 0; i < count_; ++i) step[i] = half_ulp_of(static_cast<double>(x_[i]), format_);
+        // Zeros of the direction stay: whether they do decides what the ray crosses at all.
+        for (std::size_t i = 3; i < 6; ++i)
+            if (x_[i] == 0) step[i] = 0;
+        Wide most = 0;
+        for (const int side : {-1, 1}) {
+            Numbers moved = x_;
+            for (std::size_t i = 0; i < count_; ++i) moved[i] += step[i] * (slope(i) < 0 ? -side : side);
+            is_decided_ &= take(moved, most);
+        }
+        for (int k = 0; k < draws; ++k) {
+            Numbers moved = x_;
+            for (std::size_t i = 0; i < count_; ++i) moved[i] += step[i] * (k % 2 ? rng.sign() : rng.uniform(-1, 1));
+            take(moved, most);
+        }
+        return over(most, reach(ray_, solid_, certified_, format_));
+    }
+    double worst_of_normwise(Seeded& rng, int draws) {
+        Wide most = 0;
+        for (int k = -2; k < draws; ++k) {
+            Numbers moved = x_;
+            for_each_vector([&](std::size_t first, std::size_t end) {
+                Wide size = 0, along = 0;
+                std::array<Wide, most_numbers> way;
+                for (std::size_t i = first; i < end; ++i) {
+                    way[i] = k < 0 ? Wide(slope(i) * (k == -1 ? 1 : -1)) : Wide(rng.uniform(-1, 1));
+                    size += x_[i] * x_[i], along += way[i] * way[i];
+                }
+                if (along == 0) return;
+                const Wide scale = Wide(sqrt(size)) / Wide(sqrt(along)) * std::ldexp(1.0, -format_.precision);
+                for (std::size_t i = first; i < end; ++i) moved[i] += way[i] * scale;
+            });
+            take(moved, most);
+        }
+        return over(most, reach(ray_, solid_, certified_, format_, Perturbed::normwise));
+    }
+
+private:
+    template <class Act>
+    void for_each_vector(const Act& act) const {
+        act(0, 3), act(3, 6);
+        for_each_key(solid_.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+    }
+    void find_root(const measure::truth::Certified& truth) {
+        const auto is_it = [&](const Wide& t) {
+            const Wide apart = abs(Wide(t - Wide(truth.hi) * ldexp(Wide(1), static_cast<int>(truth.exponent)) -
+                                        Wide(truth.lo) * ldexp(Wide(1), static_cast<int>(truth.exponent))));
+            return truth.is_zero() ? t == 0 : apart <= ldexp(abs(t), -70);
+        };
+        for (const int which : {-1, 1}) {
+            book_.which = which;
+            const auto t = book_.t(solid_.shape, x_);
+            if (!t || !is_it(*t)) continue;
+            t_ = t;
+            break;
+        }
+        if (!t_ || solid_.shape != Shape::box) return;
+        Wide nearest = -1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Wide off = abs(residual(Shape::box, x_, *t_, k));
+            if (x_[3 + k] != 0 && (nearest < 0 || off < nearest)) nearest = off, axis_ = k;
+        }
+    }
+    [[nodiscard]] Wide slope(std::size_t i) const {
+        const Wide step = ldexp(Wide(1), -900);
+        Numbers up = x_, down = x_;
+        up[i] += step, down[i] -= step;
+        return (residual(solid_.shape, up, *t_, axis_) - residual(solid_.shape, down, *t_, axis_)) / (2 * step);
+    }
+    /// Whether that problem has an answer.
+    bool take(const Numbers& moved, Wide& most) const {
+        const auto t = book_.t(solid_.shape, moved);
+        if (t) most = std::max(most, Wide(abs(Wide(*t - *t_))));
+        return t.has_value();
+    }
+    static double over(const Wide& most, double bound) {
+        if (most == 0) return 0;
+        return bound > 0 ? static_cast<double>(Wide(most / Wide(bound))) : HUGE_VAL;
+    }
+
+    Ray<double> ray_;
+    Solid<double> solid_;
+    FloatFormat format_;
+    std::size_t count_, axis_ = 0;
+    bool is_decided_ = true;
+    Numbers x_;
+    Textbook book_;
+    measure::truth::Certified certified_;
+    std::optional<Wide> t_;
+};
+
+struct Tally {
+    int trials = 0, loose = 0;
+    double worst = 0;
+
+    void take(double ratio, bool decided) {
+        ++trials, loose += decided && ratio > 0 && ratio < 0.5, worst = std::max(worst, ratio);
+    }
+};
+
+using Families = std::span<const testing::RayFamily>;
+const int rays_per_family = test::draws(1000);
+
+void check_bounds(Tally& all, Trial& trial, Seeded& rng) {
+    if (!trial.is_of_use()) return;
+    const double ratio = trial.worst_of_componentwise(rng, 6);
+    CHECK(ratio <= 1);
+    CHECK(trial.worst_of_normwise(rng, 6) <= 1);
+    all.take(ratio, trial.is_decided());
+}
+
+/// That the bound is within a factor of two of what was seen, for all but so many of a hundred.
+void check_tightness(const Tally& tally, int percent) {
+    CHECK(tally.trials >= 200);
+    CHECK(tally.worst > 0.999);
+    CHECK(tally.loose * 100 <= tally.trials * percent);
+}
+
+}  // namespace
+
+TEST_CASE("where t = 0 it can reach as far as the surface can move from the origin, and nowhere from inside",
+          "[reach]") {
+    const Sphere<double> sphere{{0, 0, 0}, 1};
+    const double half_ulp = 0x1p-24;
+    // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
+    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, exactly(0), binary32) == Approx(2 * half_ulp));
+    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, exactly(0), binary32) == 0);
+    const Box<double> box{{-1, -1, -1}, {1, 1, 1}};
+    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, exactly(0), binary32) == Approx(4 * half_ulp));
+    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, exactly(0), binary32) == 0);
+    // Beyond what a double's square holds.
+    const double far = 0x1p600;
+    CHECK(reach(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, exactly(4 * far),
+                binary32) < far / 64);
+}
+
+TEST_CASE("near a tangent fewer bits are excused than the condition says", "[reach]") {
+    using measure::truth::inherent_bits;
+    const Sphere<double> sphere{{0, 0, 0}, 1};
+    const auto bits_at = [&](double x, double t) {
+        const Ray<double> ray{{x, 0, 4}, {0, 0, -1}};
+        return inherent_bits(reach(ray, sphere, exactly(t), binary32), exactly(t), binary32);
+    };
+    const auto by_condition = [&](double x) {
+        const double kappa = measure::truth::condition(Ray<double>{{x, 0, 4}, {0, 0, -1}}, sphere);
+        return measure::truth::lost_bits(kappa / 2, 24);
+    };
+    // On it κ is infinite: all 24. x² − r² moves by 2^-22, t by the root of that, which is 2^10 ulp(4).
+    CHECK(by_condition(1) == 24);
+    CHECK(bits_at(1, 4) == Approx(11).margin(0.1));
+    // w = √(1 − x²) is 2^-19.5; first order says 2^-23/w. x² − r² moves by 3·2^-24, as x has a smaller ulp here, and no
+    // error can move t further than the root of that, 2^10.8 ulp.
+    const double beside = 1 - 0x1p-40, w = std::sqrt(0x1p-40 * (1 + beside));
+    CHECK(by_condition(beside) > 18);
+    CHECK(bits_at(beside, 4 - w) == Approx(11.8).margin(0.1));
+    // Well beside it first order is right.
+    const double well = 1 - 0x1p-6, far = std::sqrt(0x1p-6 * (1 + well));
+    CHECK(bits_at(well, 4 - far) == Approx(by_condition(well)).margin(1.01));
+}
+
+TEST_CASE("an error is excused by what t can reach", "[reach]") {
+    using measure::truth::excess_bits;
+    // A tangent at t = 8, which moves by 2^-8 for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the 13.
+    CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-8) == 0);
+    CHECK(excess_bits(0, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    // 6 where the origin is on the surface and 0 is right; 1e-7 is what the inputs do.
+    CHECK(excess_bits(6, exactly(0), binary32, 0x1p-23) == 24);
+    CHECK(excess_bits(1e-7, exactly(0), binary32, 0x1p-23) == 0);
+    CHECK(excess_bits(6, exactly(0), binary64, 0) == 53);
+    CHECK(excess_bits(0, exactly(0), binary64, 0) == 0);
+    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, HUGE_VAL) == 24);
+}
+
+TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
+    Tally tally;
+    const auto check_families = [&](Families families, const FloatFormat& storage, const FloatFormat& format) {
+        for (const testing::RayFamily& family : families) {
+            INFO(family.name << ", " << format.precision << " bits");
+            Seeded rng(0x7eac);
+            for (int i = 0; i < rays_per_family; ++i) {
+                const auto s = family.make(rng, storage);
+                Trial trial(s.ray, s.sphere, format);
+                check_bounds(tally, trial, rng);
+            }
+        }
+    };
+    for (const Families families : {Families(testing::near_families), Families(testing::power_families)}) {
+        check_families(families, binary32, binary32);
+        check_families(families, binary64, binary64);
+        check_families(families, binary32, binary16);
+    }
+    check_families(testing::wide_families, binary32, binary32);  // of doubles 2048 bits do not hold the squares
+    check_tightness(tally, 1);
+}
+
+TEST_CASE("t moves no further than it can reach - boxes", "[reach]") {
+    Tally tally;
+    for (const FloatFormat& format : {binary32, binary64}) {
+        for (const testing::BoxFamily& family : testing::box_families) {
+            INFO(family.name << ", " << format.precision << " bits");
+            Seeded rng(0x7eac);
+            for (int i = 0; i < rays_per_family; ++i) {
+                const auto s = family.make(rng, format);
+                Trial trial(s.ray, s.box, format);
+                check_bounds(tally, trial, rng);
+            }
+        }
+    }
+    check_tightness(tally, 4);
+}
+
+TEST_CASE("t moves no further than it can reach - triangles", "[reach]") {
+    Tally tally;
+    for (const test::TriangleFamily& family : test::triangle_families) {
+        INFO(family.name);
+        const bool turns = family.name == std::string("a needle");  // half an ulp turns it into any plane
+        Tally needles;
+        Seeded rng(0x7eac);
+        for (int i = 0; i < rays_per_family; ++i) {
+            const auto s = test::in_floats(family.make(rng));
+            if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
+                continue;
+            Trial trial(s.ray, s.triangle, binary32);
+            check_bounds(turns ? needles : tally, trial, rng);
+        }
+    }
+    check_tightness(tally, 5);
+}
+
+}  // namespace test_reach
