@@ -101,6 +101,37 @@ std::string as_stl_text(const Mesh& mesh) {
     return text + "endsolid ball\n";
 }
 
+/// The JSON of a mesh whose buffer begins with the places (uint32), then has the vertices; `buffer` says where it is.
+std::string as_gltf(const Mesh& mesh, const std::string& buffer, const std::string& node = "") {
+    const std::size_t places = 12 * mesh.faces.size(), vertices = 12 * mesh.vertices.size();
+    return fmt::format(
+        R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0{}}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 1}}, "indices": 0}}]}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5125, "count": {}, "type": "SCALAR"}},
+                          {{"bufferView": 1, "componentType": 5126, "count": {}, "type": "VEC3"}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": {}}}, {{"buffer": 0, "byteOffset": {}, "byteLength": {}}}],
+            "buffers": [{{"byteLength": {}{}}}]}})",
+        node, 3 * mesh.faces.size(), mesh.vertices.size(), places, places, vertices, places + vertices, buffer);
+}
+std::string buffer_of_gltf(const Mesh& mesh) {
+    std::string bytes;
+    for (const auto& face : mesh.faces)
+        for (const std::uint32_t corner : face) append(bytes, corner);
+    for (const auto& v : mesh.vertices)
+        for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(v[k]));
+    return bytes;
+}
+std::string as_glb(const Mesh& mesh) {
+    std::string json = as_gltf(mesh, ""), buffer = buffer_of_gltf(mesh), all = "glTF";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    append(all, std::uint32_t{2});
+    append(all, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
+    append(all, static_cast<std::uint32_t>(json.size()));
+    all += "JSON" + json;
+    append(all, static_cast<std::uint32_t>(buffer.size()));
+    return all + std::string("BIN\0", 4) + buffer;
+}
+
 /// A fan of triangles whose corners are random numbers of any exponent that a cross product of floats survives.
 Mesh random_mesh(bool of_binary32) {
     lostbits::test::Random random(11);
@@ -151,6 +182,9 @@ TEST_CASE("vertices arrive with the bits of the file", "[mesh]") {
     arrives("narrow-little.ply", narrow, as_ply_bytes<float>(narrow, false));
     arrives("narrow-big.ply", narrow, as_ply_bytes<float>(narrow, true));
     arrives("narrow.stl", narrow, as_stl_bytes(narrow));
+    arrives("narrow.glb", narrow, as_glb(narrow));
+    folder.write("narrow.bin", buffer_of_gltf(narrow));
+    arrives("narrow.gltf", narrow, as_gltf(narrow, R"(, "uri": "narrow.bin")"));
 }
 
 TEST_CASE("a file without indices is as closed as the mesh that was written", "[mesh]") {
@@ -193,7 +227,7 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     CHECK(error_of_file("a.obj", std::string(2 << 20, 'x')) ==
           "a.obj:1: is longer than 1 MB; a mesh has a vertex or a face a line");
     CHECK(error_of_file("a.fbx", "") ==
-          "a.fbx: the kind of a mesh is told by the end of its name; it ends in .obj, .ply or .stl");
+          "a.fbx: the kind of a mesh is told by the end of its name; it ends in .obj, .ply, .stl, .gltf or .glb");
     CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1: is not a PLY: its first line is not ply");
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);

@@ -15,13 +15,17 @@ struct MeshFormat {
     MeshInFile (*read)(const std::filesystem::path&, std::istream&);
     bool has_lines;
 };
-constexpr MeshFormat formats[] = {{".obj", read_obj, true}, {".ply", read_ply, false}, {".stl", read_stl, false}};
+constexpr MeshFormat formats[] = {{".obj", read_obj, true},
+                                  {".ply", read_ply, false},
+                                  {".stl", read_stl, false},
+                                  {".gltf", read_gltf, false},
+                                  {".glb", read_gltf, false}};
 
 const MeshFormat& format_of(const std::filesystem::path& path) {
     for (const MeshFormat& format : formats)
         if (path.extension() == format.extension) return format;
     throw InputError(path.string() +
-                     ": the kind of a mesh is told by the end of its name; it ends in .obj, .ply or .stl");
+                     ": the kind of a mesh is told by the end of its name; it ends in .obj, .ply, .stl, .gltf or .glb");
 }
 
 }  // namespace

@@ -29,5 +29,8 @@ MeshInFile read_obj(const std::filesystem::path& path, std::istream& bytes);
 MeshInFile read_ply(const std::filesystem::path& path, std::istream& bytes);
 /// STL, in text or bytes; told apart by the size, which in bytes is 84 + 50 n.
 MeshInFile read_stl(const std::filesystem::path& path, std::istream& bytes);
+/// glTF 2.0, as JSON or as one binary: the triangles of the default scene, or of all meshes where there is none. A node
+/// that moves its mesh is an error: vertices would be rounded. The file is opened again by its path.
+MeshInFile read_gltf(const std::filesystem::path& path, std::istream& bytes);
 
 }  // namespace lostbits::scene::triangle
