@@ -274,8 +274,7 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     std::set<std::string> ids;
     for (const std::string& word : choice.names) {
         const scene::file::SceneName name = scene::file::find_scene(word, data);
-        options.variant = name.variant;
-        if (!choice.variant.empty()) options.variant = choice.variant;
+        options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.all_ahead && !scene.range.is_whole())
                 throw InputError(
@@ -287,6 +286,7 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
             if (!ids.insert(scene.id).second)
                 throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder",
                                              word, scene.id));
+            for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
             scenes.push_back(std::move(scene));
         }
     }

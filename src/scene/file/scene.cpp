@@ -166,6 +166,11 @@ std::vector<Solid<Real>> Scene::solids() const {
     return all;
 }
 
+std::vector<std::string> Scene::remarks() const {
+    if (!mesh) return {};
+    return triangle::remarks_on(*mesh, inputs == Inputs::shared ? std::optional(binary32) : std::nullopt);
+}
+
 std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {

@@ -66,6 +66,8 @@ struct Scene {
     [[nodiscard]] bool meets(Shapes forms) const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
+    /// What whoever wrote the file should know of its meshes, as sentences.
+    [[nodiscard]] std::vector<std::string> remarks() const;
     /// All of them: the listed, the flake, the mesh. Some 300 bytes each: many are a `rays::SolidList`.
     [[nodiscard]] std::vector<Solid<Real>> solids() const;
     [[nodiscard]] std::size_t solid_count() const {

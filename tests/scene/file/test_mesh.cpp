@@ -104,6 +104,22 @@ TEST_CASE("a format can flatten a face", "[mesh]") {
     CHECK(flat_faces(mesh, binary16) == mesh.faces.size());
 }
 
+TEST_CASE("faces without area are told of, those of rounding where it rounds", "[mesh]") {
+    const Scratch folder;
+    folder.write("thin.obj",
+                 "v 0 0 0\nv 1e6 0 0\nv 1000000.001 1 0\nv 1000000.005 2 0\nv 2e6 0 0\n"
+                 "f 1 2 3\nf 1 2 5\nf 2 3 4\n");
+    const auto remarks = [&](const std::string& inputs) {
+        const std::string text = with_mesh("file = \"thin.obj\"\n");
+        const auto path = folder.write("scene.toml", replaced(text, "shared", inputs));
+        return scene::file::load_scene(path).front().remarks();
+    };
+    REQUIRE(remarks("own").size() == 1);
+    CHECK(remarks("own")[0].starts_with("1 of 3 faces of its meshes have no area and are left out; the first is "));
+    CHECK(remarks("own")[0].ends_with("thin.obj:7"));
+    CHECK(remarks("shared").size() == 2);
+}
+
 TEST_CASE("meshes come after the other solids, and stored numbers are those of the scene's format", "[mesh]") {
     const Scratch folder;
     const std::string text = with_mesh("make = \"icosphere\"\nlevels = 1\n[[mesh]]\nmake = \"fan\"\ncount = 8\n");

@@ -239,16 +239,40 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
           std::string::npos);
 }
 
+TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused", "[mesh]") {
+    const Scratch folder;
+    const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
+    const std::string buffer = R"(, "uri": "a.bin")", bytes = buffer_of_gltf(ball);
+    const auto error_with = [&](const std::string& json, const std::string& bin) {
+        folder.write("a.bin", bin);
+        const auto path = folder.write("a.gltf", json);
+        return error_in(folder, [&] { read_mesh_file(path); });
+    };
+    CHECK(error_with(as_gltf(ball, buffer), bytes) == "no error");
+    CHECK(error_with(as_gltf(ball, buffer, R"(, "translation": [0, 0, 0])"), bytes) == "no error");
+    CHECK(error_with(as_gltf(ball, buffer, R"(, "name": "ball", "translation": [0, 0, 1e-9])"), bytes) ==
+          "a.gltf: node 0 (ball) is moved by a transform, which would round its vertices; apply transforms before you "
+          "export");
+    CHECK(error_with(as_gltf(ball, buffer, R"(, "children": [0])"), bytes) == "a.gltf: node 0 stands in itself");
+    CHECK(error_with(as_gltf(ball, buffer), bytes.substr(0, 100)).starts_with("a.gltf: is not read: "));
+    std::string wrong = bytes;
+    wrong[3] = '\x7f';
+    CHECK(error_with(as_gltf(ball, buffer), wrong).starts_with("a.gltf: face 0 names vertex "));
+    CHECK(error_with(replaced(as_gltf(ball, buffer), "5126", "5120"), bytes) ==
+          "a.gltf: has vertices that are not three floats");
+    CHECK(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes)
+              .find("was it cut short?") != std::string::npos);
+    CHECK(error_with("{", bytes).starts_with("a.gltf: is not read: "));
+}
+
 TEST_CASE("files that are cut or have other bits are read or refused", "[mesh]") {
     const Mesh ball = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
     const Scratch folder;
     lostbits::test::Random random(5);
     std::size_t refused = 0;
-    const std::pair<const char*, std::string> files[] = {{"a.obj", as_obj(ball)},
-                                                         {"b.ply", as_ply_text<double>(ball)},
-                                                         {"c.ply", as_ply_bytes<float>(ball, true)},
-                                                         {"d.stl", as_stl_bytes(ball)},
-                                                         {"e.stl", as_stl_text(ball)}};
+    const std::pair<const char*, std::string> files[] = {
+        {"a.obj", as_obj(ball)},       {"b.ply", as_ply_text<double>(ball)}, {"c.ply", as_ply_bytes<float>(ball, true)},
+        {"d.stl", as_stl_bytes(ball)}, {"e.stl", as_stl_text(ball)},         {"f.glb", as_glb(ball)}};
     for (const auto& [name, whole] : files) {
         for (int i = 0; i < 300; ++i) {
             std::string bytes = whole;

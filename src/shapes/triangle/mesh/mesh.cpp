@@ -118,4 +118,19 @@ std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
         mesh.faces, [&](const Face& f) { return is_flat(rounded(f[0]), rounded(f[1]), rounded(f[2])); }));
 }
 
+std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored) {
+    std::vector<std::string> remarks;
+    if (mesh.left_out > 0)
+        remarks.push_back(std::to_string(mesh.left_out) + " of " + std::to_string(mesh.left_out + mesh.faces.size()) +
+                          " faces of its meshes have no area and are left out; the first is " + mesh.first_left_out);
+    const std::size_t flat = stored ? flat_faces(mesh, *stored) : 0;
+    if (flat > 0)
+        remarks.push_back(std::to_string(flat) + " of " + std::to_string(mesh.faces.size()) +
+                          " faces of its meshes have no area once their vertices are rounded to " +
+                          std::to_string(stored->precision) +
+                          " bits, and no ray meets them; inputs = \"own\" keeps "
+                          "them as they are");
+    return remarks;
+}
+
 }  // namespace lostbits::scene::triangle

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,10 @@ Mesh joined(std::vector<Mesh> meshes);
 
 /// The faces that lie on one line once the vertices are rounded to a format: no ray meets them truly.
 std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format);
+
+/// What whoever gave the mesh should know of faces without area, as sentences; `stored` absent: its vertices stay as
+/// they are.
+std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored);
 
 /// Reads a `[[mesh]]`: `make` with the keys of what is made, or `file`, which is looked for from `folder`. InputError
 /// with a position.
