@@ -112,8 +112,11 @@ Culler::Culler(const scene::file::Scene& scene) {
     truth_ = index_of(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
-Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray) : stored_(shared_of(scene)) {
-    bounds_ = join(bounds_, bounds_of(scene::rays::group_of(ray).rays));
+Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
+    : Culler(shared_of(scene), scene::rays::group_of(ray).rays) {}
+
+Culler::Culler(SolidList<double> solids, const scene::rays::RayBlock& rays)
+    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(solids)) {
     truth_ = index_of(stored_, bounds_, nullptr);
 }
 

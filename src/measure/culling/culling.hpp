@@ -95,6 +95,8 @@ public:
     explicit Culler(const scene::file::Scene& scene);
     /// Of one ray alone, among the solids of a scene with shared inputs.
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
+    /// Of rays that are not those of a scene.
+    Culler(scene::rays::SolidList<double> solids, const scene::rays::RayBlock& rays);
 
     /// What the bands of a scene with shared inputs, and of one with own inputs, are made of.
     [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }

@@ -152,7 +152,9 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<MapSummary*>& summaries) {
-    Band band(std::move(rays), limit);
+    std::optional<culling::Culler> culler;
+    if (rays.mesh) culler.emplace(scene::rays::solid_list_of(rays), rays.rays);
+    Band band(std::move(rays), limit, culler ? &*culler : nullptr);
     if (needs_of(metrics) & metric::needs_condition) band.find_condition();
     std::map<std::string, FormatInputs> inputs;
     for (const auto& [name, needs] : needs_by_format(rows, metrics))

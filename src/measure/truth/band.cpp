@@ -82,14 +82,15 @@ Band::Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, boo
     find_truth_of_all();
 }
 
-Band::Band(scene::rays::RayGroup group, TruthLimit limit)
-    : y0_(group.rays.y0),
+Band::Band(scene::rays::RayGroup group, TruthLimit limit, culling::Culler* culler)
+    : culler_(culler),
+      y0_(group.rays.y0),
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       in_binary32_(fits_binary32(group)),
       paired_(group.paired),
       shared_(std::move(group.rays)),
-      shared_solids_(std::move(group.solids)),
+      shared_solids_(scene::rays::solid_list_of(group)),
       shared_march_(group.march) {
     find_truth_of_all();
 }

@@ -24,7 +24,8 @@ public:
     /// Rays that are already stored numbers, with their solids: what a step of a sweep evaluates.
     Band(scene::rays::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {})
         : Band(scene::rays::RayGroup{std::move(rays), std::move(solids)}, limit) {}
-    explicit Band(scene::rays::RayGroup group, TruthLimit limit = {});
+    /// `culler`: of the same solids; it must outlive the band.
+    explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
     /// Ideal rays of one's own among the solids of a scene with own inputs, which outlives the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
     /// Ideal rays and solids of one's own; where they are paired, ray i is aimed at solid i alone.

@@ -51,7 +51,7 @@ void fields(Bits& bits, intersect::MarchConstants<T>& march) {
 
 template <class Bits>
 void fields(Bits& bits, scene::rays::RayGroup& group) {
-    auto& [rays, solids, march, paired] = group;
+    auto& [rays, solids, march, paired, mesh] = group;  // what names one ray has its solids, and no mesh
     bits(rays, solids, march, paired);
 }
 

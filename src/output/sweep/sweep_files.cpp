@@ -35,7 +35,7 @@ constexpr const char* views_meaning =
 std::vector<Column> sample_columns(const SweepRequest& request) {
     std::vector<Column> columns = axis_columns(request);
     // A sweep's rays have no picture: the place of the worst is its number in its set.
-    for (Column& c : map::SummaryTable{request.metrics, request.sweep->shapes()}.columns()) {
+    for (Column& c : map::SummaryTable{request.metrics, request.sweep->shapes(), request.sweep->has_mesh()}.columns()) {
         if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
         if (c.name == "worst_y") c.meaning = "row of a scene's picture, 0 for a family";
         columns.push_back(std::move(c));
@@ -103,7 +103,7 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
 }
 
 void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
-    const map::SummaryTable table{request_.metrics, request_.sweep->shapes()};
+    const map::SummaryTable table{request_.metrics, request_.sweep->shapes(), request_.sweep->has_mesh()};
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         for (const measure::sweep::SweepStep& step : steps) {
             const auto put_axes = [&step](file::CsvWriter& csv) {

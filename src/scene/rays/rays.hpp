@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -55,11 +56,13 @@ using RayBlock = BasicRayBlock<double>;
 using IdealRayBlock = BasicRayBlock<Real>;
 
 /// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
+class MeshColumns;
 struct RayGroup {
     RayBlock rays;
     std::vector<Solid<double>> solids;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
     bool paired = false;  ///< there are as many solids as rays, and ray i is aimed at solid i alone
+    std::shared_ptr<const MeshColumns> mesh = {};  ///< whose triangles come after the solids
 };
 
 /// A ray alone; what it is aimed at is still to be added.

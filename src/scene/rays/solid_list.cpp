@@ -51,11 +51,19 @@ MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, file::Input
         for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, binary32);
 }
 
-SolidList<double> shared_solid_list(const file::Scene& scene) {
+std::vector<Solid<double>> shared_listed(const file::Scene& scene) {
     std::vector<Solid<double>> listed;
     for (const Solid<Real>& solid : scene.listed) listed.push_back(round_solid(solid, binary32));
-    return with_made(std::move(listed), scene);
+    return listed;
 }
+
+std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
+    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, file::Inputs::shared) : nullptr;
+}
+
+SolidList<double> shared_solid_list(const file::Scene& scene) { return with_made(shared_listed(scene), scene); }
+
+SolidList<double> solid_list_of(const RayGroup& group) { return {group.solids, {.flake = {}, .mesh = group.mesh}}; }
 
 SolidList<Real> ideal_solid_list(const file::Scene& scene) { return with_made(scene.listed, scene); }
 

@@ -14,6 +14,7 @@
 #include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/rays.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::scene::rays {
@@ -131,8 +132,11 @@ private:
     std::optional<FloatFormat> format_;
 };
 
-/// As `shared_solids`, what is made as columns.
+/// As `shared_solids`, what is made as columns; and its parts, those that the file lists and its meshes.
 SolidList<double> shared_solid_list(const file::Scene& scene);
+std::vector<Solid<double>> shared_listed(const file::Scene& scene);
+std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene);
+SolidList<double> solid_list_of(const RayGroup& group);
 /// The ideal solids of a scene with own inputs, what is made as columns.
 SolidList<Real> ideal_solid_list(const file::Scene& scene);
 

@@ -248,6 +248,9 @@ void SweepFile::try_both_ends() {
         for (const Solid<double>& solid : group.solids) {
             if (std::ranges::find(shapes_, solid.shape) == shapes_.end()) shapes_.push_back(solid.shape);
         }
+        has_mesh_ = group.mesh != nullptr;
+        if (has_mesh_ && std::ranges::find(shapes_, triangle::Mesh::shape) == shapes_.end())
+            shapes_.push_back(triangle::Mesh::shape);
     }
 }
 
@@ -278,7 +281,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
-    group.solids = rays::shared_solids(scene);
+    group.mesh = rays::shared_mesh(scene);
+    group.solids = group.mesh ? rays::shared_listed(scene) : rays::shared_solids(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     return {std::move(group)};
 }

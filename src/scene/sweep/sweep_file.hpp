@@ -62,6 +62,7 @@ public:
     [[nodiscard]] bool meets(Shapes forms) const { return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_); }
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
+    [[nodiscard]] bool has_mesh() const { return has_mesh_; }
 
     /// Of its scene; empty where it has none.
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
@@ -87,7 +88,7 @@ private:
     std::vector<toml::Override> changes_;  ///< of the scene
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
-    bool marches_ = false;
+    bool marches_ = false, has_mesh_ = false;
     std::uint64_t further_ = 0;  ///< added to the seed of the family
 };
 
