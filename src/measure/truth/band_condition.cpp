@@ -40,20 +40,6 @@ double Band::condition(std::size_t i, Convention convention) const {
     return apart ? apart->condition : condition_[i];
 }
 
-double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const Format& format) const {
-    const int precision = format.shape.precision;
-    const double kappa = condition(i, convention);
-    if (!(inherent_bits(kappa, precision) >= precision)) return missing;
-    const Truth found = truth(i, convention);
-    const double t = std::ldexp(found.t.hi, static_cast<int>(found.t.exponent));
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto& [x, y, z] = std::array{double(ray.direction.x), double(ray.direction.y), double(ray.direction.z)};
-        const double unit = unit_of == intersect::Direction::unit ? std::hypot(x, y, z) : 1;
-        return unit * lostbits::measure::truth::reach(ray, solids[static_cast<std::size_t>(found.object)], t, kappa,
-                                                      precision);
-    });
-}
-
 double Band::reach_of(std::size_t i, const Truth& found, const FloatFormat& format, Perturbed perturbed) const {
     if (!found.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& solids) {

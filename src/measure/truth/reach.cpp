@@ -24,8 +24,8 @@ constexpr double tiny = std::numeric_limits<double>::denorm_min();  ///< what a 
 
 double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
-int exponent_of(double x) { return x == 0 ? exponent_of_zero : std::ilogb(x); }
-int exponent_of(const Real& x) {
+int binary_exponent(double x) { return x == 0 ? exponent_of_zero : std::ilogb(x); }
+int binary_exponent(const Real& x) {
     int e = 0;
     if (x != 0) static_cast<void>(frexp(x, &e));
     return x == 0 ? exponent_of_zero : e - 1;
@@ -52,7 +52,7 @@ public:
         };
         std::array<int, N> exponents;
         for (std::size_t i = 0; i < N; ++i) {
-            exponents[i] = exponent_of(number(i));
+            exponents[i] = binary_exponent(number(i));
             int& unit = is_direction(i) ? direction_ : length_;
             unit = std::max(unit, exponents[i]);
         }

@@ -10,6 +10,7 @@
 #include "number/error.hpp"
 #include "scene/file/beside.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
