@@ -25,4 +25,12 @@ CandidateLists::CandidateLists(const SolidIndex& index, const scene::rays::RayBl
     for (const auto& part : solids) solids_.insert(solids_.end(), part.begin(), part.end());
 }
 
+CandidateLists::CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays) {
+    for (const std::uint32_t ray : rays) {
+        const auto its = all.of(ray);
+        solids_.insert(solids_.end(), its.begin(), its.end());
+        ends_.push_back(solids_.size());
+    }
+}
+
 }  // namespace lostbits::measure::culling

@@ -23,6 +23,8 @@ public:
 class CandidateLists {
 public:
     CandidateLists(const SolidIndex& index, const scene::rays::RayBlock& rays);
+    /// Those of some rays of `all`, in their order.
+    CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays);
 
     [[nodiscard]] std::size_t rays() const { return ends_.size() - 1; }
     [[nodiscard]] std::size_t pairs() const { return solids_.size(); }

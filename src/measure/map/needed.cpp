@@ -32,6 +32,7 @@ FormatInputs only(const FormatInputs& all, const intersect::Info& info, const st
     };
     to.ox = gather(from.ox), to.oy = gather(from.oy), to.oz = gather(from.oz);
     to.dx = gather(from.dx), to.dy = gather(from.dy), to.dz = gather(from.dz);
+    if (all.candidates) some.candidates = std::make_shared<culling::CandidateLists>(*all.candidates, pixels);
     return some;
 }
 

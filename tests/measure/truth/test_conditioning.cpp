@@ -5,12 +5,16 @@
 #include "measure/metric/metrics.hpp"
 #include "measure/seeded.hpp"
 #include "measure/truth/conditioning.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "measure/truth/reach.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 
 namespace test_conditioning {
 
 using namespace lostbits;
+using measure::truth::exactly;
+using measure::truth::reach;
 
 namespace {
 
@@ -102,6 +106,60 @@ TEST_CASE("Real inputs have the condition of the same numbers") {
     CHECK(measure::truth::condition(Ray<Real>{real(ray.origin), real(ray.direction)},
                                     Sphere<Real>{real(sphere.centre), Real(sphere.radius)}) ==
           Approx(measure::truth::condition(ray, sphere)).epsilon(1e-5));
+}
+
+TEST_CASE("where t = 0 it can reach as far as the surface can move from the origin, and nowhere from inside",
+          "[reach]") {
+    const Sphere<double> sphere{{0, 0, 0}, 1};
+    const double half_ulp = 0x1p-24;
+    // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
+    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -1}}, sphere, exactly(0), binary32) == Approx(2 * half_ulp));
+    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, sphere, exactly(0), binary32) == 0);
+    const Box<double> box{{-1, -1, -1}, {1, 1, 1}};
+    CHECK(reach(Ray<double>{{0, 0, 1}, {0, 0, -0.5}}, box, exactly(0), binary32) == Approx(4 * half_ulp));
+    CHECK(reach(Ray<double>{{0, 0, 0.5}, {0, 0, -1}}, box, exactly(0), binary32) == 0);
+    // Beyond what a double's square holds.
+    const double far = 0x1p600;
+    CHECK(reach(Ray<double>{{far, 0, 4 * far}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, far}, exactly(4 * far),
+                binary32) < far / 64);
+}
+
+TEST_CASE("near a tangent fewer bits are excused than the condition says") {
+    using measure::truth::inherent_bits;
+    const Sphere<double> sphere{{0, 0, 0}, 1};
+    const auto bits_at = [&](double x, double t) {
+        const Ray<double> ray{{x, 0, 4}, {0, 0, -1}};
+        return inherent_bits(reach(ray, sphere, exactly(t), binary32), exactly(t), binary32);
+    };
+    const auto by_condition = [&](double x) {
+        const double kappa = measure::truth::condition(Ray<double>{{x, 0, 4}, {0, 0, -1}}, sphere);
+        return measure::truth::lost_bits(kappa / 2, 24);
+    };
+    // On it κ is infinite: all 24. x² − r² moves by 2^-22, t by the root of that, which is 2^10 ulp(4).
+    CHECK(by_condition(1) == 24);
+    CHECK(bits_at(1, 4) == Approx(11).margin(0.1));
+    // w = √(1 − x²) is 2^-19.5; first order says 2^-23/w. x² − r² moves by 3·2^-24, as x has a smaller ulp here, and no
+    // error can move t further than the root of that, 2^10.8 ulp.
+    const double beside = 1 - 0x1p-40, w = std::sqrt(0x1p-40 * (1 + beside));
+    CHECK(by_condition(beside) > 18);
+    CHECK(bits_at(beside, 4 - w) == Approx(11.8).margin(0.1));
+    // Well beside it first order is right.
+    const double well = 1 - 0x1p-6, far = std::sqrt(0x1p-6 * (1 + well));
+    CHECK(bits_at(well, 4 - far) == Approx(by_condition(well)).margin(1.01));
+}
+
+TEST_CASE("an error is excused by what t can reach") {
+    using measure::truth::excess_bits;
+    // A tangent at t = 8, which moves by 2^-8 for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the 13.
+    CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-8) == 0);
+    CHECK(excess_bits(0, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    // 6 where the origin is on the surface and 0 is right; 1e-7 is what the inputs do.
+    CHECK(excess_bits(6, exactly(0), binary32, 0x1p-23) == 24);
+    CHECK(excess_bits(1e-7, exactly(0), binary32, 0x1p-23) == 0);
+    CHECK(excess_bits(6, exactly(0), binary64, 0) == 53);
+    CHECK(excess_bits(0, exactly(0), binary64, 0) == 0);
+    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, 0x1p-8) == 24 - 13);
+    CHECK(excess_bits(HUGE_VAL, exactly(8), binary32, HUGE_VAL) == 24);
 }
 
 TEST_CASE("every operation of Dual differentiates as a central difference does") {

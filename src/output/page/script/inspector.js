@@ -114,8 +114,7 @@ function whoseEnvelope(map, row) {
  * neither may be, and whether it is where the march ended or its rounding takes the march itself: `explain` has it.
  */
 function verdictText(map, pixels, i) {
-    const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]],
-          costs = fixed(s.inherent, 1);
+    const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]], costs = fixed(s.inherent, 1);
     if (outcome === "agree_miss") return "Nothing is lost.";
     if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
     const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
