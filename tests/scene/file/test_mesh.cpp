@@ -146,6 +146,7 @@ TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
     CHECK(error_of_mesh("make = \"tube\"\nradius = 3\n").find("must be less than ring_radius") != std::string::npos);
     CHECK(error_of_mesh("make = \"fan\"\nlevels = 3\n").find("mesh[0].levels") != std::string::npos);
     CHECK(error_of_mesh("centre = [0, 0, 0]\n").find("mesh[0].make is missing") != std::string::npos);
+    CHECK(error_of_mesh("file = \"a.obj\"\n").find("mesh[0].file names ") != std::string::npos);
     CHECK(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n").find("mesh[0].make stands beside file") !=
           std::string::npos);
 }

@@ -72,7 +72,12 @@ Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& fold
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "stands beside file; a mesh is made or read, not both");
-        mesh = read_mesh_file(folder / table.string("file"));
+        const std::filesystem::path path = folder / table.string("file");
+        if (!std::filesystem::exists(path) || std::filesystem::is_directory(path))
+            table.fail_at("file", "names " + path.string() +
+                                      ", which is not a file; it is looked for from the folder "
+                                      "of the scene");
+        mesh = read_mesh_file(path);
     } else {
         mesh = MeshTable(table).make();
         tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
