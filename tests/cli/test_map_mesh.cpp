@@ -1,7 +1,10 @@
 // A mesh from a file: its outcomes in every file of a map, and what is wrong with it told before anything is written.
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <string>
+
+#include <nlohmann/json.hpp>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -48,6 +51,26 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     for (const auto& pixel : read_csv(out / "square" / "triangle.woop.f32.csv"))
         seen += pixel.at("outcome") == "double_hit";
     CHECK(seen == 9);
+    const auto told = run("explain '" + scene.string() + "' --pixel 4,4 -i triangle.woop -f f32");
+    INFO(told.out);
+    CHECK(told.code == 0);
+    CHECK(has(told.out, "Of the mesh this is a double hit: the form claims a triangle beside it too"));
+}
+
+TEST_CASE("explain calls a ray at a mesh what a map calls it") {
+    const Scratch folder;
+    const std::string form = " -i triangle.undivided -f f32";
+    REQUIRE(run("map mesh-icosphere-edges --pixels csv" + form + " -o '" + folder.path().string() + "'").code == 0);
+    std::map<std::string, std::string> pixels;
+    for (const auto& pixel : read_csv(folder.path() / "mesh-icosphere-edges" / "triangle.undivided.f32.csv"))
+        pixels.try_emplace(pixel.at("outcome"), pixel.at("x") + "," + pixel.at("y"));
+    for (const std::string outcome : {"crack", "double_hit", "wrong_neighbour", "false_miss", "agree_hit"}) {
+        const auto told = run("explain mesh-icosphere-edges --pixel " + pixels.at(outcome) + form + " --json");
+        INFO(outcome << " at " << pixels.at(outcome));
+        REQUIRE(told.code == 0);
+        const auto json = nlohmann::json::parse(told.out);
+        CHECK(json.value("in_mesh", json.at("outcome").get<std::string>()) == outcome);
+    }
 }
 
 TEST_CASE("faces without area are told of, and a bad mesh ends before anything is written") {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "measure/answer/outcome.hpp"
+#include "measure/answer/mesh_outcomes.hpp"
 #include "measure/truth/band.hpp"
 #include "scene/file/scene.hpp"
 
@@ -40,9 +40,17 @@ public:
     }
     /// κ of the true hit; NaN for a miss.
     [[nodiscard]] double condition(const intersect::Info& info) const;
-    /// Where κ says that all bits of the format are lost: how far half an ulp in each input can move t*, in the unit of
-    /// the form's answer; else NaN.
+    /// How far half an ulp in each input can move t*, in the unit of the form's answer; NaN for a miss.
     [[nodiscard]] double reach(const intersect::Info& info, const Format& format) const;
+    /// The outcome of answers about these inputs where the solids of a mesh are told apart from others; `before` where
+    /// they need not be.
+    [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
+                                  Outcome before) const {
+        const truth::Truth found = truth(info);
+        return found.is_hit()
+                   ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object, before)
+                   : before;
+    }
     /// t* in the unit of the form's answer; for a hit only.
     [[nodiscard]] truth::Certified true_t(const intersect::Info& info) const;
     [[nodiscard]] double rounded_truth(const intersect::Info& info, const FloatFormat& format) const {

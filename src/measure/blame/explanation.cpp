@@ -198,6 +198,10 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.standing.outcome = answer::Outcome::wrong_object;
         x.standing.ulps = x.standing.lost = missing;
     }
+    if (is_solid(form.shape) && x.tells_t()) {
+        const Outcome outcome = ray.outcome(in, answers, *form.info, x.standing.outcome);
+        if (outcome != x.standing.outcome) x.in_mesh = outcome;
+    }
     if (x.standing.outcome == Outcome::agree_hit) {
         x.beyond =
             truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, ray.reach(*form.info, format));

@@ -56,8 +56,10 @@ struct Explanation {
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
     double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
-    std::vector<Standing> better = {};     ///< forms of the same shape in the same format that do better, best first
-    std::vector<Standing> beside = {};     ///< of the forms that were named beside it: how they fare
+    /// What a map calls the ray, where it is of a mesh: a crack, a double hit or a wrong neighbour.
+    std::optional<answer::Outcome> in_mesh = {};
+    std::vector<Standing> better = {};  ///< forms of the same shape in the same format that do better, best first
+    std::vector<Standing> beside = {};  ///< of the forms that were named beside it: how they fare
     std::vector<const intersect::table::Intersector*> unasked =
         {};  ///< and those of another shape, or not in the format
     /// Of forms from outside that were asked whether they do better: why they did not answer.

@@ -51,7 +51,7 @@ public:
           own_ulps_(room.own_ulps) {}
 
     void measure(MapSummary& summary) {
-        find_outcomes({*result_.answers, *result_.inputs, *result_.band, truth_, row_.convention()}, tells_t(),
+        find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
                       {result_.outcomes, measured_}, summary);
         measure_columns();
         measure_pairs();

@@ -36,8 +36,9 @@ private:
 
 }  // namespace
 
-void find_outcomes(const MeshAnswers& of, bool tells_t, const OutcomeColumns& out, MapSummary& summary) {
-    const auto& [answers, inputs, band, truth, convention] = of;
+void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+                   const OutcomeColumns& out, MapSummary& summary) {
+    const answer::Answers& answers = of.answers;
     const std::size_t n = truth.decision.size();
     const Cases cases(tells_t);
     out.measured.resize(n);
@@ -49,7 +50,7 @@ void find_outcomes(const MeshAnswers& of, bool tells_t, const OutcomeColumns& ou
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
     }
-    if (tells_t) take_meshes_apart(of, out.outcomes);
+    if (tells_t) take_meshes_apart(of, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
         measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }

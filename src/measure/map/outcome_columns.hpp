@@ -1,8 +1,8 @@
 // What became of many rays at once.
 #pragma once
 
+#include "measure/answer/mesh_outcomes.hpp"
 #include "measure/map/map.hpp"
-#include "measure/map/mesh_outcomes.hpp"
 
 namespace lostbits::measure::map {
 
@@ -14,6 +14,7 @@ struct OutcomeColumns {
 
 /// The outcome of every ray, counted in `summary` too. A form that does not tell t claims no hit at NaN, and on which
 /// solid it hits nobody knows.
-void find_outcomes(const MeshAnswers& of, bool tells_t, const OutcomeColumns& out, MapSummary& summary);
+void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+                   const OutcomeColumns& out, MapSummary& summary);
 
 }  // namespace lostbits::measure::map

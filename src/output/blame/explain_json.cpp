@@ -83,6 +83,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["t"] = exact(x.standing.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
     j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
     j["ulp_error"] = if_any(x.standing.ulps);
     j["lost_bits"] = if_any(x.standing.lost);
     j["condition"] = if_any(x.condition);

@@ -229,9 +229,26 @@ bool names_culprit(const Explanation& x) {
 
 bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
 
+/// Of all triangles of a mesh together, which a map asks about: docs/meshes.md.
+std::string mesh_sentence(const Explanation& x) {
+    switch (x.in_mesh.value_or(Outcome::agree_hit)) {
+        case Outcome::crack:
+            return "Of the mesh this is a crack: the form claims neither the triangle that the ray meets first nor one "
+                   "beside it, and crosses the mesh an odd number of times less or more.\n";
+        case Outcome::double_hit:
+            return "Of the mesh this is a double hit: the form claims a triangle beside it too, where the ray crosses "
+                   "the mesh once.\n";
+        case Outcome::wrong_neighbour:
+            return "Of the mesh this is a wrong neighbour, and no wrong decision: the triangles share a vertex.\n";
+        case Outcome::agree_hit:
+            return x.in_mesh ? "Of the mesh this is a correct hit: the ray meets both triangles at one t.\n" : "";
+        default: return "";
+    }
+}
+
 std::string verdict_text(const Explanation& x, const std::optional<MarchEnd>& march) {
-    return outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + whose_loss(x, march) + "\n" +
-           blame_sentence(x, march.has_value()) + "\n" + better_sentence(x);
+    return outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x) +
+           whose_loss(x, march) + "\n" + blame_sentence(x, march.has_value()) + "\n" + better_sentence(x);
 }
 
 }  // namespace lostbits::output::blame

@@ -1,13 +1,12 @@
-#include "measure/map/mesh_outcomes.hpp"
+#include "measure/answer/mesh_outcomes.hpp"
 
 #include <algorithm>
 #include <vector>
 
 #include "shapes/triangle/mesh/mesh.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::answer {
 
-using answer::Outcome;
 using truth::Truth;
 
 namespace {
@@ -15,11 +14,11 @@ namespace {
 /// The solids of a ray, as the mesh knows them.
 class RayAtMesh {
 public:
-    RayAtMesh(const MeshAnswers& of, std::size_t ray)
+    RayAtMesh(const BandAnswers& of, std::size_t ray)
         : of_(of), ray_(ray), first_(of.inputs.solids.first_of_mesh()), mesh_(of.inputs.solids.mesh()->mesh()) {}
 
-    [[nodiscard]] Outcome outcome_of(Outcome before) const {
-        const std::int32_t truly = of_.truth.object[ray_], met = of_.answers.object[ray_];
+    [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
+        const std::int32_t met = of_.answers.object[ray_];
         Outcome outcome = before;
         if (before == Outcome::false_miss && in_mesh(truly) && is_crack(truly)) outcome = Outcome::crack;
         if (before == Outcome::wrong_object && in_mesh(truly)) {
@@ -84,19 +83,25 @@ private:
         return claimed % 2 != crossings.size() % 2;
     }
 
-    const MeshAnswers& of_;
+    const BandAnswers& of_;
     std::size_t ray_, first_;
     const scene::triangle::Mesh& mesh_;
 };
 
 }  // namespace
 
-void take_meshes_apart(const MeshAnswers& of, std::span<Outcome> outcomes) {
+Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before) {
+    const bool of_mesh = of.inputs.solids.mesh() != nullptr && !of.answers.claimed.empty();
+    return of_mesh ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
+}
+
+void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
     if (of.inputs.solids.mesh() == nullptr || of.answers.claimed.empty()) return;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
         of.inputs.stop.check();
-        if (of.truth.decision[i] == Truth::Decision::hit) outcomes[i] = RayAtMesh(of, i).outcome_of(outcomes[i]);
+        if (truth.decision[i] == Truth::Decision::hit)
+            outcomes[i] = outcome_in_mesh(of, i, truth.object[i], outcomes[i]);
     }
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::answer

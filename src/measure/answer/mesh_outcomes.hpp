@@ -8,14 +8,13 @@
 #include "measure/columns/columns.hpp"
 #include "measure/truth/band.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::answer {
 
-/// A row's answers about a band, and the truth that they are held against.
-struct MeshAnswers {
-    const answer::Answers& answers;
+/// What a form in a format answered about a band, by a convention.
+struct BandAnswers {
+    const Answers& answers;
     const truth::FormatInputs& inputs;
     const truth::Band& band;
-    const columns::TrueLengths& truth;
     intersect::Convention convention;
 };
 
@@ -31,6 +30,8 @@ struct MeshAnswers {
 /// `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the mesh
 /// once: it misses one of the two, or meets both at one t; again its crossings are an odd number more or less. At a
 /// fold the ray meets both, one after the other, and nothing is counted twice.
-void take_meshes_apart(const MeshAnswers& of, std::span<answer::Outcome> outcomes);
+void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
+/// The same of one ray that truly hits the solid `truly` first; `before`: as if solids had no edges in common.
+Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::answer
