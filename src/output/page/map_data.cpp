@@ -120,7 +120,8 @@ public:
             if (filled_) filled_->take(at, i, result, with_condition_);
             outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
             for (auto& [m, layer] : stored_) {
-                layer.set(at, static_cast<float>(m == inherent_ ? inherent_of(i, result) : result.metrics[m][i]));
+                if (m == inherent_) set_inherent(layer, at, i, result);
+                else layer.set(at, static_cast<float>(result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
             object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
@@ -156,13 +157,19 @@ private:
         return std::bit_cast<std::uint64_t>(t);
     }
 
-    [[nodiscard]] double inherent_of(std::size_t i, const BandResult& result) const {
+    /// Of every true hit, as far off as its bits are from where those of the two hits before point to.
+    void set_inherent(Layer& layer, std::size_t at, std::size_t i, const BandResult& result) {
+        if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;
         const measure::truth::Truth truth = result.truth(i);
-        if (!truth.is_hit()) return measure::truth::missing;
+        if (!truth.is_hit()) return;
         const Direction direction = row_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
-        return measure::truth::inherent_bits(reach, direction == Direction::unit ? truth.distance : truth.t,
-                                             row_.format.shape);
+        const double costs = measure::truth::inherent_bits(
+            reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.shape);
+        const std::uint64_t bits = image::float_word(costs);
+        layer.set(at, folded_difference(bits, before_ == 0 ? last_ : Group::pointed_to(before_, last_), 4));
+        before_ = last_;
+        last_ = bits;
     }
 
     struct Stored {
@@ -174,6 +181,7 @@ private:
     Group* filled_;
     bool with_condition_ = false;
     std::optional<std::size_t> inherent_ = {};  ///< the place of `inherent_bits`
+    std::uint64_t last_ = 0, before_ = 0;       ///< bits of the two of them before, in this row of the picture; 0: none
     std::set<int> places_;                      ///< of the solids that the form answers
     Layer outcome_, object_, t_;
     std::vector<Stored> stored_;

@@ -103,6 +103,23 @@ async function truthOf(map, group) {
 /** Undoes `folded_difference` in 32 bits. */
 const unfold = (d) => (d >>> 1) ^ -(d & 1);
 
+/** Floats of the true hits, whose bits are kept less 2 last - before, folded, along each row; NaN elsewhere. */
+function floatsPointedTo(d, width, decision) {
+    const bits = new Uint32Array(d.length), values = new Float32Array(bits.buffer);
+    let last = 0, before = 0;
+    for (let i = 0; i < d.length; ++i) {
+        if (i % width === 0) last = before = 0;
+        if (decision[i] !== 1) {
+            values[i] = NaN;
+            continue;
+        }
+        bits[i] = unfold(d[i]) + (before === 0 ? last : 2 * last - before);
+        before = last;
+        last = bits[i];
+    }
+    return values;
+}
+
 function answers32(planes, truth) {
     const d = planes.unsigned(4, Uint32Array), bits = new Uint32Array(d.length), near = new Float32Array(1),
           nearBits = new Uint32Array(near.buffer);
@@ -150,7 +167,9 @@ async function readRow(map, row, name) {
                                         planes.doubles();
     const stored = {};
     for (const metric of map.metrics) {
-        if (metric.kind === "stored" || metric.kind === "hits") stored[metric.name] = planes.floats();
+        if (metric.kind === "stored") stored[metric.name] = planes.floats();
+        if (metric.kind === "hits")
+            stored[metric.name] = floatsPointedTo(planes.unsigned(4, Uint32Array), map.width, truth.decision);
     }
     return { row, truth, outcome, object, t, stored, painted: new Map() };
 }
