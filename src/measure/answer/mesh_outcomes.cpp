@@ -100,7 +100,7 @@ void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth,
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
         of.inputs.stop.check();
         if (truth.decision[i] == Truth::Decision::hit)
-            outcomes[i] = outcome_in_mesh(of, i, truth.object[i], outcomes[i]);
+            outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
     }
 }
 

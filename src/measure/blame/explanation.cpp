@@ -185,10 +185,12 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     }
     x.truth = truth.decision;
     x.condition = x.inherent = missing;
+    double reach = missing;
     if (truth.is_hit()) {
         x.true_t = ray.rounded_truth(*form.info, binary64);
         x.condition = ray.condition(*form.info);
-        x.inherent = truth::inherent_bits(ray.reach(*form.info, format), ray.true_t(*form.info), format.shape);
+        reach = ray.reach(*form.info, format);
+        x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.shape);
     }
     const int met = answers.object[in.index];
     const bool elsewhere =
@@ -202,10 +204,8 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         const Outcome outcome = ray.outcome(in, answers, *form.info, x.standing.outcome);
         if (outcome != x.standing.outcome) x.in_mesh = outcome;
     }
-    if (x.standing.outcome == Outcome::agree_hit) {
-        x.beyond =
-            truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, ray.reach(*form.info, format));
-    }
+    if (x.standing.outcome == Outcome::agree_hit)
+        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, reach);
     find_better(x, ray, beside);
     return x;
 }

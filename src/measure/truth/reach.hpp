@@ -27,7 +27,7 @@ double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t,
 double inherent_bits(double reach, const Certified& truth, const FloatFormat& format);
 
 /// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
-/// still held against `reach`: log2(|t − t*| / max(reach, ½ ulp)), from 0 to p.
+/// still held against `reach`: log2(|t − t*| / reach), from 0 to p.
 double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach);
 
 }  // namespace lostbits::measure::truth

@@ -282,7 +282,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     options.overrides.insert(options.overrides.end(), changes.begin(), changes.end());
     const file::Scene scene = scene_->load(options).front();
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
-    group.mesh = rays::shared_mesh(scene);
+    // A form that marches wants its solids one by one, and spheres beside triangles have no tree.
+    if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
     group.solids = group.mesh ? rays::shared_listed(scene) : rays::shared_solids(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     return {std::move(group)};

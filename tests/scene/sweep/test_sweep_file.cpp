@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
@@ -100,6 +101,29 @@ TEST_CASE("every axis of the data says in words what it is, and another's follow
     CHECK(label("name = \"hit_eps\"\n") == "hit eps");
     CHECK(label("name = \"scale\"\nunit = \"1\"\n") == "scale");
     CHECK(label("name = \"x\"\nlabel = \"how far, in miles\"\n") == "how far, in miles");
+}
+
+TEST_CASE("a sweep over a mesh has all solids of its scene, whatever stands beside") {
+    const Scratch folder;
+    const std::string mesh = "[[mesh]]\nmake = \"icosphere\"\nlevels = 1\n", march = "[march]\nhit_eps = 1e-4\n";
+    const auto group = [&](const std::string& more) {
+        folder.write("scene.toml", good_scene + more);
+        const SweepFile file(folder.write("s.toml",
+                                          "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\nscene = "
+                                          "\"scene.toml\"\n[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = "
+                                          "1\nto = 2\nsteps = 2\nset = [\"sphere[0].radius\"]\n"),
+                             LOSTBITS_DATA_DIR);
+        return file.rays({1}).front();
+    };
+    const auto alone = group(mesh), flake = group(mesh + "[sphereflake]\nlevels = 1\nradius = 0.5\n"),
+               marched = group(mesh + march);
+    REQUIRE(alone.mesh);
+    CHECK(alone.solids.size() == 1);
+    CHECK(alone.mesh->size() == 80);
+    CHECK_FALSE(flake.mesh);
+    CHECK(flake.solids.size() == 1 + 10 + 80);
+    CHECK_FALSE(marched.mesh);
+    CHECK(marched.solids.size() == 1 + 80);
 }
 
 }  // namespace test_sweep_file

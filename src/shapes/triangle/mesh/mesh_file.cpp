@@ -33,8 +33,7 @@ const MeshFormat& format_of(const std::filesystem::path& path) {
 Mesh read_mesh_file(const std::filesystem::path& path) {
     const MeshFormat& format = format_of(path);
     std::ifstream bytes(path, std::ios::binary);
-    if (!bytes || std::filesystem::is_directory(path))
-        throw InputError(path.string() + ": there is no such file; file is looked for from the folder of the scene");
+    if (!bytes) throw InputError(path.string() + ": cannot be opened; may you read it?");
     MeshInFile found = format.read(path, bytes);
     const auto place = [&](std::size_t face) {
         return format.has_lines ? path.string() + ":" + std::to_string(found.lines[face])
