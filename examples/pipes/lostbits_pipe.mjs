@@ -36,6 +36,7 @@ const minus = (a, b) => a.map((x, k) => x - b[k]);
 const solids = {
     sphere: ([x, y, z, radius]) => ({ centre: [x, y, z], radius }),
     box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
+    ellipsoid: (n) => ({ centre: n.slice(0, 3), radii: n.slice(3), radius: Math.max(...n.slice(3)) }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
@@ -66,7 +67,8 @@ export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
     const { name, ...rest } = keys;
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
-    const solid_of = solids[keys.shape], width = { sphere: 4, box: 6, triangle: 9 }[keys.shape], t_of = answers[told];
+    const solid_of = solids[keys.shape], t_of = answers[told];
+    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends

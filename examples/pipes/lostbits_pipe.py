@@ -18,6 +18,8 @@ def solid_of(shape, n):
         return SimpleNamespace(lo=n[:3], hi=n[3:])
     if shape == "triangle":
         return SimpleNamespace(a=n[:3], b=n[3:6], c=n[6:])
+    if shape == "ellipsoid":
+        return SimpleNamespace(centre=n[:3], radii=n[3:], radius=max(n[3:]))
     return SimpleNamespace(centre=n[:3], radius=n[3])
 
 
@@ -45,7 +47,7 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
-    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9}[shape]
+    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()

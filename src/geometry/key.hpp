@@ -7,9 +7,9 @@
 
 namespace lostbits {
 
-/// One key of a solid, as a scene's file has it: a point of three coordinates or one length, in world units.
+/// One key of a solid, as a scene's file has it, in world units: a point, one length, or one length for each axis.
 struct Key {
-    enum class Kind { point, length };
+    enum class Kind { point, length, lengths };
     /// What its numbers must be, beside finite.
     enum class Limit {
         none,
@@ -24,7 +24,7 @@ struct Key {
     Limit limit = Limit::none;
     std::array<std::string_view, 2> aliases = {};  ///< as other people write the name
 
-    [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::point ? 3 : 1; }
+    [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::length ? 1 : 3; }
 };
 
 /// What texts call a shape and what can be seen of it.

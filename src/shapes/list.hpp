@@ -4,11 +4,13 @@
 #define LOSTBITS_SHAPES(line) \
     line(sphere, Sphere) \
     line(box, Box) \
-    line(triangle, Triangle)
+    line(triangle, Triangle) \
+    line(ellipsoid, Ellipsoid)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
 #include LOSTBITS_SHAPE_FILE(box)
 #include LOSTBITS_SHAPE_FILE(triangle)
+#include LOSTBITS_SHAPE_FILE(ellipsoid)
 
 #undef LOSTBITS_SHAPE_FILE

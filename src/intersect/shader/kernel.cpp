@@ -213,7 +213,7 @@ std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
     vec("lb_origin", "lb_ray", 0);
     vec("lb_direction", "lb_ray", 3);
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) vec("lb_" + std::string(key.name), "lb_solid", k);
+        if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_solid", k);
     });
     // Infinity by its bits: a division by zero is the driver's business.
     words +=

@@ -22,6 +22,7 @@ constexpr struct {
     std::array<std::string_view, 5> words;
 } spellings[] = {{"centre", {"cent"}, {"c", "ce", "pos", "sc", "sphere"}},
                  {"lo", {"min", "low"}, {"lo", "a", "lb", "bl", "p1"}},
+                 {"radii", {"radii", "semi"}, {"ra", "r", "radius", "abc"}},
                  {"hi", {"max", "upp", "hig"}, {"hi", "b", "rt", "ur", "p2"}}};
 
 std::string variable_of(std::string_view key) { return "lb_" + std::string(key); }
@@ -61,8 +62,9 @@ std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, 
     return usual;
 }
 
-std::size_t count_of(const ShapeRow& row, Key::Kind kind) {
-    return static_cast<std::size_t>(std::ranges::count(row.keys, kind, &Key::kind));
+/// The keys of so many numbers.
+std::size_t count_of(const ShapeRow& row, std::size_t numbers) {
+    return static_cast<std::size_t>(std::ranges::count(row.keys, numbers, &Key::count));
 }
 
 bool contains_any(const std::string& name, std::initializer_list<std::string_view> parts) {
@@ -137,12 +139,13 @@ private:
         const auto is_parameter = [this](const Key& key) {
             return std::ranges::any_of(found_.function.parameters, [&key](const Parameter& p) {
                 const std::string name = lower(p.name);
-                return name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end();
+                return name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end() ||
+                       (key.count() == 3 && role_of(p.name) == variable_of(key.name));
             });
         };
         const std::size_t points = whole_ ? 1 : vectors_.size() - own, lengths = whole_ ? 1 : lengths_.size();
         for (const ShapeRow& row : shape_rows) {
-            if (count_of(row, Key::Kind::point) != points || count_of(row, Key::Kind::length) != lengths) continue;
+            if (count_of(row, 3) != points || count_of(row, 1) != lengths) continue;
             if (shape_ == nullptr || std::ranges::all_of(row.keys, is_parameter)) shape_ = &row;
         }
         return shape_ != nullptr;
@@ -184,7 +187,7 @@ private:
         std::size_t length = 0;
         for_each_key(shape_->shape, [&](const Key& key, std::size_t first) {
             const std::string number = "lb_solid[" + std::to_string(first) + "]";
-            if (key.kind == Key::Kind::point) points.push_back(variable_of(key.name));
+            if (key.count() == 3) points.push_back(variable_of(key.name));
             else if (whole_) arguments_[*whole_] = typed("vec4") + "(" + points.front() + ", " + number + ")";
             else arguments_[lengths_[length++]] = number;
         });

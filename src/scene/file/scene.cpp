@@ -26,7 +26,7 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Solid<Real> solid(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) solid.set_point(k, numbers.finite(table, key.name, table.vec3(key.name)));
+        if (key.count() == 3) solid.set_point(k, numbers.finite(table, key.name, table.vec3(key.name)));
         else if (key.limit == Key::Limit::positive)
             solid.numbers[k] = numbers.positive(table, key.name, table.number(key.name));
         else solid.numbers[k] = numbers.finite(table, key.name, table.number(key.name));

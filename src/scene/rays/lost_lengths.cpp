@@ -62,11 +62,11 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
     const auto of = [](const Solid<double>& solid) { return solid.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         const double *const from = of(before) + k, *const to = of(after) + k;
-        if (key.kind == Key::Kind::length) {
+        for (std::size_t i = 0; key.kind != Key::Kind::point && i < key.count(); ++i) {
             // An ideal length that is positive may be 0 in binary64 already.
-            if (*to == 0 && (*from != 0 || key.limit == Key::Limit::positive))
-                lose(std::string(key.name), *from, "rounds to 0", where);
-            if (std::isinf(*to)) lose(std::string(key.name), *from, "rounds to infinity", where);
+            if (to[i] == 0 && (from[i] != 0 || key.limit == Key::Limit::positive))
+                lose(std::string(key.name), from[i], "rounds to 0", where);
+            if (std::isinf(to[i])) lose(std::string(key.name), from[i], "rounds to infinity", where);
         }
         for (std::size_t i = 0; key.limit == Key::Limit::at_least_before && i < key.count(); ++i) {
             const std::size_t count = key.count();

@@ -39,10 +39,11 @@ struct Symmetry {
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
         Solid<double> to = s;
         for_each_key(s.shape, [&](const Key& key, std::size_t k) {
-            if (key.kind != Key::Kind::point) return;
+            if (key.count() != 3) return;
             const Vec<double> point = of(s.point(k));
             for (int i = 0; i < 3; ++i) {
                 double& x = to.numbers[k + static_cast<std::size_t>(i)] = point[i];
+                if (key.kind == Key::Kind::lengths) x = std::fabs(x);
                 if (key.limit != Key::Limit::at_least_before) continue;
                 // A mirror changes the corners' places. They are not sorted: −0 and +0 are equal, and each stays where
                 // the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) do

@@ -34,10 +34,12 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
     thrice("origin");
     thrice("direction");
-    for (const ShapeRow& row : shape_rows)
-        if (table.has(row.keys.front().name)) shape = row.shape;
+    const auto written = [&table](const ShapeRow& row) {
+        return std::ranges::count_if(row.keys, [&table](const Key& key) { return table.has(key.name); });
+    };
+    shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of several
     for (const Key& key : row_of(shape).keys) {
-        if (key.kind == Key::Kind::point) thrice(key.name);
+        if (key.count() == 3) thrice(key.name);
         else ranges.push_back(read_range(table, key.name));
     }
     if (is_round()) {

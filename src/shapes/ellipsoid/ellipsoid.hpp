@@ -1,0 +1,122 @@
+// The ellipsoid.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "geometry/span.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points with (x/rx)² + (y/ry)² + (z/rz)² ≤ 1, (x, y, z) as seen from `centre`: a ball scaled along the axes.
+template <class T>
+struct Ellipsoid {
+    Vec<T> centre;
+    Vec<T> radii;
+
+    static constexpr std::string_view name = "ellipsoid", plural = "ellipsoids";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "an ellipsoid of radii 2 around the origin",
+                                      .touching = "a ray that touches",
+                                      .point = "radii of 0",
+                                      .places = "centres"};
+    static constexpr std::array<Key, 2> keys{{{.name = "centre", .letter = "c", .aliases = {"center"}},
+                                              {.name = "radii",
+                                               .letter = "r",
+                                               .kind = Key::Kind::lengths,
+                                               .limit = Key::Limit::positive,
+                                               .aliases = {"semiaxes"}}}};
+
+    template <class Numbers>
+    static constexpr Ellipsoid of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(centre.x), take(centre.y), take(centre.z), take(radii.x), take(radii.y), take(radii.z);
+    }
+
+    static Ellipsoid around(const Vec<T>& point, const T& half) { return {point, {half, half, half}}; }
+
+    [[nodiscard]] Vec<T> middle() const { return centre; }
+    /// Half of the longest side of the box around it.
+    [[nodiscard]] T half_extent() const { return max(max(radii.x, radii.y), radii.z); }
+    [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
+    /// The point at these shares of the sides of the box around it.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const auto along = [](const T& c, const T& share, const T& r) { return c + (2 * share - 1) * r; };
+        return {along(centre.x, u.x, radii.x), along(centre.y, u.y, radii.y), along(centre.z, u.z, radii.z)};
+    }
+    /// k times as large, its point on the way from the centre to `still` where it was; nothing from the centre itself.
+    [[nodiscard]] std::optional<Ellipsoid> grown(const Vec<T>& still, const T& k) const {
+        const Vec<T> towards = still - centre;
+        const T distance = length(in_radii(towards));
+        if (distance == 0) return std::nullopt;
+        return Ellipsoid{centre - ((k - 1) / distance) * towards, k * radii};
+    }
+
+    /// With f = o − G, R = rx ry rz and s = R/r = (ry rz, rz rx, rx ry), in each component: h = (s f)·(s d),
+    /// c = (s f)² − R², a = (s d)², and q = R² (a − (r (f × d))²), as (s f) × (s d) = R r (f × d). No step subtracts
+    /// numbers of like size that are not exact differences of the inputs.
+    [[nodiscard]] QuadraticSpan<T> span(const Ray<T>& ray) const {
+        const Vec<T> f = ray.origin - centre;
+        const Vec<T> s(radii.y * radii.z, radii.z * radii.x, radii.x * radii.y);
+        const Vec<T> sf = s * f, sd = s * ray.direction, m = radii * cross(f, ray.direction);
+        const T volume2 = square(T(radii.x * s.x)), a = square(sd);
+        return {dot(sf, sd), square(sf) - volume2, a, volume2 * (a - square(m)), square(ray.direction)};
+    }
+    /// How far a point is outside, in units of `unit()`: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the shortest
+    /// radius this is the distance, elsewhere less, so that no point of the surface is nearer.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+        const Vec<T> v = in_radii(p - centre);
+        const T v2 = square(v);
+        return (v2 - T(1)) / (sqrt(v2) + T(1));
+    }
+    /// The shortest radius.
+    [[nodiscard]] T unit() const { return min(min(radii.x, radii.y), radii.z); }
+    /// How far a point is from the surface at least, negative inside: (|v/r| − 1) min(r), as |v/r| grows by at most
+    /// 1/min(r) a unit of length. What is the distance has no closed form.
+    [[nodiscard]] T distance(const Vec<T>& p) const { return (length(in_radii(p - centre)) - T(1)) * unit(); }
+    /// Whether it holds a point, in double: |v/r|² is good to 2^-49 of itself.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const { return !(square(in_radii(p - centre)) > 1 + 0x1p-40); }
+    /// The outward unit normal at the point p of a ray: along v/r², whose components are multiplied by the shortest
+    /// radius, so that none is larger than 1 on the surface.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
+        const Vec<T> v = in_radii(p - centre);
+        const T least = unit();
+        const Vec<T> n(v.x * (least / radii.x), v.y * (least / radii.y), v.z * (least / radii.z));
+        const T size = length(n);
+        return {n.x / size, n.y / size, n.z / size};
+    }
+    /// The point of a ray put onto the surface, on the way to the centre: G + v/|v/r|.
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
+        const Vec<T> v = p - centre;
+        const T k = T(1) / length(in_radii(v));
+        return {centre.x + k * v.x, centre.y + k * v.y, centre.z + k * v.z};
+    }
+    /// The same with its error: |v/r| is off by γ(4) of itself (a quotient, a square, two sums, half of these by the
+    /// root, which rounds too), 1/|v/r| by γ(5), and each component v' of the product by γ(6)|v'|; taken to the world
+    /// as the sphere's.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const Vec<T> v = p - centre;
+        const T scale = T(1) / length(in_radii(v));
+        BoundedPoint<T> b{p, p};
+        for (int i = 0; i < 3; ++i) {
+            const T on = v[i] * scale, size = abs(on);
+            b.p[i] = on + centre[i];
+            b.delta[i] =
+                (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(6) * size) + gamma_bound<T>(3) * (size + abs(centre[i]));
+        }
+        return b;
+    }
+
+private:
+    [[nodiscard]] Vec<T> in_radii(const Vec<T>& v) const { return {v.x / radii.x, v.y / radii.y, v.z / radii.z}; }
+};
+
+}  // namespace lostbits

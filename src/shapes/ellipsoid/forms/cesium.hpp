@@ -1,0 +1,34 @@
+// Cesium: the ray times 1/r, which is rounded once for all rays. Outside, a line that leaves is missed; else the far
+// root by the larger of the two sums, and the near one as difference/temp.
+#pragma once
+
+#include "shapes/ellipsoid/forms/in_radii.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+struct CesiumInterval {
+    static constexpr Info info{
+        .name = "ellipsoid.cesium",
+        .title = "ray times 1/r, stable roots",
+        .source = "CesiumGS/cesium 0671b6d, packages/engine/Source/Core/IntersectionTests.js, rayEllipsoid",
+    };
+
+    /// With q the origin and w the direction in radii: q² − 1, qw and w² of the source.
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
+        const Vec<T> inverse = divided<T>(Vec<T>(T(1), T(1), T(1)), e.radii);
+        const Vec<T> q = inverse * (ray.origin - e.centre), w = inverse * ray.direction;
+        const T qw = named("qw", dot(q, w));
+        const T difference = named("difference", square(q) - T(1));
+        const T w2 = named("w2", square(w)), product = w2 * difference;
+        const T disc = named("disc", square(qw) - product);
+        const mask_t<T> outside = difference > T(0);
+        const T temp = named("temp", -qw + sqrt(disc));
+        const T far = temp / w2, near = select(outside, difference / temp, T(0));
+        const mask_t<T> missed =
+            (outside && (qw >= T(0) || square(qw) < product)) || (!outside && difference >= T(0) && qw >= T(0));
+        return Hit<T>{!missed, named("t", select(outside, min(near, far), far)), min(near, far), max(near, far)};
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid

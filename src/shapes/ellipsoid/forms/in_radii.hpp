@@ -1,0 +1,41 @@
+// A ray in the coordinates in which an ellipsoid is the unit sphere.
+#pragma once
+
+#include "shapes/ellipsoid/ellipsoid.hpp"
+#include "shapes/sphere/forms/roots.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+using sphere::first_hit, sphere::RootPair, sphere::plain_roots, sphere::plain_half_roots, sphere::press_roots,
+    sphere::unified_roots;
+
+/// Each component by that of the other.
+template <Number T>
+Vec<T> divided(const Vec<T>& a, const Vec<T>& b) {
+    return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
+/// f = (o − G)/r and d/r.
+template <Number T>
+struct RayInRadii {
+    Vec<T> f, d;
+
+    RayInRadii(const Ray<T>& ray, const Ellipsoid<T>& e)
+        : f(divided<T>(ray.origin - e.centre, e.radii)), d(divided<T>(ray.direction, e.radii)) {}
+};
+
+/// a, b/2 and c of the quadratic, from the squares of the radii: Σ dd/r², Σ fd/r², Σ ff/r² − 1.
+template <Number T>
+struct WeightedQuadratic {
+    T a, h, c;
+
+    WeightedQuadratic(const Ray<T>& ray, const Ellipsoid<T>& e) : a(0), h(0), c(0) {
+        const Vec<T> f = ray.origin - e.centre, &d = ray.direction;
+        const Vec<T> w = divided<T>(Vec<T>(T(1), T(1), T(1)), e.radii * e.radii);
+        a = named("a", dot(d * d, w));
+        h = named("h", dot(f * d, w));
+        c = named("c", dot(f * f, w) - T(1));
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid

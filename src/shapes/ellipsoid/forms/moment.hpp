@@ -1,0 +1,29 @@
+// Lagrange's identity: the discriminant is (d/r)² − Σ (m/(r r'))² with the moment m = f × d, in each component by the
+// radii of the other two axes. The moment is of the ray as it is: nothing is divided before it cancels.
+#pragma once
+
+#include "shapes/ellipsoid/forms/in_radii.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+struct MomentDiscriminant {
+    static constexpr Info info{
+        .name = "ellipsoid.moment",
+        .title = "Lagrange's identity, the moment before the division",
+        .source = "Lagrange's identity",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
+        const RayInRadii<T> in(ray, e);
+        const Vec<T> m = cross(Vec<T>(ray.origin - e.centre), ray.direction);
+        const Vec<T> across(m.x / e.radii.y / e.radii.z, m.y / e.radii.z / e.radii.x, m.z / e.radii.x / e.radii.y);
+        const T a = named("a", square(in.d));
+        const T minus_b = named("b'", -dot(in.f, in.d));
+        const T disc = named("disc", a - square(across));
+        const T c = named("c", square(in.f) - T(1));
+        return first_hit<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid

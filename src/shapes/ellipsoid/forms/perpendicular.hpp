@@ -1,0 +1,27 @@
+// Hearn and Baker's discriminant in the coordinates of the unit sphere, 1 − |f − (f·d/d·d) d|², and stable roots.
+#pragma once
+
+#include "shapes/ellipsoid/forms/in_radii.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+struct ScaledPerpendicular {
+    static constexpr Info info{
+        .name = "ellipsoid.perpendicular",
+        .title = "ray divided by the radii, perpendicular from the centre",
+        .source = "NAIF SPICE, surfpt.f: the component of the scaled position across the line",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
+        const RayInRadii<T> in(ray, e);
+        const T a = named("a", square(in.d));
+        const T minus_b = named("b'", -dot(in.f, in.d));
+        const Vec<T> across = in.f + (minus_b / a) * in.d;
+        const T delta = named("delta", T(1) - square(across));
+        const T c = named("c", square(in.f) - T(1));
+        return first_hit<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid

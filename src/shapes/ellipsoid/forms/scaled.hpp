@@ -1,0 +1,26 @@
+// The ray divided by the radii, against the unit sphere: half b, plain roots.
+#pragma once
+
+#include "shapes/ellipsoid/forms/in_radii.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+struct ScaledHalfB {
+    static constexpr Info info{
+        .name = "ellipsoid.scaled",
+        .title = "ray divided by the radii, half b",
+        .source = "Quilez, Intersectors, eliIntersect",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
+        const RayInRadii<T> in(ray, e);
+        const T a = named("a", square(in.d));
+        const T h = named("h", dot(in.f, in.d));
+        const T c = named("c", square(in.f) - T(1));
+        const T disc = named("disc", square(h) - a * c);
+        return first_hit<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid

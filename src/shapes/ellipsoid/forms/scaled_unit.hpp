@@ -1,0 +1,29 @@
+// What an instance of the unit sphere does whose direction is made a unit vector again in its own coordinates: a = 1,
+// and t divided by the length that was taken away.
+#pragma once
+
+#include "shapes/ellipsoid/forms/in_radii.hpp"
+
+namespace lostbits::intersect::ellipsoid {
+
+struct ScaledUnit {
+    static constexpr Info info{
+        .name = "ellipsoid.scaled_unit",
+        .title = "instance of the unit sphere, direction normalised there",
+        .source = "bevy, Dir3::new of a ray taken into object space; Unity and others likewise",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
+        const RayInRadii<T> in(ray, e);
+        const T size = named("size", length(in.d));
+        const Vec<T> d(in.d.x / size, in.d.y / size, in.d.z / size);
+        const T h = named("h", dot(in.f, d));
+        const T c = named("c", square(in.f) - T(1));
+        const T disc = named("disc", square(h) - c);
+        const T root = sqrt(disc);
+        return first_hit<T>(disc < T(0), RootPair<T>{(-h - root) / size, (-h + root) / size});
+    }
+};
+
+}  // namespace lostbits::intersect::ellipsoid
