@@ -97,10 +97,13 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     fill(axis, table);
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
+    const auto bases = table.optional_numbers("bases", paths.size());
     for (std::size_t i = 0; i < paths.size(); ++i) {
         // The constants of a march are no part of a family.
-        axis.targets.push_back({(paths[i].starts_with("march.") ? "" : prefix) + paths[i],
-                                factors ? static_cast<double>((*factors)[i]) : 1.0, table.where("set")});
+        axis.targets.push_back({.path = (paths[i].starts_with("march.") ? "" : prefix) + paths[i],
+                                .factor = factors ? static_cast<double>((*factors)[i]) : 1.0,
+                                .base = bases ? static_cast<double>((*bases)[i]) : 0.0,
+                                .where = table.where("set")});
     }
     table.reject_unknown_keys();
     return axis;
@@ -259,8 +262,10 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
         for (const Axis::Target& target : axes[a].targets) {
-            changes.push_back({target.path, toml::Node::of_number(Real(values[a]) * Real(target.factor), target.where),
-                               target.where});
+            changes.push_back(
+                {target.path,
+                 toml::Node::of_number(Real(target.base) + Real(values[a]) * Real(target.factor), target.where),
+                 target.where});
         }
     }
     if (!scene_) {

@@ -20,7 +20,8 @@ struct Axis : AxisName {
     std::vector<double> values;  ///< in order; log2 steps are rounded to 12 significant bits
     struct Target {
         std::string path;   ///< in the scene, or in the family's table
-        double factor = 1;  ///< the path is set to factor · value
+        double factor = 1;  ///< the path is set to base + factor · value
+        double base = 0;
         toml::Where where = {};
     };
     std::vector<Target> targets;
