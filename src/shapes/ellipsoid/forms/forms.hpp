@@ -11,6 +11,7 @@
 #include "shapes/ellipsoid/forms/scaled.hpp"
 #include "shapes/ellipsoid/forms/scaled_unit.hpp"
 #include "shapes/ellipsoid/forms/schoolbook.hpp"
+#include "shapes/ellipsoid/forms/two_words.hpp"
 
 namespace lostbits::intersect::ellipsoid {
 
@@ -23,7 +24,8 @@ using EllipsoidForms = FormList<     //
     ellipsoid::CesiumInterval,       //
     ellipsoid::ScaledPerpendicular,  //
     ellipsoid::LineOfSight,          //
-    ellipsoid::MomentDiscriminant    // of the laboratory itself
+    ellipsoid::MomentDiscriminant,   // of the laboratory itself
+    ellipsoid::InTwoWords            //
     >;
 
 }  // namespace lostbits::intersect::ellipsoid
