@@ -13,9 +13,10 @@ struct Key {
     /// What its numbers must be, beside finite.
     enum class Limit {
         none,
-        positive,         ///< greater than 0
-        at_least_before,  ///< in each component at least the key before it
-        off_line_before   ///< a point that does not lie on one line with the two keys before it
+        positive,          ///< greater than 0
+        at_least_before,   ///< in each component at least the key before it
+        off_line_before,   ///< a point that does not lie on one line with the two keys before it
+        apart_from_before  ///< a point that is not the key before it
     };
 
     std::string_view name;    ///< `centre`: of TOML tables, paths and shaders

@@ -5,12 +5,14 @@
     line(sphere, Sphere) \
     line(box, Box) \
     line(triangle, Triangle) \
-    line(ellipsoid, Ellipsoid)
+    line(ellipsoid, Ellipsoid) \
+    line(cylinder, Cylinder)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
 #include LOSTBITS_SHAPE_FILE(box)
 #include LOSTBITS_SHAPE_FILE(triangle)
 #include LOSTBITS_SHAPE_FILE(ellipsoid)
+#include LOSTBITS_SHAPE_FILE(cylinder)
 
 #undef LOSTBITS_SHAPE_FILE

@@ -107,6 +107,9 @@ std::string limit_words(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::off_line_before)
         return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) +
                "; a " + std::string(name_of(shape)) + " has an area, so move one of the three";
+    if (key.limit == Key::Limit::apart_from_before)
+        return "is " + std::string((&key - 1)->name) + "; a " + std::string(name_of(shape)) +
+               " has a height, so move one of the two";
     return "is below " + std::string((&key - 1)->name) + " in a component; a " + std::string(name_of(shape)) +
            " needs " + order_words(key) + " in each";
 }

@@ -257,6 +257,8 @@ std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
         if (key.limit == Key::Limit::off_line_before &&
             on_one_line(solid.point(k - 6), solid.point(k - 3), solid.point(k)))
             return BrokenLimit{&key, k};
+        if (key.limit == Key::Limit::apart_from_before && solid.point(k - 3) == solid.point(k))
+            return BrokenLimit{&key, k};
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = solid.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||

@@ -23,8 +23,8 @@ endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
 file(READ ${list} text)
-string(REPLACE "    line(ellipsoid, Ellipsoid)\n" "    line(ellipsoid, Ellipsoid) \\\n    line(plane, Plane)\n" text "${text}")
-string(REPLACE "FILE(ellipsoid)\n" "FILE(ellipsoid)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
+string(REPLACE "    line(cylinder, Cylinder)\n" "    line(cylinder, Cylinder) \\\n    line(plane, Plane)\n" text "${text}")
+string(REPLACE "FILE(cylinder)\n" "FILE(cylinder)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
 file(WRITE ${list} "${text}")
 
 file(WRITE ${WORK}/shapes.cpp [=[

@@ -41,6 +41,18 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
+template <class E>
+std::optional<Meeting> enclosed(const CappedSpan<E>& s) {
+    const Fraction<E> begin{E(0), E(1)};
+    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
+    const Tri through = s.is_open(), met = s.is_met();
+    const Tri inside = through && enters.less && !leaves.at_most;
+    const Tri outside = !met || !enters.at_most || leaves.less;
+    const Tri meets = through && !leaves.at_most;
+    if (inside.is_unknown() || outside.is_unknown() || meets.is_unknown()) return std::nullopt;
+    return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
+}
+
 /// Nothing is inside; what crosses the rim does not meet the open surface.
 template <class E>
 std::optional<Meeting> enclosed(const FlatSpan<E>& s) {
@@ -81,6 +93,13 @@ template <class E>
 std::optional<bool> passes(const SlabSpan<E>& s) {
     const RangeOfSpan<E> way{E(0), {E(1), E(1)}, {}};
     const Tri hit = truth::enclose<E>(s, &way, intersect::Touching::miss).hit;
+    return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
+}
+
+template <class E>
+std::optional<bool> passes(const CappedSpan<E>& s) {
+    const Fraction<E> from{E(0), E(1)}, to{E(1), E(1)};
+    const Tri hit = s.is_open() && !s.leaves_to(from).at_most && s.enters_to(to).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 

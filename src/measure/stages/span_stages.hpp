@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/span.hpp"
@@ -187,6 +188,41 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Runni
     const auto missed = s.closed.no() || to_begin.less.yes() || ends.no();
     if (!any_of(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+}
+
+/// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
+/// surface: from outside where it enters, from inside where it leaves, by whichever of side and cap that is.
+template <class E>
+Met<E> first_met_from(const CappedSpan<E>& s, const Fraction<E>& begin, const mask_t<E>& in_time_in,
+                      const mask_t<E>& in_time_out) {
+    using P = typename E::P;
+    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
+    const auto open = s.is_open().yes(), none = P(0) < P(0);
+    const auto near = open && enters.at_most.no() && leaves.at_most.no() && in_time_in.yes();
+    const auto far = open && enters.less.yes() && leaves.at_most.no() && in_time_out.yes();
+    const auto missed = s.is_met().no() || leaves.less.yes() || (enters.at_most.no() && in_time_in.no()) ||
+                        (enters.less.yes() && in_time_out.no());
+    const auto by_near_cap = s.enters_by_cap(), by_far_cap = s.leaves_by_cap();
+    const auto cap = (near && by_near_cap.yes()) || (far && by_far_cap.yes());
+    const auto hit = (near && (cap || by_near_cap.no())) || (far && (cap || by_far_cap.no()));
+    const E one(1);
+    if (!any_of(hit)) return {hit, missed, none, one};
+    const E by_cap = select(cap, select(far, s.exit.n, s.entry.n), one) / select(cap, s.entry.m, one);
+    const E by_side = root_of(s.side, far, (s.side.h > E(0)).yes());
+    return {hit, missed, none, select(cap, by_cap, by_side)};
+}
+template <class W>
+Met<Running<W>> first_met(const CappedSpan<Running<W>>& s) {
+    using E = Running<W>;
+    const auto always = E(0) <= E(0);
+    return first_met_from(s, {E(0), E(1)}, always, always);
+}
+
+/// The same of a ray with a range.
+template <class W>
+Met<Running<W>> first_met(const CappedSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    return first_met_from(s, {range.begin, Running<W>(1)}, in_time(s.enters_to(range.end), range),
+                          in_time(s.leaves_to(range.end), range));
 }
 
 /// Whether a length is known closely enough: to 2^-33 of itself in one word, as `narrow_tightness` has it, to 2^-72 in

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "intersect/info.hpp"
 #include "measure/truth/missing.hpp"
@@ -204,6 +205,62 @@ Enclosed<E> enclose(const FlatSpan<E>& s, const RangeOfSpan<E>* range, intersect
     if (at_begin && (begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
     const E t = s.at.n / s.at.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, at_begin, Crossing::near};
+}
+
+/// What a convention says of a ray that begins in the closed solid: strictly inside the exit counts, where the line
+/// enters or leaves that point, and along the surface it does both.
+template <class E>
+Enclosed<E> enclose_from_inside(const CappedSpan<E>& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
+                                intersect::Convention asked, bool touching) {
+    using intersect::AtOrigin, intersect::Inside;
+    const E zero(0);
+    const Enclosed<E> unknown{Tri::unknown, zero, zero};
+    const Tri entered = s.enters_to(begin).less, leaving = s.leaves_to(begin).at_most;
+    if (entered.is_unknown() || leaving.is_unknown()) return unknown;
+    const bool on_surface = entered.is_no() || leaving.is_yes();
+    const Enclosed<E> none{Tri::no, zero, zero, touching && on_surface, on_surface};
+    const bool no_exits = asked.inside == Inside::miss && !touching;
+    if (on_surface) {
+        const bool counts = asked.at_origin == AtOrigin::hit || (asked.at_origin == AtOrigin::exit && leaving.is_yes());
+        if (counts && !(no_exits && leaving.is_yes())) return enclosed_begin(s.d2, range, touching, true);
+        if (no_exits || leaving.is_yes()) return none;
+    } else if (asked.inside == Inside::zero) {
+        return enclosed_begin(s.d2, range);
+    } else if (no_exits) {
+        return none;
+    }
+    if (range) {
+        const Tri in_reach = in_time(s.leaves_to(range->end), *range);
+        if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
+    }
+    const Tri by_cap = s.leaves_by_cap();
+    if (by_cap.is_unknown()) return unknown;
+    if (by_cap.is_no()) return enclosed_root(s.side, Crossing::far, false, on_surface);
+    const E t = s.exit.n / s.exit.m;
+    return {Tri::yes, t, t * sqrt(s.d2), false, on_surface, Crossing::far};
+}
+
+/// The line against a side and two caps. From outside t* is where it enters, by the side or by a cap; a line along the
+/// side, or through no more than a rim, touches.
+template <class E>
+Enclosed<E> enclose(const CappedSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+    const E zero(0);
+    const Enclosed<E> unknown{Tri::unknown, zero, zero};
+    const Fraction<E> begin{begin_of(range), E(1)};
+    Tri closed = s.is_met() && !s.leaves_to(begin).less;
+    if (range) closed = closed && in_time(s.enters_to(range->end), *range);
+    if (closed.is_no()) return {Tri::no, zero, zero};
+    if (closed.is_unknown()) return unknown;
+    const Tri begun = s.enters_to(begin).at_most, through = s.is_open();
+    if (begun.is_unknown() || through.is_unknown()) return unknown;
+    const bool touching = through.is_no();
+    if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
+    if (begun.is_yes()) return enclose_from_inside(s, begin, range, convention, touching);
+    const Tri by_cap = s.enters_by_cap();
+    if (by_cap.is_unknown()) return unknown;
+    if (by_cap.is_no()) return enclosed_root(s.side, Crossing::near, touching);
+    const E t = s.entry.n / s.entry.m;
+    return {Tri::yes, t, t * sqrt(s.d2), touching, false, Crossing::near};
 }
 
 /// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `range` (null:

@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/bounded.hpp"
@@ -197,6 +198,16 @@ template <std::size_t N>
 double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<Bounded<double>, N>>& s,
                   const Dual<Bounded<double>, N>& t) {
     return moved_quotient(problem, s.at, t);
+}
+
+/// t is a root or on a cap: as far as either can come to where it is.
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<double>, N>>& s,
+                  const Dual<Bounded<double>, N>& t) {
+    double most = moved_root(problem, s.side, t);
+    if (!s.crossed.value()) return most;
+    for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap, t));
+    return most;
 }
 
 template <class S>

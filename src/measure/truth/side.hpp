@@ -49,16 +49,29 @@ std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& 
     return sign<E>(square(f.n) * d2 - square(there));
 }
 
-/// For a ray that hits the surface and m > 0. With P(t) = a t² + 2 h t + c, the near root is above m where P(m) > 0 and
-/// a m + h < 0, the far root where P(m) < 0 or a m + h < 0. Of a distance m the same with m/√b for m, b = d·d, and
-/// times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where there is no range the near root is the answer from
-/// outside, the far one that from inside, which no m > 0 comes before the near root of.
+/// Whether a root of a quadratic lies above m > 0, at it or below. With P(t) = a t² + 2 h t + c, the near root is above
+/// m where P(m) > 0 and a m + h < 0, the far root where P(m) < 0 or a m + h < 0. Of a distance m the same with m/√b for
+/// m, b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b.
 template <class E>
-std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
-                           intersect::Convention convention) {
+std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E& m, Length length) {
     const bool parameter = length == Length::parameter;
     const auto p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
                              : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
+    if (!p) return std::nullopt;
+    if (*p < 0) return at == Crossing::near ? -1 : 1;
+    // Before the middle of the roots both P(m) > 0 and the root P(m) = 0 come before the far root, past it after the
+    // near one.
+    const auto past = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
+    if (!past) return std::nullopt;
+    if (at == Crossing::near) return *past > 0 ? -1 : *p;
+    return *past < 0 ? 1 : -*p;
+}
+
+/// For a ray that hits the surface and m > 0. Where there is no range the near root is the answer from outside, the far
+/// one that from inside, which no m > 0 comes before the near root of.
+template <class E>
+std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
     Crossing at = Crossing::far;
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
@@ -70,15 +83,20 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
         if (*outside > 0) at = Crossing::near;
     }
     if (at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    if (!p) return std::nullopt;
-    if (at == Crossing::far && !range) return -*p;
-    if (*p < 0) return at == Crossing::near ? -1 : 1;
-    // Before the middle of the roots both P(m) > 0 and the root P(m) = 0 come before the far root, past it after the
-    // near one.
-    const auto past = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
-    if (!past) return std::nullopt;
-    if (at == Crossing::near) return *past > 0 ? -1 : *p;
-    return *past < 0 ? 1 : -*p;
+    return side_of_root(s, at, m, length);
+}
+
+/// For a ray that hits and m > 0: the root or the cap by which it enters, or leaves.
+template <class E>
+std::optional<int> side_of(const CappedSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
+    const Enclosed<E> found = enclose(s, range, convention);
+    if (!found.hit.is_yes()) return std::nullopt;
+    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    const bool near = found.at == Crossing::near;
+    if ((near ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
+        return side_of_fraction(near ? s.entry : s.exit, s.d2, m, length);
+    return side_of_root(s.side, found.at, m, length);
 }
 
 /// For a ray that hits and m > 0: t* of where the range begins, of its first entry, or of its exit where that is the

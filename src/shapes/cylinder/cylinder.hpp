@@ -1,0 +1,153 @@
+// The cylinder.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/capped_span.hpp"
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points that are no farther than `radius` > 0 from the line through `base` and `top`, and between the planes
+/// across it at these two points: closed, with caps.
+template <class T>
+struct Cylinder {
+    Vec<T> base;
+    Vec<T> top;
+    T radius;
+
+    static constexpr std::string_view name = "cylinder", plural = "cylinders";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a cylinder of radius 2 along the z axis, from -2 to 2",
+                                      .touching = "a ray along its side",
+                                      .point = "a radius of 0",
+                                      .places = "ends of axes"};
+    static constexpr std::array<Key, 3> keys{
+        {{.name = "base", .letter = "b", .aliases = {"start"}},
+         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before, .aliases = {"end"}},
+         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+
+    template <class Numbers>
+    static constexpr Cylinder of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(base.x), take(base.y), take(base.z), take(top.x), take(top.y), take(top.z), take(radius);
+    }
+
+    static Cylinder around(const Vec<T>& p, const T& half) {
+        return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half};
+    }
+
+    [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
+    /// Half of its height or its radius, whichever is larger.
+    [[nodiscard]] T half_extent() const { return max(radius, length(axis()) / T(2)); }
+    [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(radius) + square(axis()) / T(4))}; }
+    /// The point of the cylinder at u.x of its height, u.y and u.z of the way across it.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const Vec<T> v = axis(), size(abs(v.x), abs(v.y), abs(v.z));
+        const Vec<T> least(size.x <= size.y && size.x <= size.z ? T(1) : T(0),
+                           size.y < size.x && size.y <= size.z ? T(1) : T(0),
+                           size.z < size.x && size.z < size.y ? T(1) : T(0));
+        const Vec<T> side = cross(v, least), other = cross(v, side);
+        return base + u.x * v + ((2 * u.y - 1) * radius / length(side)) * side +
+               ((2 * u.z - 1) * radius / length(other)) * other;
+    }
+    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& still, const T& k) const {
+        if (length(across(still)) == 0) return std::nullopt;
+        const Vec<T> there = onto_surface(still);
+        return Cylinder{there + k * (base - there), there + k * (top - there), k * radius};
+    }
+
+    /// With v = top − base, f = o − base, m = v × f and n = v × d: the side is |m + t n|² ≤ r²|v|², h = m·n,
+    /// c = m² − r²v², a = n², q = v²(r² n² − (f·n)²), as m × n = v (f·n) up to the sign. The caps: 0 ≤ v·f + t v·d ≤
+    /// v². Roots and caps are compared by dyadic polynomials of degree eight: for doubles an interval of 8 (1024 +
+    /// 1074) + 16 < 16900 bits decides each.
+    [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
+        const T zero(0), one(1);
+        const Vec<T>& d = ray.direction;
+        const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d);
+        const T v2 = square(v), r2 = square(radius), a = square(n), low = dot(v, f), across = dot(v, d);
+        const auto up = across > zero, crossed = up || across < zero;
+        const T size = select(up, across, -across);
+        const Fraction<T> to_base{-low, size}, to_top{v2 - low, size}, from_top{-to_top.n, size}, from_base{low, size};
+        const Fraction<T> before{-one, zero}, after{one, zero};
+        return {.side = {dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)},
+                .entry = select(crossed, select(up, to_base, from_top), before),
+                .exit = select(crossed, select(up, to_top, from_base), after),
+                .crossed = crossed,
+                .closed = crossed || (low >= zero && low <= v2),
+                .open = crossed || (low > zero && low < v2),
+                .d2 = square(d)};
+    }
+    /// How far a point is outside of the side or of the caps, whichever is more, in units of `unit()`.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const { return max(off_side(p), off_caps(p)) / radius; }
+    [[nodiscard]] T unit() const { return radius; }
+    /// How far a point is from the surface, negative inside: as of a box in the plane of the axis and the point.
+    [[nodiscard]] T distance(const Vec<T>& p) const {
+        const T zero(0), x = off_side(p), y = off_caps(p), out_x = max(x, zero), out_y = max(y, zero);
+        return sqrt(square(out_x) + square(out_y)) + min(max(x, y), zero);
+    }
+    /// Whether it holds a point, in double: |v × f| ≤ r|v| and 0 ≤ v·f ≤ v² but for roundings.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        const Vec<T> v = axis(), f = p - base;
+        const T v2 = square(v), slack = 0x1p-40 * v2, along = dot(v, f);
+        const T size = sqrt(v2) * (radius + 0x1p-40 * (radius + length(p) + length(base)));
+        const bool beside = square(cross(v, f)) > size * size,
+                   beyond = along < -slack - size * 0x1p-40 || along > v2 + slack + size * 0x1p-40;
+        return !(beside || beyond) || !(v2 > 0x1p-900);
+    }
+    /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
+        const Vec<T> v = axis(), w = across(p);
+        const T along = dot(v, Vec<T>(p - middle())), of_w = T(1) / length(w), size = T(1) / length(v);
+        const auto cap = off_caps(p) > off_side(p);
+        const T of_v = select(along < T(0), -size, size);
+        const auto one = [&](const T& side, const T& end) { return select(cap, end * of_v, side * of_w); };
+        return {one(w.x, v.x), one(w.y, v.y), one(w.z, v.z)};
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    /// The same with its error: each of some twenty roundings is one of a number no larger than p, the axis and what
+    /// lies between.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const Vec<T> v = axis(), f = p - base;
+        const T size = length(f) + length(v) + radius;
+        BoundedPoint<T> b{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(base[i]);
+        return b;
+    }
+
+private:
+    [[nodiscard]] Vec<T> axis() const { return top - base; }
+    /// From the axis to p, across it.
+    [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
+        const Vec<T> v = axis(), f = p - base;
+        return f - (dot(v, f) / square(v)) * v;
+    }
+    [[nodiscard]] T off_side(const Vec<T>& p) const {
+        return length(cross(axis(), Vec<T>(p - base))) / length(axis()) - radius;
+    }
+    [[nodiscard]] T off_caps(const Vec<T>& p) const {
+        const Vec<T> v = axis();
+        return max(-dot(v, Vec<T>(p - base)), dot(v, Vec<T>(p - top))) / length(v);
+    }
+    /// Outside, each of the two that are too large is made as large as it may be; inside the one that lacks less.
+    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+        const T zero(0), one(1), x = off_side(p), y = off_caps(p);
+        const Vec<T> v = axis(), w = across(p);
+        const T along = dot(v, Vec<T>(p - base)) / square(v), size = length(w);
+        const auto to_side = x > zero || (x >= y && y <= zero), to_cap = y > zero || (y > x && x <= zero);
+        const T k = select(to_side, radius / size, one);
+        const T end = select(along + along < one, zero, one), at = select(to_cap, end, along);
+        return base + at * v + k * w;
+    }
+};
+
+}  // namespace lostbits

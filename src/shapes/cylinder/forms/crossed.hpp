@@ -1,0 +1,29 @@
+// The vectors across the axis first: n × d and m × d by cross products, whose squares are a and c + r²d². What is near
+// the axis loses nothing to the length of the axis.
+#pragma once
+
+#include "shapes/cylinder/forms/parts.hpp"
+
+namespace lostbits::intersect::cylinder {
+
+struct CrossedAxis {
+    static constexpr Info info{
+        .name = "cylinder.crossed",
+        .title = "quadratic from cross products with the axis",
+        .source = "Cychosz and Waggenspack, Intersecting a Ray with a Cylinder, Graphics Gems IV (1994)",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder) {
+        const Vec<T> v = cylinder.top - cylinder.base, f = ray.origin - cylinder.base;
+        const Vec<T> n = cross(v, ray.direction), m = cross(v, f);
+        const T a = named("a", square(n)), h = named("h", dot(m, n)), v2 = square(v);
+        const T c = named("c", square(m) - square(cylinder.radius) * v2);
+        const T disc = named("disc", square(h) - a * c);
+        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction));
+        const RootPair<T> caps = between<T>(-low / across, (v2 - low) / across);
+        return first_of_both<T>(a, c, disc, sphere::plain_half_roots<T>(a, h, sqrt(disc)), caps);
+    }
+};
+
+}  // namespace lostbits::intersect::cylinder

@@ -1,0 +1,33 @@
+// Ericson: the quadratic from dot products with the axis, md = m·d, nd = n·d and so on: a = (d·d)(n·n) − nd² is what
+// the square of n × d would be, and c likewise. A line beside the axis is a miss or goes through both caps.
+#pragma once
+
+#include "shapes/cylinder/forms/parts.hpp"
+
+namespace lostbits::intersect::cylinder {
+
+struct FromDotProducts {
+    static constexpr Info info{
+        .name = "cylinder.dot_products",
+        .title = "quadratic from dot products with the axis",
+        .source = "Ericson, Real-Time Collision Detection (2005), section 5.3.7, IntersectSegmentCylinder",
+    };
+
+    /// d is the axis, n the direction, m the origin from the base, as in the source.
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder) {
+        const Vec<T> d = cylinder.top - cylinder.base, m = ray.origin - cylinder.base;
+        const Vec<T>& n = ray.direction;
+        const T md = named("md", dot(m, d)), nd = named("nd", dot(n, d)), dd = named("dd", square(d));
+        const T nn = square(n), mn = named("mn", dot(m, n));
+        const T a = named("a", dd * nn - square(nd));
+        const T k = named("k", square(m) - square(cylinder.radius));
+        const T c = named("c", dd * k - square(md));
+        const T b = named("b", dd * mn - nd * md);
+        const T disc = named("disc", square(b) - a * c);
+        const RootPair<T> caps = between<T>(-md / nd, (dd - md) / nd);
+        return first_of_both<T>(a, c, disc, sphere::plain_half_roots<T>(a, b, sqrt(disc)), caps);
+    }
+};
+
+}  // namespace lostbits::intersect::cylinder

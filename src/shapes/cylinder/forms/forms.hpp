@@ -1,0 +1,21 @@
+// The closed list of the forms of the cylinder: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/cylinder/forms/crossed.hpp"
+#include "shapes/cylinder/forms/dot_products.hpp"
+#include "shapes/cylinder/forms/framed.hpp"
+#include "shapes/cylinder/forms/quilez.hpp"
+#include "shapes/cylinder/forms/triple_product.hpp"
+
+namespace lostbits::intersect::cylinder {
+
+using CylinderForms = FormList<  //
+    cylinder::FromDotProducts,   //
+    cylinder::QuilezCapped,      //
+    cylinder::CrossedAxis,       //
+    cylinder::InOwnFrame,        //
+    cylinder::ByTripleProduct    //
+    >;
+
+}  // namespace lostbits::intersect::cylinder

@@ -1,0 +1,35 @@
+// Quilez: k2 = ba·ba − bard² and so on, with the direction's length taken to be 1, and both caps by the sign of the
+// place along the axis.
+#pragma once
+
+#include "shapes/cylinder/forms/parts.hpp"
+
+namespace lostbits::intersect::cylinder {
+
+struct QuilezCapped {
+    static constexpr Info info{
+        .name = "cylinder.quilez",
+        .title = "dot products, unit direction, the cap by y",
+        .source = "Quilez, Intersectors, cylIntersect",
+        .direction = Direction::unit,
+        .roots = Roots::near_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder) {
+        const Vec<T> ba = cylinder.top - cylinder.base, oc = ray.origin - cylinder.base;
+        const Vec<T>& rd = ray.direction;
+        const T baba = named("baba", square(ba)), bard = named("bard", dot(ba, rd)), baoc = named("baoc", dot(ba, oc));
+        const T k2 = named("k2", baba - square(bard));
+        const T k1 = named("k1", baba * dot(oc, rd) - baoc * bard);
+        const T k0 = named("k0", baba * square(oc) - square(baoc) - square(cylinder.radius) * baba);
+        const T h = named("h", square(k1) - k2 * k0), root = sqrt(h);
+        const T by_side = named("t side", (-k1 - root) / k2), y = named("y", baoc + by_side * bard);
+        const T by_cap = named("t cap", (select(y < T(0), T(0), baba) - baoc) / bard);
+        const mask_t<T> on_side = y > T(0) && y < baba, on_cap = abs(k1 + k2 * by_cap) < root;
+        const T t = select(on_side, by_side, by_cap);
+        return {!(h < T(0)) && (on_side || on_cap) && t >= T(0), t, t, t};
+    }
+};
+
+}  // namespace lostbits::intersect::cylinder
