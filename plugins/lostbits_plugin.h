@@ -1,10 +1,10 @@
 /* The door for compiled intersectors: a shared library that exports `lostbits_forms` comes under test with
  * `lostbits map SCENE --plugin LIBRARY.so`. C99; nothing to link with.
  *
- * A form answers a batch of rays against a sphere |p - centre| = radius, a box lo <= p <= hi, a triangle or an
- * ellipsoid |(p - centre)/radii| = 1: the t of p = origin + t direction where the ray first meets the solid's surface,
- * t >= 0. What it may assume and what it
- * promises stands in its `lb_form`; `lostbits plugin check LIBRARY.so` tries whether it is so. */
+ * A form answers a batch of rays against a sphere |p - centre| = radius, a box lo <= p <= hi, a triangle, an
+ * ellipsoid |(p - centre)/radii| = 1 or a cylinder with caps: the t of p = origin + t direction where the ray first
+ * meets the solid's surface, t >= 0. What it may assume and what it promises stands in its `lb_form`;
+ * `lostbits plugin check LIBRARY.so` tries whether it is so. */
 #ifndef LOSTBITS_PLUGIN_H
 #define LOSTBITS_PLUGIN_H
 
@@ -17,11 +17,11 @@
 extern "C" {
 #endif
 
-enum { LB_SPHERE = 0, LB_BOX = 1, LB_TRIANGLE = 2, LB_ELLIPSOID = 3 }; /* lb_form.shape */
-enum { LB_F32 = 32, LB_F64 = 64 };                                     /* lb_form.format: `float` or `double` */
-enum { LB_ANY = 0, LB_UNIT = 1 };                                      /* lb_form.direction */
-enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 };      /* lb_form.roots */
-enum { LB_HIT = 0, LB_MISS = 1, LB_EXIT = 2 };                         /* lb_form.touching, lb_form.at_origin */
+enum { LB_SPHERE = 0, LB_BOX = 1, LB_TRIANGLE = 2, LB_ELLIPSOID = 3, LB_CYLINDER = 4 }; /* lb_form.shape */
+enum { LB_F32 = 32, LB_F64 = 64 };                                /* lb_form.format: `float` or `double` */
+enum { LB_ANY = 0, LB_UNIT = 1 };                                 /* lb_form.direction */
+enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 }; /* lb_form.roots */
+enum { LB_HIT = 0, LB_MISS = 1, LB_EXIT = 2 };                    /* lb_form.touching, lb_form.at_origin */
 
 enum {
     /* `hit` says that the whole line meets the solid, in front of the origin or behind: the first t >= 0 of near and
@@ -51,8 +51,8 @@ typedef struct lb_batch {
     size_t size;         /* rays */
     const void* rays;    /* size x 6: origin x y z, direction x y z */
     const void* ends;    /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
-    const void* solids;  /* centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; or centre x y z,
-                            radii x y z */
+    const void* solids;  /* centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; centre x y z,
+                            radii x y z; base x y z, top x y z, radius */
     size_t solid_stride; /* numbers from the solid of one ray to that of the next; 0: one for all */
     void* near_far;      /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */

@@ -36,8 +36,8 @@ struct Segment {
     T from[3], to[3];
 };
 
-/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle` and
-/// `Ellipsoid`; the others are made of them.
+/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`,
+/// `Ellipsoid` and `Cylinder`; the others are made of them.
 template <class T>
 struct Sphere {
     T centre[3], radius;
@@ -57,6 +57,10 @@ struct Triangle {
 template <class T>
 struct Ellipsoid {
     T centre[3], radii[3];
+};
+template <class T>
+struct Cylinder {
+    T base[3], top[3], radius;
 };
 template <class T>
 struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
@@ -147,6 +151,11 @@ struct SolidOf<Ellipsoid<T>> {
     static Ellipsoid<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
+struct SolidOf<Cylinder<T>> {
+    static constexpr int shape = LB_CYLINDER;
+    static Cylinder<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
+};
+template <class T>
 struct SolidOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
@@ -163,13 +172,14 @@ T length(const T (&v)[3]) {
 /// Behind the solid, as a distance: from the origin to the solid's middle, and its diameter or diagonal more.
 template <int shape, class T>
 T reach(const T* n, const Ray<T>& ray) {
-    T between[3], across[3] = {}, radius = n[3];
+    constexpr bool of_two = shape == LB_BOX || shape == LB_CYLINDER;  // points, with the middle between them
+    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[shape == LB_CYLINDER ? 6 : 3];
     for (int k = 4; shape == LB_ELLIPSOID && k < 6; ++k) radius = n[k] > radius ? n[k] : radius;
     for (int k = 0; k < 3; ++k) {
-        between[k] = (shape == LB_BOX ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];
-        if (shape == LB_BOX) across[k] = n[k + 3] - n[k];
+        between[k] = (of_two ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];
+        if (of_two) across[k] = n[k + 3] - n[k];
     }
-    const T far = length(between) + (shape == LB_BOX ? length(across) : 2 * radius);
+    const T far = length(between) + length(across) + 2 * radius;
     return ray.end < far ? ray.end : far;
 }
 

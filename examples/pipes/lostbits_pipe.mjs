@@ -2,7 +2,7 @@
 //   import { serve } from "./lostbits_pipe.mjs";
 //   serve({ name: "mylib.sphere", roots: "first" }, (origin, direction, sphere) => …);
 // It answers t, or [near, far], or true; nothing or false is a miss. Print to standard error alone (console.error).
-import { readSync, writeSync } from "node:fs";
+import {readSync, writeSync} from "node:fs";
 
 /** Exactly so many bytes of standard input, in a buffer of their own; undefined where it has ended. */
 export function read(bytes) {
@@ -37,12 +37,14 @@ const solids = {
     sphere: ([x, y, z, radius]) => ({ centre: [x, y, z], radius }),
     box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
     ellipsoid: (n) => ({ centre: n.slice(0, 3), radii: n.slice(3), radius: Math.max(...n.slice(3)) }),
+    cylinder: (n) => ({ base: n.slice(0, 3), top: n.slice(3, 6), radius: n[6] }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
 function reach(origin, solid, end) {
-    const middle = solid.centre ?? solid.lo.map((x, k) => (x + solid.hi[k]) / 2);
-    const across = solid.centre ? 2 * solid.radius : Math.hypot(...minus(solid.hi, solid.lo));
+    const low = solid.centre ?? solid.lo ?? solid.base, high = solid.centre ?? solid.hi ?? solid.top;
+    const middle = low.map((x, k) => (x + high[k]) / 2);
+    const across = Math.hypot(...minus(high, low)) + 2 * (solid.radius ?? 0);
     return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
 }
 
@@ -62,13 +64,13 @@ const answers = {
  * `mine(from, to, solid)` where `takes` is "segment" (its answer is a fraction then). `words` are the header's keys,
  * and `takes` and `answers` ("t", "point", "thickness"). Numbers are doubles.
  */
-export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
+export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     const keys = { shape: "sphere", direction: takes === "segment" ? "unit" : "any", ...words, format: "f64" };
     const { name, ...rest } = keys;
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];
-    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6 }[keys.shape];
+    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends
@@ -83,9 +85,8 @@ export function serve({ takes = "ray", answers: told = "t", ...words }, mine) {
             const solid = solid_of([...numbers.subarray(many === 1 ? 0 : width * i)].slice(0, width));
             const end = ended ? ends[i] : Infinity;
             const length = takes === "segment" ? reach(origin, solid, end) : 1;
-            const answer = takes === "segment"
-                ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid)
-                : mine(origin, direction, solid, end, starts[i] ?? 0);
+            const answer = takes === "segment" ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid) :
+                                                 mine(origin, direction, solid, end, starts[i] ?? 0);
             if (answer === undefined || answer === null || answer === false) continue;
             bytes[8 + 16 * n + i] = 1;
             if (answer !== true) near_far.set(t_of(answer, origin, direction).map((t) => t * length), 2 * i);

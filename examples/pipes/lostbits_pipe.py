@@ -20,15 +20,19 @@ def solid_of(shape, n):
         return SimpleNamespace(a=n[:3], b=n[3:6], c=n[6:])
     if shape == "ellipsoid":
         return SimpleNamespace(centre=n[:3], radii=n[3:], radius=max(n[3:]))
+    if shape == "cylinder":
+        return SimpleNamespace(base=n[:3], top=n[3:6], radius=n[6])
     return SimpleNamespace(centre=n[:3], radius=n[3])
 
 
 def reach(origin, solid, end):
     """Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more."""
-    box = hasattr(solid, "lo")
-    middle = [(a + b) / 2 for a, b in zip(solid.lo, solid.hi)] if box else solid.centre
-    across = math.dist(solid.lo, solid.hi) if box else 2 * solid.radius
-    return min(end, math.dist(middle, origin) + across)
+    if hasattr(solid, "centre"):
+        low = high = solid.centre
+    else:
+        low, high = (solid.lo, solid.hi) if hasattr(solid, "lo") else (solid.base, solid.top)
+    middle = [(a + b) / 2 for a, b in zip(low, high)]
+    return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(solid, "radius", 0))
 
 
 def roots_of(answer, kind, origin, direction):
@@ -47,7 +51,7 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
-    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6}[shape]
+    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()
