@@ -48,6 +48,8 @@ const cesium = async () => {
         'cesium.sphere': (s, v = new ball(at(s, 0), s[3])) => (r) => interval(tests.raySphere(set(r), v)),
         'cesium.ellipsoid': (s, v = new ellipsoid(s[3], s[3], s[3])) => (r) =>
             interval(tests.rayEllipsoid(set(r, s), v)),
+        'cesium.ellipsoid_radii': (s, v = new ellipsoid(s[3], s[4], s[5])) => (r) =>
+            interval(tests.rayEllipsoid(set(r, s), v)),
         'cesium.box': (s, v = new cuboid(at(s, 0), at(s, 3))) => (r) =>
             interval(tests.rayAxisAlignedBoundingBox(set(r), v)),
     };
@@ -152,10 +154,10 @@ const rapier = async () => {
     const { default: R } = await within('@dimforge/rapier3d-compat/dist/rapier.mjs');
     await R.init();
     const still = { x: 0, y: 0, z: 0, w: 1 }, ray = new R.Ray({}, {});
-    const cast = (shape, position, solid) => (r) => {
+    const cast = (shape, position, solid, turn = still) => (r) => {
         ray.origin = { x: r[0], y: r[1], z: r[2] };
         ray.dir = { x: r[3], y: r[4], z: r[5] };
-        const t = shape.castRay(ray, position, still, Infinity, solid);
+        const t = shape.castRay(ray, position, turn, Infinity, solid);
         return t === null || t === undefined || t < 0 ? null : [t, t];
     };
     const f = Math.fround, middle = (a, b) => f(f(a + b) / 2), half = (a, b) => f(f(b - a) / 2);
@@ -163,6 +165,14 @@ const rapier = async () => {
         'rapier.sphere': (s) => cast(new R.Ball(s[3]), { x: s[0], y: s[1], z: s[2] }, false),
         'rapier.box': (b) => cast(new R.Cuboid(half(b[0], b[3]), half(b[1], b[4]), half(b[2], b[5])),
             { x: middle(b[0], b[3]), y: middle(b[1], b[4]), z: middle(b[2], b[5]) }, true),
+        // A cylinder of rapier lies along y: it is turned by what takes y to the axis.
+        'rapier.cylinder': (c) => {
+            const v = [0, 1, 2].map((k) => c[k + 3] - c[k]), height = Math.hypot(...v);
+            const [x, z, w] = [v[2], -v[0], height + v[1]], size = Math.hypot(x, z, w);
+            const turn = size > 0 ? { x: x / size, y: 0, z: z / size, w: w / size } : { x: 1, y: 0, z: 0, w: 0 };
+            const at = { x: middle(c[0], c[3]), y: middle(c[1], c[4]), z: middle(c[2], c[5]) };
+            return cast(new R.Cylinder(height / 2, c[6]), at, false, turn);
+        },
     };
 };
 
@@ -176,6 +186,8 @@ const offered = [
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
         'cesium.sphere': ['349, raySphere', 'roots=both', 'at_origin=exit'],
         'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=miss'],
+        'cesium.ellipsoid_radii': ['420, rayEllipsoid, about the centre', 'shape=ellipsoid', 'roots=both',
+            'at_origin=miss'],
         'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'] }],
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
@@ -197,7 +209,8 @@ const offered = [
         'yuka.box': ['5587, intersectAABB', 'roots=first'] }],
     [rapier, '@dimforge/rapier3d-compat', 'parry 0.31.1', {
         'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=exit', ...single],
-        'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single] }],
+        'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single],
+        'rapier.cylinder': ['query/ray/ray_support_map.rs, Cylinder.castRay', 'shape=cylinder', 'roots=first', ...single] }],
 ];
 
 const forms = [];
@@ -207,14 +220,15 @@ for (const [load, name, file, contracts] of offered) {
         const { version } = JSON.parse(readFileSync(join(folder, 'node_modules', name, 'package.json'), 'utf8'));
         const made = await load();
         for (const [form, [where, ...words]] of Object.entries(contracts)) {
-            const shape = form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' : 'box';
+            const said = words.find((word) => word.startsWith('shape='))?.slice(6);
+            const shape = said ?? (form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' : 'box');
             // Of both roots the near one is cut to the ray: an entry at the origin is passed over with what is behind.
             const clipped = words.includes('roots=both') && words.some((word) => word.startsWith('at_origin'));
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
                 `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`,
                 ...['format=f64', 'direction=unit'].filter((w) => !words.some((o) => o.startsWith(w.split('=')[0]))),
-                ...words, `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
-            forms.push({ of: made[form], numbers: shape === 'box' ? 6 : 4,
+                ...words.filter((word) => !word.startsWith('shape=')), `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
+            forms.push({ of: made[form], numbers: { sphere: 4, box: 6, ellipsoid: 6, cylinder: 7 }[shape],
                 Numbers: words.includes('format=f32') ? Float32Array : Float64Array });
         }
     } catch (error) {
