@@ -25,10 +25,12 @@ struct CylinderAnswer {
     bool between = true, inner = true;  ///< of such a line: whether it is between them, and not in one
 
     [[nodiscard]] Rational at(const Rational& t) const { return (a * t + 2 * h) * t + c; }
-    /// Where P is least for t ≥ from between the caps; nothing where no t is.
-    [[nodiscard]] std::optional<Rational> nearest(const std::optional<Rational>& from) const {
+    /// Where P is least between the caps and from ≤ t ≤ to; nothing where no t is.
+    [[nodiscard]] std::optional<Rational> nearest(const std::optional<Rational>& from,
+                                                  const std::optional<Rational>& to = {}) const {
         std::optional<Rational> least = low, most = high;
         if (from) least = least ? std::max(*least, *from) : *from;
+        if (to) most = most ? std::min(*most, *to) : *to;
         if (!between || (least && most && *most < *least)) return std::nullopt;
         Rational t = a == 0 ? least ? *least : Rational(0) : Rational(-h / a);
         if (least && t < *least) t = *least;
@@ -55,9 +57,9 @@ struct CylinderAnswer {
         const bool inside = is_within(Rational(0));
         if (inside) return holds(t - e) && !is_within(t + e);
         if (holds(Rational(0))) return t - e <= 0 && 0 <= t + e;
-        if (is_within(t - e)) return false;
-        const auto there = nearest(Rational(t - e));
-        return there && at(*there) <= 0 && *there <= t + e;
+        // No point of it before t − e, and one from there to t + e.
+        const auto before = nearest(Rational(0), Rational(t - e)), there = nearest(Rational(t - e), Rational(t + e));
+        return !(before && *before < t - e && at(*before) <= 0) && there && at(*there) <= 0;
     }
 };
 

@@ -26,6 +26,7 @@ struct EllipsoidAnswer {
     /// Whether t, of which an answer is known to be at most `e` off, may be the first that is not before the origin:
     /// P changes its sign around it, downwards where the ray comes from outside and upwards from inside.
     [[nodiscard]] bool is_first(const Rational& t, const Rational& e) const {
+        if (discriminant() == 0) return abs(Rational(t + h / a)) <= e;
         const Rational before = at(t - e), after = at(t + e);
         if (c > 0) return before >= 0 && after <= 0;
         return before <= 0 && after >= 0;
