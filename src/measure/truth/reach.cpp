@@ -90,6 +90,9 @@ public:
         return Each(One(value, std::fabs(value) * 0x1p-51));
     }
 
+    /// The ray from its point at t on.
+    [[nodiscard]] Ray<Each> from(const Each& t) const { return {ray.origin + t * ray.direction, ray.direction}; }
+
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
     /// vectors Σ hᵥ |∇ᵥ f|.
     [[nodiscard]] double moved(const Each& f) const {
@@ -151,20 +154,19 @@ private:
     std::array<double, N> x_, step_;
 };
 
-/// With P' and s' of the problem with errors, P'(t) and half of its slope there: t' − t is a root of
-/// a'δ² + 2s'δ + P'(t), which is −P'(t)/(s' ± √(s'² − a'P'(t))), and the same root where the sign is that of s. With
-/// |P'(t)| ≤ B, as P(t) = 0, and σ ≤ |s'| on the side of s,
+/// The ray begins at t here, so that all is of the size of the solid, however far away it is. With P' and s' of the
+/// problem with errors, P'(0) = c' and half of its slope there, h': t' − t is a root of a'δ² + 2s'δ + P'(0), which is
+/// −P'(0)/(s' ± √(s'² − a'P'(0))), and the same root where the sign is that of s. With |P'(0)| ≤ B, as P(0) = 0, and
+/// σ ≤ |s'| on the side of s,
 ///     |δ| ≤ B/(σ + √(σ² − a'B))  where σ² ≥ a'B for the largest a': B/(2|s|) to first order, which is κ's;
 ///     |δ| ≤ √(B/a')              where not, for the smallest a': as near to a tangent t goes as a square root (the
 ///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
 /// and |s'|/a' twice more where s' may have the other sign.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounded<double>, N>>& s,
-                  const Dual<Bounded<double>, N>& t) {
-    const auto at = quadratic_at(s, t);
-    const double B = problem.aside(at.value);
+double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounded<double>, N>>& s) {
+    const double B = problem.aside(s.c);
     if (B == 0) return 0;
-    const auto &slope = at.slope.value(), &a = s.a.value();
+    const auto &slope = s.h.value(), &a = s.a.value();
     const double sigma = std::fabs(slope.value()) - slope.error() * outward;
     const double aB = (a.value() + a.error()) * B * outward;
     if (sigma > 0 && sigma * sigma >= aB) return B / (sigma + std::sqrt(sigma * sigma - aB));
@@ -172,11 +174,10 @@ double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounde
     return least > 0 ? std::sqrt(B / least) + 2 * std::max(0.0, -sigma) / least : anywhere;
 }
 
-/// t' − n/m = (n' − t m')/m' of t = n/m.
+/// t' − t = n'/m' of t = n/m, where n is 0 as the ray begins at t.
 template <std::size_t N>
-double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded<double>, N>>& at,
-                      const Dual<Bounded<double>, N>& t) {
-    const double B = problem.aside(at.n - t * at.m);
+double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded<double>, N>>& at) {
+    const double B = problem.aside(at.n);
     if (B == 0) return 0;
     const double least = at.m.value().value() * (1 - 0x1p-40) - at.m.value().error();
     return least > 0 ? B / least : anywhere;
@@ -184,29 +185,26 @@ double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded
 
 /// t is one of these, the largest or the smallest: it moves as far as any that can come to where it is.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<Bounded<double>, N>>& s,
-                  const Dual<Bounded<double>, N>& t) {
+double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<Bounded<double>, N>>& s) {
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         if (!s.crossed[i].value()) continue;
-        for (const auto* side : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, (*side)[i], t));
+        for (const auto* side : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, (*side)[i]));
     }
     return most;
 }
 
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<Bounded<double>, N>>& s,
-                  const Dual<Bounded<double>, N>& t) {
-    return moved_quotient(problem, s.at, t);
+double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<Bounded<double>, N>>& s) {
+    return moved_quotient(problem, s.at);
 }
 
 /// t is a root or on a cap: as far as either can come to where it is.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<double>, N>>& s,
-                  const Dual<Bounded<double>, N>& t) {
-    double most = moved_root(problem, s.side, t);
+double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<double>, N>>& s) {
+    double most = moved_root(problem, s.side);
     if (!s.crossed.value()) return most;
-    for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap, t));
+    for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap));
     return most;
 }
 
@@ -217,8 +215,9 @@ double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, co
         constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
         const Perturbable<N> problem(ray, solid, format, perturbed);
         const auto at = problem.of(t);
-        const double root =
-            problem.is_spread() ? anywhere : moved_root(problem, problem.solid.template as<Of>().span(problem.ray), at);
+        const double root = problem.is_spread()
+                                ? anywhere
+                                : moved_root(problem, problem.solid.template as<Of>().span(problem.from(at)));
         const double most = root == 0 ? 0 : std::min(root, problem.across(at));
         const double in_time = std::ldexp(most * outward, problem.time());
         return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;

