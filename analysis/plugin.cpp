@@ -16,6 +16,7 @@
 #include "intersect/doors/plugin.hpp"
 #include "intersect/process/own_state.hpp"
 #include "measure/contract/probe.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis {
 
@@ -58,7 +59,7 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     int broken = 0;
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;
-    fmt::print("{} in binary{}, a {}: {}\n", c.name, c.bits, name_of(c.shape),
+    fmt::print("{} in binary{}, {}: {}\n", c.name, c.bits, with_article(c.shape),
                broken == 0 ? "does as it says" : fmt::format("{} of its promises broken", broken));
     if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);

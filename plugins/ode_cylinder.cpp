@@ -32,5 +32,6 @@ Answer<double> cylinder(const Ray<double>& r, const Cylinder<double>& c) {
 LOSTBITS_FORMS(form<cylinder>("ode.cylinder")
                    .unit_direction()
                    .first_root()
+                   .origin_misses()
                    .titled("dCollide of ODE, ray and cylinder")
                    .from("ODE 0.16.2, ode/src/ray.cpp, dCollideRayCylinder"))

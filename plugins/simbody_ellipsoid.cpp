@@ -19,5 +19,6 @@ Answer<double> ellipsoid(const Ray<double>& r, const Ellipsoid<double>& e) {
 LOSTBITS_FORMS(form<ellipsoid>("simbody.ellipsoid")
                    .unit_direction()
                    .first_root()
+                   .origin_exits()
                    .ignores_end()
                    .from("Simbody 3.7, ContactGeometry_Ellipsoid.cpp, intersectsRay"))

@@ -1,6 +1,7 @@
 // Wild Magic 5.17: IntrLine3Cylinder3::Find (Wm5IntrLine3Cylinder3.cpp:83), of a line and a cylinder of finite height
 // (Wm5Cylinder3.h: centre, unit axis, radius, height), for unit directions. It makes a frame of the axis and takes the
-// line into it. Centre, axis and height are rounded before the call.
+// line into it. Centre, axis and height are rounded before the call. Debian's library ends the program by an assertion
+// where the axis has no length or is not finite: that is counted as a miss.
 #include <Wm5IntrLine3Cylinder3.h>
 #include <lostbits_plugin.hpp>
 
@@ -12,6 +13,7 @@ Answer<T> cylinder(const Ray<T>& r, const Cylinder<T>& c) {
     const Wm5::Vector3<T> origin(r.origin[0], r.origin[1], r.origin[2]);
     Wm5::Vector3<T> axis = top - base;
     const T height = axis.Normalize();
+    if (!(height > 0) || !(axis.SquaredLength() < 2)) return miss;
     const Wm5::Cylinder3<T> solid(Wm5::Line3<T>((base + top) * T(0.5), axis), c.radius, height);
     T t[2] = {};
     const Wm5::Vector3<T> direction(r.direction[0], r.direction[1], r.direction[2]);

@@ -67,6 +67,11 @@ std::vector<std::string> number_paths(Shape shape) {
     return named(shape, [&](const Key& key, const auto& part) { return front + joined(key.name, ".", part); });
 }
 
+std::string with_article(Shape shape) {
+    const std::string_view name = name_of(shape);
+    return (std::string_view("aeiou").find(name.front()) == std::string_view::npos ? "a " : "an ") + std::string(name);
+}
+
 std::string option_words(Shape shape) {
     std::string words;
     for (const std::string& name :
@@ -105,13 +110,13 @@ std::string no_end_words(Shape shape) {
 std::string limit_words(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
     if (key.limit == Key::Limit::off_line_before)
-        return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) +
-               "; a " + std::string(name_of(shape)) + " has an area, so move one of the three";
+        return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) + "; " +
+               with_article(shape) + " has an area, so move one of the three";
     if (key.limit == Key::Limit::apart_from_before)
-        return "is " + std::string((&key - 1)->name) + "; a " + std::string(name_of(shape)) +
+        return "is " + std::string((&key - 1)->name) + "; " + with_article(shape) +
                " has a height, so move one of the two";
-    return "is below " + std::string((&key - 1)->name) + " in a component; a " + std::string(name_of(shape)) +
-           " needs " + order_words(key) + " in each";
+    return "is below " + std::string((&key - 1)->name) + " in a component; " + with_article(shape) + " needs " +
+           order_words(key) + " in each";
 }
 
 }  // namespace lostbits

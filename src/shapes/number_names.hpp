@@ -19,6 +19,9 @@ std::span<const std::string> column_names(Shape shape);
 /// Other names of number `k` in files of rays: centre_x, center_x; r.
 std::vector<std::string> other_column_names(Shape shape, std::size_t k);
 
+/// "a sphere", "an ellipsoid".
+std::string with_article(Shape shape);
+
 /// The paths of the numbers in files: sphere.centre.x, …, sphere.radius.
 std::vector<std::string> number_paths(Shape shape);
 

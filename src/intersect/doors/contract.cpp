@@ -5,6 +5,7 @@
 
 #include "intersect/process/floating_point.hpp"
 #include "number/error.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::doors {
 namespace {
@@ -115,7 +116,7 @@ void require_sense(const Contract& c, const std::string& library) {
     require_roots(c, from);
     const Inside inside = inside_of(c);
     if (zero_inside(c.shape) && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
-        throw InputError(from + ": from inside of a " + std::string(name_of(c.shape)) +
+        throw InputError(from + ": from inside of " + with_article(c.shape) +
                          " the answer is 0, and so it is from its surface; at_origin is for spheres and for inside = "
                          "exit or miss");
 }

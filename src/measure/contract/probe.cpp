@@ -10,6 +10,7 @@
 
 #include "measure/contract/trial.hpp"
 #include "number/error.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::measure::contract {
 
@@ -186,7 +187,7 @@ bool has_inside(Shape shape) {
 void try_aside(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
-    if (ends_of(q, trial.shape)) return trial.told("no ray passes by a " + std::string(name_of(trial.shape)));
+    if (ends_of(q, trial.shape)) return trial.told("no ray passes by " + with_article(trial.shape));
     trial.hold(trial.ask(q).hit == 0, "a ray that passes by misses",
                "a ray that passes by hits; is this how it says that it misses (of a shader: miss=)?");
 }

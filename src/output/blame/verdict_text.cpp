@@ -11,6 +11,7 @@
 #include "output/blame/explain_text.hpp"
 #include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::output::blame {
 
@@ -67,7 +68,7 @@ std::string wrong_solid_sentence(const Explanation& x) {
                                         : "a miss";
     const Shape other = missed.alone.solids.front().shape;
     const auto named = [&x](int solid, Shape shape) {
-        return x.form->is_set() ? fmt::format("{}, a {}", solid, lostbits::name_of(shape)) : std::to_string(solid);
+        return x.form->is_set() ? fmt::format("{}, {}", solid, with_article(shape)) : std::to_string(solid);
     };
     return fmt::format(
         "The wrong solid: the form hits solid {}, but the ray first meets solid {} (counted from 0). Of that solid "

@@ -145,7 +145,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
             std::ranges::transform(spec.numbers, solid.numbers.begin(),
                                    [](const Quantity& q) { return q.in(binary64, 0); });
             if (const auto broken = broken_limit(solid))
-                toml::fail(table.where(), "has a " + std::string(name_of(spec.shape)) + " whose " +
+                toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
                                               std::string(broken->key->name) + " " +
                                               limit_words(spec.shape, *broken->key));
         }

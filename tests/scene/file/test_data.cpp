@@ -69,6 +69,27 @@ bool hits(const Ray<Real>& ray, const Triangle<Real>& triangle) {
     return t >= 0 && v >= 0 && w >= 0 && v + w <= 1;
 }
 
+/// By the point of the ray that is nearest to the centre, where it is the unit sphere.
+bool hits(const Ray<Real>& ray, const Ellipsoid<Real>& e) {
+    const auto in_radii = [&e](const Vec<Real>& v) {
+        return Vec<Real>(v.x / e.radii.x, v.y / e.radii.y, v.z / e.radii.z);
+    };
+    const Vec<Real> f = in_radii(ray.origin - e.centre), d = in_radii(ray.direction);
+    const Real t = max(Real(-dot(f, d) / dot(d, d)), Real(0));
+    return length(Vec<Real>(f + t * d)) <= 1;
+}
+
+/// By the point of the ray between the caps that is nearest to the axis.
+bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
+    const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;
+    const Real v2 = dot(v, v), one = -dot(v, f) / dot(v, d), other = (v2 - dot(v, f)) / dot(v, d);
+    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
+    const Real low = max(min(one, other), Real(0)), high = max(one, other);
+    if (high < low) return false;
+    const Real t = min(max(Real(-dot(from, across) / dot(across, across)), low), high);
+    return length(Vec<Real>(from + t * across)) <= c.radius;
+}
+
 /// Every fourth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
 /// one, it is every sixteenth.
 double hit_fraction(const scene::file::Scene& scene) {
