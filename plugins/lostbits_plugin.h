@@ -2,8 +2,8 @@
  * `lostbits map SCENE --plugin LIBRARY.so`. C99; nothing to link with.
  *
  * A form answers a batch of rays against a sphere |p - centre| = radius, a box lo <= p <= hi, a triangle, an
- * ellipsoid |(p - centre)/radii| = 1 or a cylinder with caps: the t of p = origin + t direction where the ray first
- * meets the solid's surface, t >= 0. What it may assume and what it promises stands in its `lb_form`;
+ * ellipsoid |(p - centre)/radii| = 1, a cylinder with caps or a capsule: the t of p = origin + t direction where the
+ * ray first meets the solid's surface, t >= 0. What it may assume and what it promises stands in its `lb_form`;
  * `lostbits plugin check LIBRARY.so` tries whether it is so. */
 #ifndef LOSTBITS_PLUGIN_H
 #define LOSTBITS_PLUGIN_H
@@ -17,7 +17,14 @@
 extern "C" {
 #endif
 
-enum { LB_SPHERE = 0, LB_BOX = 1, LB_TRIANGLE = 2, LB_ELLIPSOID = 3, LB_CYLINDER = 4 }; /* lb_form.shape */
+enum {
+    LB_SPHERE = 0,
+    LB_BOX = 1,
+    LB_TRIANGLE = 2,
+    LB_ELLIPSOID = 3,
+    LB_CYLINDER = 4,
+    LB_CAPSULE = 5
+};                                                                /* lb_form.shape */
 enum { LB_F32 = 32, LB_F64 = 64 };                                /* lb_form.format: `float` or `double` */
 enum { LB_ANY = 0, LB_UNIT = 1 };                                 /* lb_form.direction */
 enum { LB_BOTH = 0, LB_NEAR = 1, LB_FIRST = 2, LB_HIT_ONLY = 3 }; /* lb_form.roots */
@@ -52,7 +59,7 @@ typedef struct lb_batch {
     const void* rays;    /* size x 6: origin x y z, direction x y z */
     const void* ends;    /* size: where each ray ends, as t, infinity for nowhere; NULL: no ray ends */
     const void* solids;  /* centre x y z, radius; lo x y z, hi x y z; the vertices a, b, c; centre x y z,
-                            radii x y z; base x y z, top x y z, radius */
+                            radii x y z; base or start x y z, top or end x y z, radius */
     size_t solid_stride; /* numbers from the solid of one ray to that of the next; 0: one for all */
     void* near_far;      /* out, size x 2: where the line enters and leaves. Of LB_NEAR and LB_FIRST, t comes first and
                             the second is not read; of LB_HIT_ONLY neither is; nor where `hit` is 0 */

@@ -37,7 +37,7 @@ struct Segment {
 };
 
 /// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`,
-/// `Ellipsoid` and `Cylinder`; the others are made of them.
+/// `Ellipsoid`, `Cylinder` and `Capsule`; the others are made of them.
 template <class T>
 struct Sphere {
     T centre[3], radius;
@@ -61,6 +61,10 @@ struct Ellipsoid {
 template <class T>
 struct Cylinder {
     T base[3], top[3], radius;
+};
+template <class T>
+struct Capsule {
+    T start[3], end[3], radius;
 };
 template <class T>
 struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
@@ -156,6 +160,11 @@ struct SolidOf<Cylinder<T>> {
     static Cylinder<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
 };
 template <class T>
+struct SolidOf<Capsule<T>> {
+    static constexpr int shape = LB_CAPSULE;
+    static Capsule<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
+};
+template <class T>
 struct SolidOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
@@ -172,8 +181,9 @@ T length(const T (&v)[3]) {
 /// Behind the solid, as a distance: from the origin to the solid's middle, and its diameter or diagonal more.
 template <int shape, class T>
 T reach(const T* n, const Ray<T>& ray) {
-    constexpr bool of_two = shape == LB_BOX || shape == LB_CYLINDER;  // points, with the middle between them
-    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[shape == LB_CYLINDER ? 6 : 3];
+    constexpr bool along = shape == LB_CYLINDER || shape == LB_CAPSULE;  // an axis
+    constexpr bool of_two = shape == LB_BOX || along;                    // points, with the middle between them
+    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[along ? 6 : 3];
     for (int k = 4; shape == LB_ELLIPSOID && k < 6; ++k) radius = n[k] > radius ? n[k] : radius;
     for (int k = 0; k < 3; ++k) {
         between[k] = (of_two ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];

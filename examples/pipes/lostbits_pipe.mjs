@@ -38,11 +38,13 @@ const solids = {
     box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
     ellipsoid: (n) => ({ centre: n.slice(0, 3), radii: n.slice(3), radius: Math.max(...n.slice(3)) }),
     cylinder: (n) => ({ base: n.slice(0, 3), top: n.slice(3, 6), radius: n[6] }),
+    capsule: (n) => ({ start: n.slice(0, 3), end: n.slice(3, 6), radius: n[6] }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
 function reach(origin, solid, end) {
-    const low = solid.centre ?? solid.lo ?? solid.base, high = solid.centre ?? solid.hi ?? solid.top;
+    const low = solid.centre ?? solid.lo ?? solid.base ?? solid.start;
+    const high = solid.centre ?? solid.hi ?? solid.top ?? solid.end;
     const middle = low.map((x, k) => (x + high[k]) / 2);
     const across = Math.hypot(...minus(high, low)) + 2 * (solid.radius ?? 0);
     return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
@@ -70,7 +72,7 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];
-    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7 }[keys.shape];
+    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7, capsule: 7 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends

@@ -22,15 +22,15 @@ def solid_of(shape, n):
         return SimpleNamespace(centre=n[:3], radii=n[3:], radius=max(n[3:]))
     if shape == "cylinder":
         return SimpleNamespace(base=n[:3], top=n[3:6], radius=n[6])
+    if shape == "capsule":
+        return SimpleNamespace(start=n[:3], end=n[3:6], radius=n[6])
     return SimpleNamespace(centre=n[:3], radius=n[3])
 
 
 def reach(origin, solid, end):
     """Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more."""
-    if hasattr(solid, "centre"):
-        low = high = solid.centre
-    else:
-        low, high = (solid.lo, solid.hi) if hasattr(solid, "lo") else (solid.base, solid.top)
+    pairs = (("centre", "centre"), ("lo", "hi"), ("base", "top"), ("start", "end"))
+    low, high = next((getattr(solid, a), getattr(solid, b)) for a, b in pairs if hasattr(solid, a))
     middle = [(a + b) / 2 for a, b in zip(low, high)]
     return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(solid, "radius", 0))
 
@@ -51,7 +51,7 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
-    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7}[shape]
+    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()

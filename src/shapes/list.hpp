@@ -6,7 +6,8 @@
     line(box, Box) \
     line(triangle, Triangle) \
     line(ellipsoid, Ellipsoid) \
-    line(cylinder, Cylinder)
+    line(cylinder, Cylinder) \
+    line(capsule, Capsule)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
@@ -14,5 +15,6 @@
 #include LOSTBITS_SHAPE_FILE(triangle)
 #include LOSTBITS_SHAPE_FILE(ellipsoid)
 #include LOSTBITS_SHAPE_FILE(cylinder)
+#include LOSTBITS_SHAPE_FILE(capsule)
 
 #undef LOSTBITS_SHAPE_FILE

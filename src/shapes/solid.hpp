@@ -244,6 +244,17 @@ auto transformed(const Solid<S>& from, Lift lift) {
     return to;
 }
 
+/// Whether two points differ, and all of their numbers are numbers.
+template <class S>
+bool are_apart(const Vec<S>& a, const Vec<S>& b) {
+    bool differ = false;
+    for (int i = 0; i < 3; ++i) {
+        if (!(a[i] < b[i] || a[i] >= b[i])) return false;
+        differ = differ || a[i] != b[i];
+    }
+    return differ;
+}
+
 /// A limit of a key that these numbers break, and the number that breaks it: of a point on a line, its first. NaN
 /// breaks every limit.
 struct BrokenLimit {
@@ -257,7 +268,7 @@ std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
         if (key.limit == Key::Limit::off_line_before &&
             on_one_line(solid.point(k - 6), solid.point(k - 3), solid.point(k)))
             return BrokenLimit{&key, k};
-        if (key.limit == Key::Limit::apart_from_before && solid.point(k - 3) == solid.point(k))
+        if (key.limit == Key::Limit::apart_from_before && !are_apart(solid.point(k - 3), solid.point(k)))
             return BrokenLimit{&key, k};
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = solid.numbers[k];

@@ -10,6 +10,7 @@
 #include "fpcore.hpp"
 #include "intersect/table/table.hpp"
 #include "program.hpp"
+#include "setting_of.hpp"
 
 namespace test_explain {
 
@@ -17,20 +18,11 @@ using namespace lostbits;
 using test::has;
 using test::run;
 using test::Scratch;
+using test::setting_of;
 
 namespace {
 
 const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
-
-/// Scenes, each with a pixel that forms of its shape hit.
-const std::vector<std::pair<Shape, std::string>> settings{{Shape::sphere, "rtg-fig-7-3-100-oblique --pixel 128,100"},
-                                                          {Shape::box, "box-one --pixel 128,100"},
-                                                          {Shape::triangle, "triangle-edge.plain --pixel 100,80"},
-                                                          {Shape::sdf, "sdf-sphere --pixel 100,100"}};
-
-const std::string& setting_of(Shape shape) {
-    return std::ranges::find(settings, shape, &std::pair<Shape, std::string>::first)->second;
-}
 
 }  // namespace
 

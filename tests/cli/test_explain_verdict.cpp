@@ -8,24 +8,18 @@
 #include "catch.hpp"
 #include "intersect/table/table.hpp"
 #include "program.hpp"
+#include "setting_of.hpp"
 
 namespace test_explain_verdict {
 
 using namespace lostbits;
 using test::has;
 using test::run;
+using test::setting_of;
 
 namespace {
 
 const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
-
-/// A scene and a pixel that forms of the shape hit.
-std::string setting_of(Shape shape) {
-    return shape == Shape::sphere     ? "rtg-fig-7-3-100-oblique --pixel 128,100"
-           : shape == Shape::box      ? "box-one --pixel 128,100"
-           : shape == Shape::triangle ? "triangle-edge.plain --pixel 100,80"
-                                      : "sdf-sphere --pixel 100,100";
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include "intersect/table/table.hpp"
 #include "measure/metric/metrics.hpp"
 #include "program.hpp"
+#include "setting_of.hpp"
 
 namespace test_list {
 
@@ -25,10 +26,10 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
         CHECK(text.out.find("\n" + name + " ") != std::string::npos);
         // No form of the catalogue has a word of its own.
         const std::string shape = name.substr(0, name.find('.'));
-        CHECK(array[i]["inside"] == (shape == "sphere"     ? "exit"
-                                     : shape == "box"      ? "zero"
+        CHECK(array[i]["inside"] == (shape == "box"        ? "zero"
                                      : shape == "triangle" ? "none"
-                                                           : "by solid"));
+                                     : shape == "sdf"      ? "by solid"
+                                                           : "exit"));
     }
 }
 
@@ -56,12 +57,8 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
         INFO(form.info->name << ": " << labels);
         CHECK_FALSE(labels.empty());
         const std::string last = labels.substr(labels.rfind(' ') + 1);
-        const char* const scene = form.shape == Shape::sphere     ? "near-benign"
-                                  : form.shape == Shape::box      ? "box-one"
-                                  : form.shape == Shape::triangle ? "triangle-edge.plain"
-                                                                  : "sdf-sphere";
-        const auto r = run(std::string("map ") + scene + " --size 8x8 -f f32 -i " + std::string(form.info->name) +
-                               " --metric \"contribution:" + last + "\" -q -o out",
+        const auto r = run("map " + test::scene_of(form.shape) + " --size 8x8 -f f32 -i " +
+                               std::string(form.info->name) + " --metric \"contribution:" + last + "\" -q -o out",
                            scratch.path());
         INFO(r.err);
         mapped += r.code == 0;

@@ -94,8 +94,10 @@ HostileRay at_any_scale(HostileRay x, Random& random) {
         x.ray.direction[k] = scaled(x.ray.direction[k], of_direction);
     }
     x.solid = transformed(x.solid, [&](double v) { return scaled(v, of_lengths); });
-    if (x.solid.shape == Shape::sphere && x.solid.numbers[3] == 0)
-        x.solid.numbers[3] = std::numeric_limits<S>::denorm_min();
+    for_each_key(x.solid.shape, [&x](const Key& key, std::size_t first) {
+        for (std::size_t k = first; key.limit == Key::Limit::positive && k < first + key.count(); ++k)
+            if (x.solid.numbers[k] == 0) x.solid.numbers[k] = std::numeric_limits<S>::denorm_min();
+    });
     if (x.ray.direction == Vec<double>(0, 0, 0)) x.ray.direction.x = std::numeric_limits<S>::denorm_min();
     return x;
 }
@@ -107,12 +109,19 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
         HostileRays<S> draw(seed << 32 | b);
         Random scales(seed << 32 | b);
         for (std::uint64_t i = 0; i < std::min(block, rays - b * block); ++i) {
-            HostileRay x = form.shape == Shape::sphere ? draw.sphere((b + i) % sphere_families.size())
-                                                       : draw.box((b + i) % box_families.size());
+            const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
+            HostileRay x =
+                as_box ? draw.box((b + i) % box_families.size()) : draw.sphere((b + i) % sphere_families.size());
+            // What is hostile to a sphere is to a solid around the same centre.
+            if (!as_box && form.shape != Shape::sphere)
+                x.solid = transformed(solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]),
+                                      [](double v) { return static_cast<double>(static_cast<S>(v)); });
             if (any_scale) x = at_any_scale<S>(x, scales);
             if (form.info->direction == intersect::Direction::unit)
                 x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);
-            check_ray<S>(form, x, tally, any_scale);
+            if (x.solid.shape != Shape::cylinder && x.solid.shape != Shape::capsule)
+                check_ray<S>(form, x, tally, any_scale);
+            else if (!broken_limit(x.solid)) check_ray<S>(form, x, tally, any_scale);  // its ends are still apart
         }
     });
 }

@@ -23,8 +23,8 @@ endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
 file(READ ${list} text)
-string(REPLACE "    line(cylinder, Cylinder)\n" "    line(cylinder, Cylinder) \\\n    line(plane, Plane)\n" text "${text}")
-string(REPLACE "FILE(cylinder)\n" "FILE(cylinder)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
+string(REPLACE "    line(capsule, Capsule)\n" "    line(capsule, Capsule) \\\n    line(plane, Plane)\n" text "${text}")
+string(REPLACE "FILE(capsule)\n" "FILE(capsule)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
 file(WRITE ${list} "${text}")
 
 file(WRITE ${WORK}/shapes.cpp [=[
@@ -60,7 +60,7 @@ if(failed)
     message(FATAL_ERROR "the shape of the recipe does not compile:\n${errors}")
 endif()
 execute_process(COMMAND ${WORK}/shapes OUTPUT_VARIABLE said)
-set(expected "sphere: 4\nbox: 6\ntriangle: 9\nplane: 6\nplane of 6 numbers, last -2\nplane.quotient hits at 4\n"
+set(expected "sphere: 4\nbox: 6\ntriangle: 9\nellipsoid: 6\ncylinder: 7\ncapsule: 7\nplane: 6\nplane of 6 numbers, last -2\nplane.quotient hits at 4\n"
     "truly 4, and leaves at 4\ntruly 4, and leaves at 4\n")
 string(CONCAT expected ${expected})
 if(NOT said STREQUAL expected)

@@ -41,8 +41,8 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-template <class E>
-std::optional<Meeting> enclosed(const CappedSpan<E>& s) {
+template <class E, truth::ToldSpan<E> S>
+std::optional<Meeting> enclosed(const S& s) {
     const Fraction<E> begin{E(0), E(1)};
     const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
     const Tri through = s.is_open(), met = s.is_met();
@@ -96,8 +96,8 @@ std::optional<bool> passes(const SlabSpan<E>& s) {
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
-template <class E>
-std::optional<bool> passes(const CappedSpan<E>& s) {
+template <class E, truth::ToldSpan<E> S>
+std::optional<bool> passes(const S& s) {
     const Fraction<E> from{E(0), E(1)}, to{E(1), E(1)};
     const Tri hit = s.is_open() && !s.leaves_to(from).at_most && s.enters_to(to).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());

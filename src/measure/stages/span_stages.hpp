@@ -7,6 +7,7 @@
 
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/span.hpp"
 #include "measure/stages/problem.hpp"
@@ -190,39 +191,59 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Runni
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
-/// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
-/// surface: from outside where it enters, from inside where it leaves, by whichever of side and cap that is.
+/// Where the line enters, or leaves where it is `far`, and whether that is known, in the lanes of a hit.
 template <class E>
-Met<E> first_met_from(const CappedSpan<E>& s, const Fraction<E>& begin, const mask_t<E>& in_time_in,
-                      const mask_t<E>& in_time_out) {
-    using P = typename E::P;
-    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
-    const auto open = s.is_open().yes(), none = P(0) < P(0);
-    const auto near = open && enters.at_most.no() && leaves.at_most.no() && in_time_in.yes();
-    const auto far = open && enters.less.yes() && leaves.at_most.no() && in_time_out.yes();
-    const auto missed = s.is_met().no() || leaves.less.yes() || (enters.at_most.no() && in_time_in.no()) ||
-                        (enters.less.yes() && in_time_out.no());
-    const auto by_near_cap = s.enters_by_cap(), by_far_cap = s.leaves_by_cap();
-    const auto cap = (near && by_near_cap.yes()) || (far && by_far_cap.yes());
-    const auto hit = (near && (cap || by_near_cap.no())) || (far && (cap || by_far_cap.no()));
-    const E one(1);
-    if (!any_of(hit)) return {hit, missed, none, one};
-    const E by_cap = select(cap, select(far, s.exit.n, s.entry.n), one) / select(cap, s.entry.m, one);
-    const E by_side = root_of(s.side, far, (s.side.h > E(0)).yes());
-    return {hit, missed, none, select(cap, by_cap, by_side)};
+struct MetAt {
+    mask_t<typename E::P> known;
+    E t;
+};
+template <class W>
+MetAt<Running<W>> met_at(const CappedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
+    using E = Running<W>;
+    const auto near_cap = s.enters_by_cap(), far_cap = s.leaves_by_cap();
+    const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
+    const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
+    const E one(1), cap = select(by_cap, select(far, s.exit.n, s.entry.n), one) / select(by_cap, s.entry.m, one);
+    return {by_cap || by_side, select(by_cap, cap, root_of(s.side, far, (s.side.h > E(0)).yes()))};
 }
 template <class W>
-Met<Running<W>> first_met(const CappedSpan<Running<W>>& s) {
+MetAt<Running<W>> met_at(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
+    using P = typename Running<W>::P;
+    const QuadraticSpan<Running<W>> at{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
+                                       select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q), s.d2};
+    return {P(0) <= P(0), root_of(at, far, (at.h > Running<W>(0)).yes())};
+}
+
+/// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
+/// surface: from outside where it enters, from inside where it leaves, each in the range where there is one.
+template <class S, class E>
+Met<E> first_met_from(const S& s, const Fraction<E>& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
+    using P = typename E::P;
+    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
+    const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
+    const auto near = open && enters.at_most.no() && entry_in.yes();
+    const auto far = open && enters.less.yes() && exit_in.yes();
+    const auto missed = s.is_met().no() || leaves.less.yes() || (enters.at_most.no() && entry_in.no()) ||
+                        (enters.less.yes() && exit_in.no());
+    if (!any_of(near || far)) return {none, missed, none, E(1)};
+    const MetAt<E> at = met_at(s, far);
+    return {(near || far) && at.known, missed, none, at.t};
+}
+template <class W, template <class> class Span>
+requires requires(const Span<Running<W>>& s) { s.is_met(), s.is_open(); }
+Met<Running<W>> first_met(const Span<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_met_from(s, {E(0), E(1)}, always, always);
+    return first_met_from<Span<E>, E>(s, {E(0), E(1)}, always, always);
 }
 
 /// The same of a ray with a range.
-template <class W>
-Met<Running<W>> first_met(const CappedSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
-    return first_met_from(s, {range.begin, Running<W>(1)}, in_time(s.enters_to(range.end), range),
-                          in_time(s.leaves_to(range.end), range));
+template <class W, template <class> class Span>
+requires requires(const Span<Running<W>>& s) { s.is_met(), s.is_open(); }
+Met<Running<W>> first_met(const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    return first_met_from<Span<Running<W>>, Running<W>>(s, {range.begin, Running<W>(1)},
+                                                        in_time(s.enters_to(range.end), range),
+                                                        in_time(s.leaves_to(range.end), range));
 }
 
 /// Whether a length is known closely enough: to 2^-33 of itself in one word, as `narrow_tightness` has it, to 2^-72 in

@@ -8,6 +8,7 @@
 
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
 #include "intersect/info.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
@@ -207,10 +208,34 @@ Enclosed<E> enclose(const FlatSpan<E>& s, const RangeOfSpan<E>* range, intersect
     return {Tri::yes, t, t * sqrt(s.d2), touching, at_begin, Crossing::near};
 }
 
+/// A span that tells where it stands to a fraction, and not by what it enters.
+template <class S, class E>
+concept ToldSpan = requires(const S& s, const Fraction<E>& t) {
+    s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
+};
+
+/// A hit where the line enters (`Crossing::near`) or leaves: by a cap, or at a root; unknown where this precision does
+/// not tell which.
+template <class E>
+Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
+    const E zero(0);
+    const bool near = at == Crossing::near;
+    const Tri by_cap = near ? s.enters_by_cap() : s.leaves_by_cap();
+    if (by_cap.is_unknown()) return {Tri::unknown, zero, zero};
+    if (by_cap.is_no()) return enclosed_root(s.side, at, touching, on_surface);
+    const Fraction<E>& cap = near ? s.entry : s.exit;
+    const E t = cap.n / cap.m;
+    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, at};
+}
+template <class E>
+Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
+    return enclosed_root(at == Crossing::near ? s.enter : s.leave, at, touching, on_surface);
+}
+
 /// What a convention says of a ray that begins in the closed solid: strictly inside the exit counts, where the line
 /// enters or leaves that point, and along the surface it does both.
-template <class E>
-Enclosed<E> enclose_from_inside(const CappedSpan<E>& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
+template <class E, ToldSpan<E> S>
+Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
                                 intersect::Convention asked, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
@@ -233,17 +258,13 @@ Enclosed<E> enclose_from_inside(const CappedSpan<E>& s, const Fraction<E>& begin
         const Tri in_reach = in_time(s.leaves_to(range->end), *range);
         if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
     }
-    const Tri by_cap = s.leaves_by_cap();
-    if (by_cap.is_unknown()) return unknown;
-    if (by_cap.is_no()) return enclosed_root(s.side, Crossing::far, false, on_surface);
-    const E t = s.exit.n / s.exit.m;
-    return {Tri::yes, t, t * sqrt(s.d2), false, on_surface, Crossing::far};
+    return enclosed_at<E>(s, Crossing::far, false, on_surface);
 }
 
-/// The line against a side and two caps. From outside t* is where it enters, by the side or by a cap; a line along the
-/// side, or through no more than a rim, touches.
-template <class E>
-Enclosed<E> enclose(const CappedSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+/// From outside t* is where the line enters, from inside where it leaves; a line along the surface, or through no more
+/// than a rim, touches.
+template <class E, ToldSpan<E> S>
+Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const Fraction<E> begin{begin_of(range), E(1)};
@@ -255,12 +276,8 @@ Enclosed<E> enclose(const CappedSpan<E>& s, const RangeOfSpan<E>* range, interse
     if (begun.is_unknown() || through.is_unknown()) return unknown;
     const bool touching = through.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {Tri::no, zero, zero, touching};
-    if (begun.is_yes()) return enclose_from_inside(s, begin, range, convention, touching);
-    const Tri by_cap = s.enters_by_cap();
-    if (by_cap.is_unknown()) return unknown;
-    if (by_cap.is_no()) return enclosed_root(s.side, Crossing::near, touching);
-    const E t = s.entry.n / s.entry.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching, false, Crossing::near};
+    if (begun.is_yes()) return enclose_from_inside<E>(s, begin, range, convention, touching);
+    return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
 /// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `range` (null:
@@ -269,7 +286,7 @@ template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     convention.touching = intersect::Touching::hit;
-    return with_span(ray, solid, [&](const auto& span) { return enclose(span, range, convention); });
+    return with_span(ray, solid, [&](const auto& span) { return enclose<E>(span, range, convention); });
 }
 
 /// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead.

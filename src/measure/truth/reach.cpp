@@ -8,6 +8,7 @@
 
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/bounded.hpp"
 #include "number/dual.hpp"
@@ -206,6 +207,11 @@ double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<d
     if (!s.crossed.value()) return most;
     for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap));
     return most;
+}
+
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<Bounded<double>, N>>& s) {
+    return std::max(moved_root(problem, s.enter), moved_root(problem, s.leave));
 }
 
 template <class S>

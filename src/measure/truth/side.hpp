@@ -86,17 +86,27 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     return side_of_root(s, at, m, length);
 }
 
-/// For a ray that hits and m > 0: the root or the cap by which it enters, or leaves.
+/// Of where the line enters or leaves.
 template <class E>
-std::optional<int> side_of(const CappedSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
-                           intersect::Convention convention) {
-    const Enclosed<E> found = enclose(s, range, convention);
-    if (!found.hit.is_yes()) return std::nullopt;
-    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    const bool near = found.at == Crossing::near;
+std::optional<int> side_at(const CappedSpan<E>& s, Crossing at, const E& m, Length length) {
+    const bool near = at == Crossing::near;
     if ((near ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
         return side_of_fraction(near ? s.entry : s.exit, s.d2, m, length);
-    return side_of_root(s.side, found.at, m, length);
+    return side_of_root(s.side, at, m, length);
+}
+template <class E>
+std::optional<int> side_at(const JoinedSpan<E>& s, Crossing at, const E& m, Length length) {
+    return side_of_root(at == Crossing::near ? s.enter : s.leave, at, m, length);
+}
+
+/// For a ray that hits and m > 0.
+template <class E, ToldSpan<E> S>
+std::optional<int> side_of(const S& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
+    const Enclosed<E> found = enclose<E>(s, range, convention);
+    if (!found.hit.is_yes()) return std::nullopt;
+    if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    return side_at<E>(s, found.at, m, length);
 }
 
 /// For a ray that hits and m > 0: t* of where the range begins, of its first entry, or of its exit where that is the

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <set>
 
 #include "scene/toml/did_you_mean.hpp"
 #include "shapes/number_names.hpp"
@@ -53,9 +55,23 @@ std::string folded(std::string_view name) {
     return lower;
 }
 
-const KnownName* find_known(std::string_view name) {
-    const auto found = std::ranges::find(known_names(), name, &KnownName::name);
+/// A name that several shapes have is that of this one.
+const KnownName* find_known(std::string_view name, std::optional<Shape> shape) {
+    const auto own = [&](const KnownName& k) { return k.name == name && (!k.shape || k.shape == shape); };
+    auto found = std::ranges::find_if(known_names(), own);
+    if (found == known_names().end()) found = std::ranges::find(known_names(), name, &KnownName::name);
     return found == known_names().end() ? nullptr : &*found;
+}
+
+/// The shape most of whose numbers have a column; of several the first.
+std::optional<Shape> shape_of(const std::vector<std::string>& names) {
+    std::array<std::set<std::size_t>, shape_rows.size()> named;
+    for (const KnownName& known : known_names())
+        if (known.shape && std::ranges::find(names, known.name) != names.end())
+            named[static_cast<std::size_t>(*known.shape)].insert(known.slot);
+    const auto most = std::ranges::max_element(named, {}, &std::set<std::size_t>::size);
+    if (most->empty()) return std::nullopt;
+    return shape_rows[static_cast<std::size_t>(most - named.begin())].shape;
 }
 
 constexpr std::string_view hex_tail = "_hex";
@@ -87,13 +103,15 @@ void Layout::find_slots(const Complain& complain) {
         bool hex = false;
     };
     std::vector<Found> found(columns_.size());
+    std::vector<std::string> names;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        std::string name = folded(columns_[c].name);
+        std::string& name = names.emplace_back(folded(columns_[c].name));
         columns_[c].skipped = name == "_";
         found[c].hex = name.ends_with(hex_tail);
         if (found[c].hex) name.erase(name.size() - hex_tail.size());
-        found[c].known = find_known(name);
     }
+    const std::optional<Shape> shape = shape_of(names);
+    for (std::size_t c = 0; c < columns_.size(); ++c) found[c].known = find_known(names[c], shape);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;
         if (known == nullptr) continue;
@@ -102,9 +120,9 @@ void Layout::find_slots(const Complain& complain) {
         };
         if (std::ranges::any_of(found, twin)) continue;
         if (known->shape && solid_ && *known->shape != *solid_)
-            complain(c, fmt::format("\"{}\" is a number of a {} beside numbers of a {}; a file has solids of one "
+            complain(c, fmt::format("\"{}\" is a number of {} beside numbers of {}; a file has solids of one "
                                     "shape; leave one of the two out",
-                                    columns_[c].name, name_of(*known->shape), name_of(*solid_)));
+                                    columns_[c].name, with_article(*known->shape), with_article(*solid_)));
         if (places_[known->slot])
             complain(c, fmt::format("\"{}\" says what column \"{}\" says already; rename one of the two",
                                     columns_[c].name, columns_[*places_[known->slot]].name));
@@ -150,7 +168,7 @@ void Layout::require_whole(const Complain& complain) const {
     if (!solid_) return;
     const std::size_t end = slot::solid + row_of(*solid_).numbers;
     if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
-        complain(0, fmt::format("a {} has no {}; {}", name_of(*solid_), names, what_to_write()));
+        complain(0, fmt::format("{} has no {}; {}", with_article(*solid_), names, what_to_write()));
 }
 
 std::vector<std::string> Layout::kept() const {

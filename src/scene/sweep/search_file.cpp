@@ -35,7 +35,8 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     thrice("origin");
     thrice("direction");
     const auto written = [&table](const ShapeRow& row) {
-        return std::ranges::count_if(row.keys, [&table](const Key& key) { return table.has(key.name); });
+        const auto is = [&table](const Key& key) { return table.has(key.name); };
+        return is(row.keys.front()) ? std::ranges::count_if(row.keys, is) : 0;
     };
     shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of several
     for (const Key& key : row_of(shape).keys) {

@@ -28,8 +28,8 @@ struct Cylinder {
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
-        {{.name = "base", .letter = "b", .aliases = {"start"}},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before, .aliases = {"end"}},
+        {{.name = "base", .letter = "b"},
+         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     template <class Numbers>
@@ -114,11 +114,10 @@ struct Cylinder {
         return {one(w.x, v.x), one(w.y, v.y), one(w.z, v.z)};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The same with its error: each of some twenty roundings is one of a number no larger than p, the axis and what
-    /// lies between.
+    /// The same with its error: the place along the axis is off by γ(8)|p − base|/|v| and moves the point along the
+    /// surface alone; what is across, the foot and the sum by some ten more roundings of no more than |p − base| + r.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
-        const Vec<T> v = axis(), f = p - base;
-        const T size = length(f) + length(v) + radius;
+        const T size = length(Vec<T>(p - base)) + radius;
         BoundedPoint<T> b{onto_surface(p), p};
         for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(base[i]);
         return b;

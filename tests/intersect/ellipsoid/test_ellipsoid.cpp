@@ -9,9 +9,7 @@
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/ellipsoid/ellipsoid_rays.hpp"
-#include "intersect/simd/packed.hpp"
-#include "measure/truth/truth.hpp"
-#include "measure/truth/truth_columns.hpp"
+#include "intersect/packs_and_alone.hpp"
 
 namespace lostbits::test::test_ellipsoid {
 
@@ -81,32 +79,11 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
 }
 
 TEST_CASE("packs say of ellipsoids what the truth of each ray says", "[truth][ellipsoid]") {
-    std::vector<EllipsoidSample> samples;
-    for_each_ellipsoid(static_cast<int>(draws(2000)),
-                       [&](const EllipsoidRays&, const EllipsoidSample& s) { samples.push_back(s); });
-    std::array<std::vector<float>, 6> ray, solid;
-    for (const EllipsoidSample& s : samples) {
-        const Solid<double> one(s.ellipsoid);
-        for (std::size_t k = 0; k < 3; ++k) {
-            ray[k].push_back(static_cast<float>(s.ray.origin[static_cast<int>(k)]));
-            ray[k + 3].push_back(static_cast<float>(s.ray.direction[static_cast<int>(k)]));
-        }
-        for (std::size_t k = 0; k < 6; ++k) solid[k].push_back(static_cast<float>(one.numbers[k]));
-    }
-    measure::truth::ProblemColumns<float> p{.size = samples.size(), .ray = {}, .shape = Shape::ellipsoid, .solid = {}};
-    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray[k], p.solid[k] = solid[k];
-    const auto before = intersect::simd::current_isa();
-    for (const auto isa : intersect::simd::available_isas()) {
-        intersect::simd::set_isa(isa);
-        measure::truth::TruthColumns found;
-        find_truth_columns(p, {.tightness = measure::truth::Tightness::ulps_of_binary32}, found);
-        int different = 0;
-        for (std::size_t i = 0; i < samples.size(); ++i)
-            different += found.decision[i] != find_truth(samples[i].ray, Solid<double>(samples[i].ellipsoid)).decision;
-        CHECK(different == 0);
-        CHECK(found.stages.binary64 > samples.size() / 3);
-    }
-    intersect::simd::set_isa(before);
+    std::vector<RayAndSolid> asked;
+    for_each_ellipsoid(static_cast<int>(draws(1500)), [&](const EllipsoidRays&, const EllipsoidSample& s) {
+        asked.push_back({s.ray, s.ellipsoid});
+    });
+    check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[intersect][ellipsoid][formula]") {

@@ -5,7 +5,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/simd/packed.hpp"
+#include "intersect/packs_and_alone.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/truth/truth.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -64,34 +64,11 @@ TEST_CASE("the truth of a triangle is what fractions say", "[truth][triangle]") 
 }
 
 TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][triangle]") {
-    std::vector<TriangleSample> samples;
-    for_each_triangle(static_cast<int>(draws(2000)),
-                      [&](const TriangleFamily&, const TriangleSample& s) { samples.push_back(s); });
-    std::array<std::vector<float>, 6> ray;
-    std::array<std::vector<float>, 9> solid;
-    for (const TriangleSample& s : samples) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            ray[k].push_back(static_cast<float>(s.ray.origin[static_cast<int>(k)]));
-            ray[k + 3].push_back(static_cast<float>(s.ray.direction[static_cast<int>(k)]));
-        }
-        const Solid<double> one(s.triangle);
-        for (std::size_t k = 0; k < 9; ++k) solid[k].push_back(static_cast<float>(one.numbers[k]));
-    }
-    measure::truth::ProblemColumns<float> p{.size = samples.size(), .ray = {}, .shape = Shape::triangle, .solid = {}};
-    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray[k];
-    for (std::size_t k = 0; k < 9; ++k) p.solid[k] = solid[k];
-    const auto before = intersect::simd::current_isa();
-    for (const auto isa : intersect::simd::available_isas()) {
-        intersect::simd::set_isa(isa);
-        measure::truth::TruthColumns found;
-        find_truth_columns(p, {.tightness = measure::truth::Tightness::ulps_of_binary32}, found);
-        int different = 0;
-        for (std::size_t i = 0; i < samples.size(); ++i)
-            different += found.decision[i] != find_truth(samples[i].ray, Solid<double>(samples[i].triangle)).decision;
-        CHECK(different == 0);
-        CHECK(found.stages.binary64 > samples.size() / 3);
-    }
-    intersect::simd::set_isa(before);
+    std::vector<RayAndSolid> asked;
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
+        asked.push_back({s.ray, s.triangle});
+    });
+    check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("each ray with a triangle of its own has the truth that it has alone", "[truth][triangle]") {

@@ -53,6 +53,9 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
     if (form.shape == Shape::box) s.solids.push_back(box_at(centre));
     else if (form.shape == Shape::triangle)
         s.solids.push_back(Triangle<double>{vertex(1, -1, 0.25), vertex(-1, 0.5, 1), vertex(0.125, 1, -1)});
+    else if (form.shape == Shape::ellipsoid) s.solids.push_back(Ellipsoid<double>{centre, half});
+    else if (is_solid(form.shape))
+        s.solids.push_back(transformed(solid_around<double>(form.shape, centre, radius), in_format));
     else s.solids.push_back(Sphere<double>{centre, radius});
     if (form.shape == Shape::sdf) s.solids.push_back(box_at(vec(3)));
     s.ray.origin = Vec<double>(in_format(far * 6 * any()), in_format(far * 6 * any()), in_format(far * 6 * any()));

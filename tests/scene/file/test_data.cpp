@@ -90,6 +90,23 @@ bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
     return length(Vec<Real>(from + t * across)) <= c.radius;
 }
 
+/// By the least of its distances from the axis along the ray: each part of it is convex, and so is the whole.
+bool hits(const Ray<Real>& ray, const Capsule<Real>& c) {
+    const Vec<Real> v = c.end - c.start;
+    const auto distance = [&](const Real& t) {
+        const Vec<Real> f = ray.origin + t * ray.direction - c.start;
+        const Real k = min(max(Real(dot(v, f) / dot(v, v)), Real(0)), Real(1));
+        return length(Vec<Real>(f - k * v));
+    };
+    Real low = 0, high = (length(Vec<Real>(c.start - ray.origin)) + length(v)) / length(ray.direction);
+    for (int i = 0; i < 200; ++i) {
+        const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
+        if (distance(a) < distance(b)) high = b;
+        else low = a;
+    }
+    return distance(low) <= c.radius;
+}
+
 /// Every fourth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
 /// one, it is every sixteenth.
 double hit_fraction(const scene::file::Scene& scene) {
@@ -144,7 +161,8 @@ TEST_CASE("every scene is described and shows hits and misses") {
         const double hit = hit_fraction(each);
         CHECK(hit >= 0.1);
         if (each.id == "camera-inside" || each.id == "sphereflake-far" || each.id == "offset-shells.inside" ||
-            each.id == "consistency-on-surface" || each.id == "triangle-edge.close")
+            each.id == "consistency-on-surface" || each.id == "triangle-edge.close" ||
+            each.id == "cylinder-along.inside")
             CHECK(hit == 1);  // there the ground, the solid around or under the eye, or a seam fills the picture
         else CHECK(hit <= 0.98);
     }

@@ -135,7 +135,8 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
           "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] "
-          "with lo and hi, or [[triangle]] with a, b and c");
+          "with lo and hi, or [[triangle]] with a, b and c, or [[ellipsoid]] with centre and radii, or [[cylinder]] "
+          "with base, top and radius, or [[capsule]] with start, end and radius");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==

@@ -13,6 +13,11 @@ struct CylinderFamily : rays::AimedFamily<CylinderFamily> {
         const Vec<double> half = size * rays::draw_direction(random);
         return Cylinder<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
+    /// A point of the largest square bar inside.
+    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
+        const double x = random.unit(), y = random.between(0.15, 0.85), z = random.between(0.15, 0.85);
+        return solid.cylinder().point_at({x, y, z});
+    }
 };
 
 }  // namespace lostbits::scene::cylinder

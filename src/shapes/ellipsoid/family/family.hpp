@@ -13,6 +13,11 @@ struct EllipsoidFamily : rays::AimedFamily<EllipsoidFamily> {
         const double x = random.between(0.25, 1), y = random.between(0.25, 1), z = random.between(0.25, 1);
         return Ellipsoid<double>{middle, {size * x, size * y, size * z}};
     }
+    /// A point of the largest box inside.
+    static Vec<double> aimed_at(rays::Random& random, const Solid<double>& solid, int /*aim*/) {
+        const double x = random.between(0.22, 0.78), y = random.between(0.22, 0.78), z = random.between(0.22, 0.78);
+        return solid.ellipsoid().point_at({x, y, z});
+    }
 };
 
 }  // namespace lostbits::scene::ellipsoid

@@ -1,0 +1,17 @@
+// The closed list of the forms of the capsule: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/capsule/forms/half_b.hpp"
+#include "shapes/capsule/forms/perpendicular.hpp"
+#include "shapes/capsule/forms/quilez.hpp"
+
+namespace lostbits::intersect::capsule {
+
+using CapsuleForms = FormList<     //
+    capsule::QuilezCapsule,        //
+    capsule::CapsuleHalfB,         //
+    capsule::CapsulePerpendicular  //
+    >;
+
+}  // namespace lostbits::intersect::capsule

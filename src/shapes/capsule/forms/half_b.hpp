@@ -1,0 +1,33 @@
+// Both roots by half b: of the side from cross products with the axis, and of both balls.
+#pragma once
+
+#include "shapes/capsule/forms/parts.hpp"
+
+namespace lostbits::intersect::capsule {
+
+struct CapsuleHalfB {
+    static constexpr Info info{
+        .name = "capsule.half_b",
+        .title = "cross products with the axis, half b of side and balls",
+        .source = "Ericson, Real-Time Collision Detection (2005), section 5.3.7, of spheres swept along a segment",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Capsule<T>& capsule) {
+        const Vec<T> v = capsule.end - capsule.start, f = ray.origin - capsule.start, &d = ray.direction;
+        const Vec<T> n = cross(v, d), m = cross(v, f);
+        const T v2 = square(v), r2 = square(capsule.radius);
+        const auto part = [](const T& a, const T& h, const T& c) {
+            const T disc = named("disc", square(h) - a * c);
+            return Part<T>{disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc))};
+        };
+        const auto ball = [&](const Vec<T>& from) {
+            return part(square(d), named("h ball", dot(from, d)), named("c ball", square(from) - r2));
+        };
+        const Part<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
+        return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
+                         named("v.d", dot(v, d)), v2);
+    }
+};
+
+}  // namespace lostbits::intersect::capsule

@@ -1,0 +1,36 @@
+// Quilez: the quadratic of the side from dot products, and one of the balls where its near root lies beyond an end;
+// unit directions, and a near root alone.
+#pragma once
+
+#include "shapes/capsule/forms/parts.hpp"
+
+namespace lostbits::intersect::capsule {
+
+struct QuilezCapsule {
+    static constexpr Info info{
+        .name = "capsule.quilez",
+        .title = "dot products, unit direction, one ball by y",
+        .source = "Quilez, Intersectors, capIntersect",
+        .direction = Direction::unit,
+        .roots = Roots::near_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Capsule<T>& capsule) {
+        const Vec<T> ba = capsule.end - capsule.start, oa = ray.origin - capsule.start, ob = ray.origin - capsule.end;
+        const Vec<T>& rd = ray.direction;
+        const T baba = named("baba", square(ba)), bard = named("bard", dot(ba, rd)), baoa = named("baoa", dot(ba, oa));
+        const T r2 = square(capsule.radius);
+        const T a = named("a", baba - square(bard)), b = named("b", baba * dot(rd, oa) - baoa * bard);
+        const T c = named("c", baba * square(oa) - square(baoa) - r2 * baba);
+        const T h = named("h", square(b) - a * c), by_side = named("t side", (-b - sqrt(h)) / a);
+        const T y = named("y", baoa + by_side * bard);
+        const mask_t<T> body = y > T(0) && y < baba, low = y <= T(0);
+        const Vec<T> oc(select(low, oa.x, ob.x), select(low, oa.y, ob.y), select(low, oa.z, ob.z));
+        const T b2 = named("b ball", dot(rd, oc)), c2 = named("c ball", square(oc) - r2);
+        const T h2 = named("h ball", square(b2) - c2), t = named("t", select(body, by_side, -b2 - sqrt(h2)));
+        return {h >= T(0) && (body || h2 > T(0)) && t >= T(0), t, t, t};
+    }
+};
+
+}  // namespace lostbits::intersect::capsule

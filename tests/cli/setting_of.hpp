@@ -1,0 +1,26 @@
+// For each shape a pixel of a scene that it is in, which is hit.
+#pragma once
+
+#include <string>
+
+#include "shapes/solid.hpp"
+
+namespace lostbits::test {
+
+/// The scene and the option.
+inline std::string setting_of(Shape shape) {
+    if (shape == Shape::sphere) return "rtg-fig-7-3-100-oblique --pixel 128,100";
+    if (shape == Shape::box) return "box-one --pixel 128,100";
+    if (shape == Shape::triangle) return "triangle-edge.plain --pixel 100,80";
+    if (shape == Shape::ellipsoid) return "ellipsoid-far --pixel 96,92";
+    if (shape == Shape::cylinder) return "cylinder-near --pixel 96,92";
+    if (shape == Shape::capsule) return "capsule-near --pixel 96,92";
+    return "sdf-sphere --pixel 100,100";
+}
+
+inline std::string scene_of(Shape shape) {
+    const std::string setting = setting_of(shape);
+    return setting.substr(0, setting.find(' '));
+}
+
+}  // namespace lostbits::test
