@@ -192,6 +192,7 @@ void add_by_hand(std::vector<bench::Contestant>&, measure::speed::RayWork&, inte
 /// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
 void print_all() {
     bench::print_truth();
+    bench::print_truth_of_shapes();
     bench::print_chains();
     constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
     const auto bytes_of = [](std::string_view size) {

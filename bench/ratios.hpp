@@ -32,6 +32,9 @@ void print_speedup(const std::string& name, const std::string& data,
 /// rays each stage settles.
 void print_truth();
 
+/// A table on stdout: what the truth of a ray takes in packs, shape by shape.
+void print_truth_of_shapes();
+
 /// Tables on stdout: nanoseconds a ray of a map's row, truth and all the rest, and of a float of an exhaustive sweep.
 void print_chains();
 

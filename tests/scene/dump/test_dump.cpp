@@ -10,6 +10,7 @@
 #include "number/error.hpp"
 #include "scene/dump/dump_writer.hpp"
 #include "scene/dump/number_words.hpp"
+#include "shapes/number_names.hpp"
 
 namespace test_dump {
 
@@ -183,6 +184,27 @@ TEST_CASE("what a t means where no column says whether it is a hit") {
     CHECK_FALSE(hits("3.40282347e+38", far));
     CHECK(hits("3e38", far));
     CHECK_FALSE(hits("nan", never));
+}
+
+TEST_CASE("the columns of each shape, in either order, are its numbers") {
+    for (const ShapeRow& row : shape_rows) {
+        CAPTURE(row.name);
+        std::vector<std::string> names(column_names(row.shape).begin(), column_names(row.shape).end());
+        for (const bool reversed : {false, true}) {
+            if (reversed) std::ranges::reverse(names);
+            std::string text = "ox,oy,oz,dx,dy,dz", line = "\n0,0,-5,0,0,1";
+            for (std::size_t k = 0; k < row.numbers; ++k) {
+                // 1, 4, 9, … of the numbers in their own order: every limit is kept.
+                const std::size_t place = reversed ? row.numbers - k : k + 1;
+                text += "," + names[k], line += "," + std::to_string(place * place);
+            }
+            const DumpFile file("a.csv", text + ",t" + line + ",1\n");
+            const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
+            REQUIRE(chunk.solids.front().shape == row.shape);
+            for (std::size_t k = 0; k < row.numbers; ++k)
+                CHECK(chunk.solids.front().numbers[k] == static_cast<double>((k + 1) * (k + 1)));
+        }
+    }
 }
 
 TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
