@@ -210,7 +210,8 @@ const offered = [
     [rapier, '@dimforge/rapier3d-compat', 'parry 0.31.1', {
         'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=exit', ...single],
         'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single],
-        'rapier.cylinder': ['query/ray/ray_support_map.rs, Cylinder.castRay', 'shape=cylinder', 'roots=first', ...single] }],
+        'rapier.cylinder': ['query/ray/ray_support_map.rs, Cylinder.castRay', 'shape=cylinder', 'roots=first',
+            'at_origin=exit', ...single] }],
 ];
 
 const forms = [];
