@@ -171,7 +171,7 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
             }
         });
         if (met == 0) continue;  // no inside: test_triangle_truth
-        CHECK(met > 500);
+        CHECK(met > 300);
         CHECK(from_inside > 20);
     }
 }
