@@ -242,8 +242,8 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
     const Enclosed<E> unknown{Tri::unknown, zero, zero};
     const Tri entered = s.enters_to(begin).less, leaving = s.leaves_to(begin).at_most;
     if (entered.is_unknown() || leaving.is_unknown()) return unknown;
-    const bool on_surface = entered.is_no() || leaving.is_yes();
-    const Enclosed<E> none{Tri::no, zero, zero, touching && on_surface, on_surface};
+    const bool on_surface = touching || entered.is_no() || leaving.is_yes();
+    const Enclosed<E> none{Tri::no, zero, zero, touching, on_surface};
     const bool no_exits = asked.inside == Inside::miss && !touching;
     if (on_surface) {
         const bool counts = asked.at_origin == AtOrigin::hit || (asked.at_origin == AtOrigin::exit && leaving.is_yes());
@@ -258,7 +258,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
         const Tri in_reach = in_time(s.leaves_to(range->end), *range);
         if (!in_reach.is_yes()) return in_reach.is_no() ? none : unknown;
     }
-    return enclosed_at<E>(s, Crossing::far, false, on_surface);
+    return enclosed_at<E>(s, Crossing::far, touching, on_surface);
 }
 
 /// From outside t* is where the line enters, from inside where it leaves; a line along the surface, or through no more

@@ -143,7 +143,7 @@ inline const CylinderRays cylinder_rays[] = {
      [](Seeded& rng) {
          CylinderSample s = upright_cylinder(rng);
          const auto& c = s.cylinder;
-         s.ray.origin = {c.base.x + static_cast<double>(rng.integer(-150, 150)), c.base.y - 200,
+         s.ray.origin = {c.base.x + static_cast<double>(rng.integer(-150, 150)), c.base.y - (rng.coin() ? 200 : 1),
                          rng.coin() ? c.base.z : c.top.z + static_cast<double>(rng.integer(-1, 1))};
          s.ray.direction = {0, 1, 0};
          return s;
