@@ -191,6 +191,12 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Runni
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
+/// A span that says of itself whether it is met.
+template <class S>
+concept TellsWhetherMet = requires(const S& s) {
+    s.is_met(), s.is_open();
+};
+
 /// Where the line enters, or leaves where it is `far`, and whether that is known, in the lanes of a hit.
 template <class E>
 struct MetAt {
@@ -230,8 +236,7 @@ Met<E> first_met_from(const S& s, const Fraction<E>& begin, const mask_t<E>& ent
     return {(near || far) && at.known, missed, none, at.t};
 }
 template <class W, template <class> class Span>
-requires requires(const Span<Running<W>>& s) { s.is_met(), s.is_open(); }
-Met<Running<W>> first_met(const Span<Running<W>>& s) {
+requires TellsWhetherMet<Span<Running<W>>> Met<Running<W>> first_met(const Span<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
     return first_met_from<Span<E>, E>(s, {E(0), E(1)}, always, always);
@@ -239,8 +244,8 @@ Met<Running<W>> first_met(const Span<Running<W>>& s) {
 
 /// The same of a ray with a range.
 template <class W, template <class> class Span>
-requires requires(const Span<Running<W>>& s) { s.is_met(), s.is_open(); }
-Met<Running<W>> first_met(const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+requires TellsWhetherMet<Span<Running<W>>> Met<Running<W>> first_met(const Span<Running<W>>& s,
+                                                                     const RangeOfSpan<Running<W>>& range) {
     return first_met_from<Span<Running<W>>, Running<W>>(s, {range.begin, Running<W>(1)},
                                                         in_time(s.enters_to(range.end), range),
                                                         in_time(s.leaves_to(range.end), range));

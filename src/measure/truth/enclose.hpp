@@ -208,14 +208,13 @@ Enclosed<E> enclose(const FlatSpan<E>& s, const RangeOfSpan<E>* range, intersect
     return {Tri::yes, t, t * sqrt(s.d2), touching, at_begin, Crossing::near};
 }
 
-/// A span that tells where it stands to a fraction, and not by what it enters.
+/// A span that tells how it stands to a fraction.
 template <class S, class E>
 concept ToldSpan = requires(const S& s, const Fraction<E>& t) {
     s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
 };
 
-/// A hit where the line enters (`Crossing::near`) or leaves: by a cap, or at a root; unknown where this precision does
-/// not tell which.
+/// A hit where the line enters (`Crossing::near`) or leaves, by a cap or at a root.
 template <class E>
 Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
     const E zero(0);
@@ -232,8 +231,7 @@ Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing at, bool touching, bool
     return enclosed_root(at == Crossing::near ? s.enter : s.leave, at, touching, on_surface);
 }
 
-/// What a convention says of a ray that begins in the closed solid: strictly inside the exit counts, where the line
-/// enters or leaves that point, and along the surface it does both.
+/// What a convention says of a ray that begins in the closed solid: inside of it, or on its surface.
 template <class E, ToldSpan<E> S>
 Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
                                 intersect::Convention asked, bool touching) {

@@ -41,9 +41,9 @@ struct Truth {
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
-/// of a dyadic polynomial in the inputs, of degree four, or eight (ellipsoids, cylinders), so that an interval of enough
-/// bits has zero width: for doubles at most 8·(1024 + 1074) + 64 < 16900 (the tests' worst needed 6144). The last
-/// precision tried is 24576; what it does not settle is `unresolved`. Whoever looks for many truths asks `stop` on the
+/// of a dyadic polynomial in the inputs, of degree four, or eight (ellipsoids, cylinders): an interval of enough bits
+/// has zero width, for doubles of at most 8·(1024 + 1074) + 64 < 16900 (the tests' worst needed 6144). The last
+/// precision tried is 24576; what it leaves open is `unresolved`. Whoever looks for many truths asks `stop` on the
 /// way, and so does whoever asks forms about the same rays.
 struct TruthLimit {
     int bits = 32768;

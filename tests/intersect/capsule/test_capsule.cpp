@@ -66,7 +66,7 @@ TEST_CASE("the truth of a capsule is what fractions say", "[truth][capsule]") {
         // Whoever passes over its origin meets the other end, if it lies ahead.
         const Truth passed = find_truth(s.ray, Solid<double>(s.capsule), {}, AtOrigin::miss);
         const Rational ahead = power(-60);
-        REQUIRE(passed.is_hit() == (right.at(ahead) < 0));
+        if (right.goes_through()) REQUIRE(passed.is_hit() == (right.at(ahead) < 0));
     });
     for (const CapsuleRays& family : capsule_rays) {
         INFO(family.name << ": hits " << hits[family.name] << ", touches " << touches[family.name] << ", from it "

@@ -19,12 +19,12 @@ struct CapsuleHalfB {
         const T v2 = square(v), r2 = square(capsule.radius);
         const auto part = [](const T& a, const T& h, const T& c) {
             const T disc = named("disc", square(h) - a * c);
-            return Part<T>{disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc))};
+            return PartMet<T>{disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc))};
         };
         const auto ball = [&](const Vec<T>& from) {
             return part(square(d), named("h ball", dot(from, d)), named("c ball", square(from) - r2));
         };
-        const Part<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
+        const PartMet<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
         return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
                          named("v.d", dot(v, d)), v2);
     }

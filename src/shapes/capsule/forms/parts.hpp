@@ -10,7 +10,7 @@ using sphere::RootPair;
 
 /// Where the line meets a part of a capsule, and whether it misses it.
 template <Number T>
-struct Part {
+struct PartMet {
     mask_t<T> missed;
     RootPair<T> roots;
 };
@@ -19,7 +19,7 @@ struct Part {
 /// below gives way to the ball at the base, one above to that at the top. A line beside the axis (a NaN) takes the
 /// balls.
 template <Number T>
-Hit<T> joined(const Part<T>& side, const Part<T>& base, const Part<T>& top, const T& low, const T& across,
+Hit<T> joined(const PartMet<T>& side, const PartMet<T>& base, const PartMet<T>& top, const T& low, const T& across,
               const T& v2) {
     const T in = named("y in", low + side.roots.near * across), out = named("y out", low + side.roots.far * across);
     const mask_t<T> up = across >= T(0);
