@@ -22,7 +22,7 @@ struct CapsuleHalfB {
             return PartMet<T>{disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc))};
         };
         const auto ball = [&](const Vec<T>& from) {
-            return part(square(d), named("h ball", dot(from, d)), named("c ball", square(from) - r2));
+            return part(square(d), named("h_ball", dot(from, d)), named("c_ball", square(from) - r2));
         };
         const PartMet<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
         return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),

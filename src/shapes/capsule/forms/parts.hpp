@@ -21,7 +21,7 @@ struct PartMet {
 template <Number T>
 Hit<T> joined(const PartMet<T>& side, const PartMet<T>& base, const PartMet<T>& top, const T& low, const T& across,
               const T& v2) {
-    const T in = named("y in", low + side.roots.near * across), out = named("y out", low + side.roots.far * across);
+    const T in = named("y_in", low + side.roots.near * across), out = named("y_out", low + side.roots.far * across);
     const mask_t<T> up = across >= T(0);
     const auto chosen = [&](const T& y, const T& of_side, const T& of_base, const T& of_top, const mask_t<T>& usual) {
         const mask_t<T> within = y >= T(0) && y <= v2, below = y<T(0), above = y> v2;

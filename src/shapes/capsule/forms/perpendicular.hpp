@@ -24,7 +24,7 @@ struct CapsulePerpendicular {
         const auto ball = [&](const Vec<T>& from) {
             const T ahead = named("b'", -dot(from, d));
             const T delta = named("delta", r2 - square(Vec<T>(from + (ahead / d2) * d)));
-            const T c = named("c ball", square(from) - r2);
+            const T c = named("c_ball", square(from) - r2);
             return PartMet<T>{delta < T(0), sphere::unified_roots<T>(d2, ahead, c, sqrt(d2 * delta))};
         };
         return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),

@@ -23,12 +23,12 @@ struct QuilezCapsule {
         const T r2 = square(capsule.radius);
         const T a = named("a", baba - square(bard)), b = named("b", baba * dot(rd, oa) - baoa * bard);
         const T c = named("c", baba * square(oa) - square(baoa) - r2 * baba);
-        const T h = named("h", square(b) - a * c), by_side = named("t side", (-b - sqrt(h)) / a);
+        const T h = named("h", square(b) - a * c), by_side = named("t_side", (-b - sqrt(h)) / a);
         const T y = named("y", baoa + by_side * bard);
         const mask_t<T> body = y > T(0) && y < baba, low = y <= T(0);
         const Vec<T> oc(select(low, oa.x, ob.x), select(low, oa.y, ob.y), select(low, oa.z, ob.z));
-        const T b2 = named("b ball", dot(rd, oc)), c2 = named("c ball", square(oc) - r2);
-        const T h2 = named("h ball", square(b2) - c2), t = named("t", select(body, by_side, -b2 - sqrt(h2)));
+        const T b2 = named("b_ball", dot(rd, oc)), c2 = named("c_ball", square(oc) - r2);
+        const T h2 = named("h_ball", square(b2) - c2), t = named("t", select(body, by_side, -b2 - sqrt(h2)));
         return {h >= T(0) && (body || h2 > T(0)) && t >= T(0), t, t, t};
     }
 };

@@ -24,8 +24,8 @@ struct QuilezCapped {
         const T k1 = named("k1", baba * dot(oc, rd) - baoc * bard);
         const T k0 = named("k0", baba * square(oc) - square(baoc) - square(cylinder.radius) * baba);
         const T h = named("h", square(k1) - k2 * k0), root = sqrt(h);
-        const T by_side = named("t side", (-k1 - root) / k2), y = named("y", baoc + by_side * bard);
-        const T by_cap = named("t cap", (select(y < T(0), T(0), baba) - baoc) / bard);
+        const T by_side = named("t_side", (-k1 - root) / k2), y = named("y", baoc + by_side * bard);
+        const T by_cap = named("t_cap", (select(y < T(0), T(0), baba) - baoc) / bard);
         const mask_t<T> on_side = y > T(0) && y < baba, on_cap = abs(k1 + k2 * by_cap) < root;
         const T t = select(on_side, by_side, by_cap);
         return {!(h < T(0)) && (on_side || on_cap) && t >= T(0), t, t, t};
