@@ -228,7 +228,8 @@ for (const [load, name, file, contracts] of offered) {
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
                 `source=${name} ${version}, ${file}:${where}`, `shape=${shape}`,
                 ...['format=f64', 'direction=unit'].filter((w) => !words.some((o) => o.startsWith(w.split('=')[0]))),
-                ...words.filter((word) => !word.startsWith('shape=')), `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
+                ...words.filter((word) => !word.startsWith('shape=')),
+                `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
             forms.push({ of: made[form], numbers: { sphere: 4, box: 6, ellipsoid: 6, cylinder: 7 }[shape],
                 Numbers: words.includes('format=f32') ? Float32Array : Float64Array });
         }

@@ -51,7 +51,8 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     are the header's keys; `answers` is "t", "point" or "thickness". Numbers are floats of Python, which are doubles."""
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
-    out, width = sys.stdout.buffer, {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7}[shape]
+    out = sys.stdout.buffer
+    width = {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()
