@@ -89,9 +89,9 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--ray", words.ray,
                 "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
     for (const ShapeRow& row : shape_rows)
-        command.add(
-            fmt::format("--{}", row.name), words.solids.of(row.shape),
-            fmt::format("A {} for --ray, in place of a scene: {}; may be repeated", row.name, option_words(row.shape)));
+        command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
+                    fmt::format("For --ray, in place of a scene, {}: {}; may be repeated", with_article(row.shape),
+                                option_words(row.shape)));
     command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,

@@ -201,8 +201,9 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
     const std::string name(name_of(shape)), option = "--" + name;
     Solid<double> solid(shape);
-    const std::string what = fmt::format("a {}; write its {}: {}, {} numbers with commas between them", name,
-                                         key_words(shape), option_words(shape), solid.used().size());
+    const std::string what =
+        fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
+                    option_words(shape), solid.used().size());
     const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, format_of(as));
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
     if (const auto broken = broken_limit(solid))

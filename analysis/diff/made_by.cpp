@@ -11,6 +11,7 @@
 
 #include "analysis/choice/options.hpp"
 #include "output/file/result_folder.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::analysis::diff {
 
@@ -19,10 +20,17 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Options that change what is measured, and not only of what, or how it is shown.
-constexpr std::array<std::string_view, 23> of_what_is_measured{
-    "--bits",      "--wrong",  "--at",    "--single", "--bulk",  "--size",        "--set",       "--variant",
-    "--steps",     "--seeds",  "--scene", "--sphere", "--box",   "--miss",        "--direction", "--touching",
-    "--at-origin", "--inside", "--skip",  "--quick",  "--stage", "--repetitions", "--open-ends"};
+const std::vector<std::string>& of_what_is_measured() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> names{"--bits",      "--wrong",       "--at",        "--single", "--bulk",  "--size",
+                                       "--set",       "--variant",     "--steps",     "--seeds",  "--scene", "--miss",
+                                       "--direction", "--touching",    "--at-origin", "--inside", "--skip",  "--quick",
+                                       "--stage",     "--repetitions", "--open-ends"};
+        for (const ShapeRow& row : shape_rows) names.push_back("--" + std::string(row.name));
+        return names;
+    }();
+    return all;
+}
 
 using Settings = std::map<std::string, std::set<std::string>>;
 
@@ -31,7 +39,7 @@ Settings settings_of(const std::string& command) {
     Settings settings;
     const auto words = choice::words_in(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
-        if (std::ranges::find(of_what_is_measured, words[i]) == of_what_is_measured.end()) continue;
+        if (std::ranges::find(of_what_is_measured(), words[i]) == of_what_is_measured().end()) continue;
         if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())
             settings[words[i]].insert("");
         else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
@@ -58,7 +66,7 @@ std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) 
     if (!left || !right) return {};
     Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
     std::vector<std::string> lines;
-    for (const std::string_view name : of_what_is_measured) {
+    for (const std::string& name : of_what_is_measured()) {
         const std::string option(name);
         const auto only_a = only_in(of_a[option], of_b[option]), only_b = only_in(of_b[option], of_a[option]);
         if (only_a.size() == 1 && only_b.size() == 1) {

@@ -33,6 +33,35 @@ TEST_CASE("every combination of one form a shape is a set, and two hundred are t
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "many"));
 }
 
+TEST_CASE("shapes that share names of numbers share their columns") {
+    const Scratch scratch;
+    const std::string scene = scratch.write("both.toml", R"(schema = "lostbits-scene/1"
+title = "Both"
+source = "-"
+size = [16, 8]
+[camera]
+kind = "orthographic"
+eye = [0, 0, 5]
+look_at = [0, 0, 0]
+up = [0, 1, 0]
+width = 8
+[[sphere]]
+centre = [-2, 0.1, 0]
+radius = 1.25
+[[cylinder]]
+base = [2, -1, 0]
+top = [2.5, 1, 0]
+radius = 0.75
+)");
+    const std::string map = "map '" + scene + "' -f f32 -i sphere.schoolbook+cylinder.crossed";
+    REQUIRE(run(map + into(scratch)).code == 0);
+    const auto row = read_csv(scratch.path() / "out/both/summary.csv").at(0);
+    CHECK(row.count("worst_radius_hex") == 1);
+    const bool of_sphere = !row.at("worst_centre_x_hex").empty();
+    CHECK(row.at("worst_radius_hex") == (of_sphere ? "0x1.4p+0" : "0x1.8p-1"));
+    CHECK(row.at("worst_base_x_hex").empty() == of_sphere);
+}
+
 TEST_CASE("without -i a scene of several shapes is measured by the plain set, which is said") {
     const Scratch scratch;
     const auto r = run(floor_map + into(scratch));

@@ -232,11 +232,17 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
         add_hex(std::string("origin_") + axes[k], of_worst([k](const W& w) { return w.ray.origin[k]; }));
     for (int k = 0; k < 3; ++k)
         add_hex(std::string("direction_") + axes[k], of_worst([k](const W& w) { return w.ray.direction[k]; }));
-    for (const Shape shape : shapes) {
-        for (std::size_t i = 0; i < row_of(shape).numbers; ++i) {
-            add_hex(std::string(number_names(shape)[i]),
-                    of_worst([shape, i](const W& w) { return w.solid.shape == shape ? w.solid.numbers[i] : missing; }));
-        }
+    // Shapes may share a name: its column has the number of whichever was hit.
+    std::vector<std::string> names;
+    for (const Shape shape : shapes)
+        for (const std::string& name : number_names(shape))
+            if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    for (const std::string& name : names) {
+        add_hex(name, of_worst([name](const W& w) {
+                    const auto own = number_names(w.solid.shape);
+                    const auto at = std::ranges::find(own, name);
+                    return at == own.end() ? missing : w.solid.numbers[static_cast<std::size_t>(at - own.begin())];
+                }));
     }
     return columns;
 }

@@ -50,20 +50,21 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
             if (!is_there(s) || !std::isfinite(x[s]))
-                return bad(s, fmt::format("a {} has {} finite numbers; leave this ray out", name_of(*shape_), count));
+                return bad(s,
+                           fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
         if (const auto broken = broken_limit(solid())) {
             const std::size_t s = slot::solid + broken->number;
-            const std::string name(name_of(*shape_));
+            const std::string name = with_article(*shape_);
             if (broken->key->limit == Key::Limit::positive)
-                return bad(
-                    s, fmt::format("the {} of a {} is greater than 0; leave this ray out", broken->key->name, name));
-            if (broken->key->limit == Key::Limit::off_line_before)
+                return bad(s,
+                           fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
+            if (broken->key->limit != Key::Limit::at_least_before)
                 return bad(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
                                           limit_words(*shape_, *broken->key)));
             const std::size_t before = s - broken->key->count();
-            return bad(before, fmt::format("it is above {}, which is {}; a {} has {} in each component", called(s),
-                                           x[s], name, order_words(*broken->key)));
+            return bad(before, fmt::format("it is above {}, which is {}; {} has {} in each component", called(s), x[s],
+                                           name, order_words(*broken->key)));
         }
     }
     const double object = x[slot::object];

@@ -1,5 +1,8 @@
 #include "scene/dump/dump.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -8,6 +11,7 @@
 #include "scene/dump/csv_dump.hpp"
 #include "scene/dump/npy_dump.hpp"
 #include "scene/dump/raw_dump.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -21,10 +25,15 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
         throw InputError(file +
                          ": its columns have a solid for each ray, and the command line has one for all; leave "
                          "one of the two out");
-    if (!layout.solid() && !options.solid)
-        throw InputError(file +
-                         ": no column has a solid; add cx,cy,cz,radius or lox,loy,loz,hix,hiy,hiz, or name one "
-                         "for all rays with --sphere CX,CY,CZ,R, --box LOX,LOY,LOZ,HIX,HIY,HIZ or --scene SCENE");
+    if (!layout.solid() && !options.solid) {
+        std::string columns, named;
+        for (const ShapeRow& row : shape_rows) {
+            columns += (columns.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
+            named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
+        }
+        throw InputError(file + ": no column has a solid; add " + columns + ", or name one for all rays with " + named +
+                         "or --scene SCENE");
+    }
     if (!options.miss) return;
     if (layout.has(slot::hit) || !layout.has(slot::t))
         throw InputError(file +

@@ -26,12 +26,19 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Solid<Real> solid(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
-        if (key.count() == 3) solid.set_point(k, numbers.finite(table, key.name, table.vec3(key.name)));
-        else if (key.limit == Key::Limit::positive)
-            solid.numbers[k] = numbers.positive(table, key.name, table.number(key.name));
-        else solid.numbers[k] = numbers.finite(table, key.name, table.number(key.name));
+        if (key.count() == 3) solid.set_point(k, table.vec3(key.name));
+        else solid.numbers[k] = table.number(key.name);
+        for (std::size_t i = k; i < k + key.count(); ++i) {
+            if (key.limit == Key::Limit::positive) numbers.positive(table, key.name, solid.numbers[i]);
+            else numbers.finite(table, key.name, solid.numbers[i]);
+        }
     });
     if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
+    const auto rounded = broken_limit(transformed(solid, [&](const Real& x) { return numbers.stored(x); }));
+    if (rounded && rounded->key->limit == Key::Limit::apart_from_before)
+        table.fail_at(rounded->key->name, limit_words(shape, *rounded->key) +
+                                              " in binary32, to which inputs = \"shared\" rounds, or write inputs = "
+                                              "\"own\"");
     table.reject_unknown_keys();
     return solid;
 }

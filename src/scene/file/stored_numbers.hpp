@@ -16,7 +16,7 @@ class StoredNumbers {
 public:
     explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
 
-    [[nodiscard]] Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
+    Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (shared_ && std::isinf(toml::round_to_format(x, binary32)))
             table.fail_at(
                 key,
@@ -28,12 +28,14 @@ public:
         return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
     }
 
+    [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
+
     /// Zero, or zero once rounded.
     [[nodiscard]] bool vanishes(const Real& x) const {
         return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
     }
 
-    [[nodiscard]] Real positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
+    Real positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
         if (shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,

@@ -77,6 +77,9 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
         }
     });
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
+        if (key.limit == Key::Limit::apart_from_before && after.point(k) == after.point(k - 3))
+            lose("the way to " + std::string(key.name), length(Vec<double>(before.point(k) - before.point(k - 3))),
+                 "rounds to 0", where);
         if (key.kind == Key::Kind::point)
             check_point(of(before) + k, of(after) + k, fmt::format("a coordinate of {}", key.name), where);
     });

@@ -124,6 +124,19 @@ TEST_CASE("a triangle has an area") {
     CHECK(
         read("[0.1, 0.2, 0.3]") ==
         "scene.toml:16:5: triangle[0].c is on one line with a and b; a triangle has an area, so move one of the three");
+    const std::string sphere = "[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n";
+    const auto cylinder = [&](const std::string& top) {
+        return broken(sphere, "[[cylinder]]\nbase = [1, 0, 0]\ntop = [" + top + ", 0, 0]\nradius = 1\n");
+    };
+    CHECK(cylinder("2") == "no error");
+    CHECK(cylinder("1") == "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two");
+    CHECK(cylinder("\"1.00000000001\"") ==
+          "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two in binary32, to "
+          "which inputs = \"shared\" rounds, or write inputs = \"own\"");
+    CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, 1, \"1e-60\"]\n")
+              .starts_with("scene.toml:15:9: ellipsoid[0].radii becomes 0 in binary32"));
+    CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, -1, 1]\n")
+              .starts_with("scene.toml:15:9: ellipsoid[0].radii must be greater than 0"));
 }
 
 TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
