@@ -36,9 +36,9 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
     if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
     const auto rounded = broken_limit(transformed(solid, [&](const Real& x) { return numbers.stored(x); }));
     if (rounded && rounded->key->limit == Key::Limit::apart_from_before)
-        table.fail_at(rounded->key->name, limit_words(shape, *rounded->key) +
-                                              " in binary32, to which inputs = \"shared\" rounds, or write inputs = "
-                                              "\"own\"");
+        table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
+                                              " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
+                                              "or write inputs = \"own\"");
     table.reject_unknown_keys();
     return solid;
 }

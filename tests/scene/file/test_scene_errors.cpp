@@ -131,8 +131,9 @@ TEST_CASE("a triangle has an area") {
     CHECK(cylinder("2") == "no error");
     CHECK(cylinder("1") == "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two");
     CHECK(cylinder("\"1.00000000001\"") ==
-          "scene.toml:15:7: cylinder[0].top is base; a cylinder has a height, so move one of the two in binary32, to "
-          "which inputs = \"shared\" rounds, or write inputs = \"own\"");
+          "scene.toml:15:7: cylinder[0].top is base in binary32, to which inputs = \"shared\" rounds; move one of the "
+          "two, "
+          "or write inputs = \"own\"");
     CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, 1, \"1e-60\"]\n")
               .starts_with("scene.toml:15:9: ellipsoid[0].radii becomes 0 in binary32"));
     CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, -1, 1]\n")
