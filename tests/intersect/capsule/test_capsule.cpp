@@ -8,6 +8,7 @@
 #include "counts.hpp"
 #include "intersect/capsule/capsule_rays.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/certified_root.hpp"
 #include "intersect/packs_and_alone.hpp"
 
 namespace lostbits::test::test_capsule {
@@ -20,23 +21,8 @@ using measure::truth::Truth;
 
 namespace {
 
-Rational power(std::int64_t e) {
-    Rational p(1);
-    for (std::int64_t i = 0; i < (e < 0 ? -e : e); ++i) p *= 2;
-    return e < 0 ? 1 / p : p;
-}
+using test::lifted;  // beside that of the shape
 
-/// Whether the first point lies in what the certified number encloses.
-bool encloses(const measure::truth::Certified& x, const CapsuleAnswer& right) {
-    if (x.is_zero()) return right.is_first(0, 0);
-    const Rational unit = power(x.exponent);
-    return right.is_first((Rational(x.hi) + Rational(x.lo)) * unit, Rational(x.bound) * unit);
-}
-
-template <class T>
-Vec<T> lifted(const Vec<double>& v) {
-    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-}
 template <class T>
 Capsule<T> lifted(const Capsule<double>& c) {
     return {lifted<T>(c.start), lifted<T>(c.end), static_cast<T>(c.radius)};
@@ -59,13 +45,13 @@ TEST_CASE("the truth of a capsule is what fractions say", "[truth][capsule]") {
         REQUIRE(closed.touches == !right.goes_through());
         REQUIRE(closed.on_surface == on_surface);
         touches[family.name] += closed.touches, from_it[family.name] += on_surface;
-        REQUIRE(encloses(closed.t, right));
+        REQUIRE(encloses_first(closed.t, right));
         const Truth open = find_truth(s.ray, Solid<double>(s.capsule), {}, Touching::miss);
         REQUIRE(open.is_hit() == right.goes_through());
         if (!on_surface) return;
         // Whoever passes over its origin meets the other end, if it lies ahead.
         const Truth passed = find_truth(s.ray, Solid<double>(s.capsule), {}, AtOrigin::miss);
-        const Rational ahead = power(-60);
+        const Rational ahead = power_of_two(-60);
         if (right.goes_through()) REQUIRE(passed.is_hit() == (right.at(ahead) < 0));
     });
     for (const CapsuleRays& family : capsule_rays) {
@@ -94,7 +80,7 @@ TEST_CASE("every capsule form solves the problem when nothing is rounded", "[int
         std::string first = "none";  ///< of the families, in which it is wrong
     };
     std::array<Tally, CapsuleForms::size> tallies{};
-    const Rational off = power(-150);
+    const Rational off = power_of_two(-150);
     for_each_capsule(static_cast<int>(draws(1000)), [&](const CapsuleRays& family, const CapsuleSample& s) {
         const CapsuleAnswer right = answer_of(s);
         // Clear of every equality: tangents, the origin on the surface, a line beside the axis.

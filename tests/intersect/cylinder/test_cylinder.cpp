@@ -7,6 +7,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/certified_root.hpp"
 #include "intersect/cylinder/cylinder_rays.hpp"
 #include "intersect/packs_and_alone.hpp"
 
@@ -20,23 +21,8 @@ using measure::truth::Truth;
 
 namespace {
 
-Rational power(std::int64_t e) {
-    Rational p(1);
-    for (std::int64_t i = 0; i < (e < 0 ? -e : e); ++i) p *= 2;
-    return e < 0 ? 1 / p : p;
-}
+using test::lifted;  // beside that of the shape
 
-/// Whether the first point lies in what the certified number encloses.
-bool encloses(const measure::truth::Certified& x, const CylinderAnswer& right) {
-    if (x.is_zero()) return right.is_first(0, 0);
-    const Rational unit = power(x.exponent);
-    return right.is_first((Rational(x.hi) + Rational(x.lo)) * unit, Rational(x.bound) * unit);
-}
-
-template <class T>
-Vec<T> lifted(const Vec<double>& v) {
-    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-}
 template <class T>
 Cylinder<T> lifted(const Cylinder<double>& c) {
     return {lifted<T>(c.base), lifted<T>(c.top), static_cast<T>(c.radius)};
@@ -59,13 +45,13 @@ TEST_CASE("the truth of a cylinder is what fractions say", "[truth][cylinder]") 
         REQUIRE(closed.touches == !right.goes_through());
         REQUIRE(closed.on_surface == on_surface);
         touches[family.name] += closed.touches, from_it[family.name] += on_surface;
-        REQUIRE(encloses(closed.t, right));
+        REQUIRE(encloses_first(closed.t, right));
         const Truth open = find_truth(s.ray, Solid<double>(s.cylinder), {}, Touching::miss);
         REQUIRE(open.is_hit() == right.goes_through());
         if (!on_surface) return;
         // Whoever passes over its origin meets the other end, if it lies ahead.
         const Truth passed = find_truth(s.ray, Solid<double>(s.cylinder), {}, AtOrigin::miss);
-        const Rational ahead = power(-60);
+        const Rational ahead = power_of_two(-60);
         if (right.goes_through()) REQUIRE(passed.is_hit() == right.is_within(ahead));
     });
     for (const CylinderRays& family : cylinder_rays) {
@@ -95,7 +81,7 @@ TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[in
         std::string first = "none";  ///< of the families, in which it is wrong
     };
     std::array<Tally, CylinderForms::size> tallies{};
-    const Rational off = power(-150);
+    const Rational off = power_of_two(-150);
     for_each_cylinder(static_cast<int>(draws(1000)), [&](const CylinderRays& family, const CylinderSample& s) {
         const CylinderAnswer right = answer_of(s);
         // Clear of every equality: a rim, a tangent, the origin on the surface, a line beside the axis or the caps.

@@ -8,6 +8,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/certified_root.hpp"
 #include "intersect/ellipsoid/ellipsoid_rays.hpp"
 #include "intersect/packs_and_alone.hpp"
 
@@ -21,23 +22,8 @@ using measure::truth::Truth;
 
 namespace {
 
-Rational power(std::int64_t e) {
-    Rational p(1);
-    for (std::int64_t i = 0; i < (e < 0 ? -e : e); ++i) p *= 2;
-    return e < 0 ? 1 / p : p;
-}
+using test::lifted;  // beside that of the shape
 
-/// Whether the first root lies in what the certified number encloses.
-bool encloses(const measure::truth::Certified& x, const EllipsoidAnswer& right) {
-    if (x.is_zero()) return right.c == 0;
-    const Rational unit = power(x.exponent);
-    return right.is_first((Rational(x.hi) + Rational(x.lo)) * unit, Rational(x.bound) * unit);
-}
-
-template <class T>
-Vec<T> lifted(const Vec<double>& v) {
-    return Vec<T>(static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
-}
 template <class T>
 Ellipsoid<T> lifted(const Ellipsoid<double>& e) {
     return {lifted<T>(e.centre), lifted<T>(e.radii)};
@@ -63,7 +49,7 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
         REQUIRE(closed.on_surface == (right.c == 0));
         touches[family.name] += right.touches(), from_it[family.name] += right.c == 0;
         REQUIRE(find_truth(s.ray, Solid<double>(s.ellipsoid), {}, Touching::miss).is_hit() == !right.touches());
-        REQUIRE(encloses(closed.t, right));
+        REQUIRE(encloses_first(closed.t, right));
         if (right.c == 0) {
             const Truth passed = find_truth(s.ray, Solid<double>(s.ellipsoid), {}, AtOrigin::miss);
             REQUIRE(passed.is_hit() == (right.h < 0));
@@ -91,7 +77,7 @@ TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[i
         long asked = 0, hits = 0, wrong = 0;
     };
     std::array<Tally, EllipsoidForms::size> tallies{};
-    const Rational off = power(-180);
+    const Rational off = power_of_two(-180);
     for_each_ellipsoid(static_cast<int>(draws(1000)), [&](const EllipsoidRays& family, const EllipsoidSample& s) {
         const EllipsoidAnswer right = answer_of(s);
         if (!right.is_clear()) return;
