@@ -1,4 +1,5 @@
-// Where a line is inside of a surface of a quadratic that two planes cut off, over any number: cylinders with caps.
+// Where a line is inside of a surface of a quadratic that two planes cut off, over any number: cylinders and cones with
+// caps.
 #pragma once
 
 #include <optional>
@@ -7,59 +8,101 @@
 
 namespace lostbits {
 
-/// Those t of a quadratic's that also lie between two parallel planes: from the larger of the near root and `entry` to
-/// the smaller of the far root and `exit`. A line beside the axis has a = h = q = 0 and is within the side for all t or
-/// for none, by the sign of c; one beside the planes has −1/0 and 1/0 for entry and exit, and `closed` and `open` say
-/// whether it is between them. Roots are compared with fractions by the sign of the polynomial and of its slope there,
-/// so that no root is taken to decide.
+/// Those t between two parallel planes, from `entry` to `exit`, at which P(t) = a t² + 2 h t + c ≤ 0, of a solid that
+/// is convex: they are one interval, though `a` may have any sign. Where P < 0 beyond both roots (a < 0: a line steeper
+/// than a cone, which meets its mirror image too) one of the two parts lies between the planes. The line enters by the
+/// plane at `entry` where P ≤ 0 there, or where P falls through 0, at (−h − √q)/a, and leaves likewise where it rises,
+/// at (−h + √q)/a. All is told by P and half of its slope at the planes, so that no root is taken to decide.
+///
+/// A line beside the planes has −1/0 and 1/0 for entry and exit and a > 0, and `closed` and `open` say whether it is
+/// between them.
 template <class T>
 struct CappedSpan {
     QuadraticSpan<T> side;
     Fraction<T> entry, exit;
+    QuadraticAt<T> at_entry, at_exit;
     mask_t<T> crossed;
     mask_t<T> closed;
     mask_t<T> open;
     T d2;  ///< d·d
 
-    /// Whether some point of the line lies in the closed and in the open solid.
+    /// Whether some point of the line lies in the closed and in the open solid: at a plane, or where P has its least.
     [[nodiscard]] mask_t<T> is_met() const {
         const T zero(0);
-        const auto within = side.q >= zero && (side.a > zero || side.c <= zero);
-        return closed && within && (!crossed || (near_to(exit).at_most && !far_to(entry).less));
+        const auto through = side.q >= zero;
+        const auto met = enters_by_cap() || leaves_by_cap() || (is_least_between() && through);
+        return closed && ((crossed && met) || (!crossed && through));
     }
     [[nodiscard]] mask_t<T> is_open() const {
         const T zero(0);
-        const auto within = side.q > zero || (side.a <= zero && side.c < zero);
-        return open && within && (!crossed || (near_to(exit).less && !far_to(entry).at_most));
+        const auto through = side.q > zero;
+        const auto met = at_entry.value < zero || at_exit.value < zero || (is_least_between() && through);
+        return open && ((crossed && met) || (!crossed && through));
     }
-    /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid.
+    /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid. At a
+    /// t behind `entry` with P > 0 it has left where it entered by the plane or is past the least P, which there is
+    /// only for a > 0; else it is yet to enter.
     [[nodiscard]] Order<mask_t<T>> enters_to(const Fraction<T>& t) const {
-        const auto side_to = near_to(t), cap_to = order_of(entry, t);
-        return {side_to.less && (!crossed || cap_to.less), side_to.at_most && (!crossed || cap_to.at_most)};
+        const T zero(0);
+        const auto cap = order_of(entry, t);
+        const auto& [value, slope] = quadratic_at(side, t);
+        const auto wide = side.a > zero, by_cap = crossed && enters_by_cap();
+        return {(!crossed || cap.less) && (by_cap || value < zero || (wide && slope > zero)),
+                (!crossed || cap.at_most) && (by_cap || value <= zero || (wide && slope >= zero))};
     }
     [[nodiscard]] Order<mask_t<T>> leaves_to(const Fraction<T>& t) const {
-        const auto side_to = far_to(t), cap_to = order_of(exit, t);
-        return {side_to.less || (crossed && cap_to.less), side_to.at_most || (crossed && cap_to.at_most)};
+        const T zero(0);
+        const auto from = order_of(entry, t), to = order_of(exit, t);
+        const auto& [value, slope] = quadratic_at(side, t);
+        const auto wide = side.a > zero, by_cap = crossed && enters_by_cap(), out = value > zero;
+        const auto out_behind = out && ((wide && slope > zero) || (by_cap && from.less));
+        const auto on_or_behind =
+            value >= zero && ((wide && slope >= zero) || (by_cap && from.at_most && (out || slope > zero)));
+        return {out_behind || (crossed && to.less), on_or_behind || (crossed && to.at_most)};
     }
-    /// Whether it is a cap by which it enters, or leaves; of a rim either.
-    [[nodiscard]] mask_t<T> enters_by_cap() const { return crossed && near_to(entry).at_most; }
-    [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && !far_to(exit).less; }
+    /// Whether it is a plane at which it enters, or leaves, where it meets the closed solid; of a rim either.
+    [[nodiscard]] mask_t<T> enters_by_cap() const { return crossed && at_entry.value <= T(0); }
+    [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
 private:
-    [[nodiscard]] Order<mask_t<T>> near_to(const Fraction<T>& t) const { return quadratic_at(side, t).near_root(); }
-    [[nodiscard]] Order<mask_t<T>> far_to(const Fraction<T>& t) const { return quadratic_at(side, t).far_root(); }
+    [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.slope < T(0) && at_exit.slope > T(0); }
 };
+
+/// Of the planes v·(p − base) = 0 and = v², where `low` is v·(o − base) and `across` v·d.
+template <class T>
+CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across, const T& v2) {
+    const T zero(0), one(1);
+    const auto up = across > zero, crossed = up || across < zero;
+    const T size = select(up, across, -across);
+    const Fraction<T> to_base{-low, size}, to_top{v2 - low, size}, from_top{-to_top.n, size}, from_base{low, size};
+    const Fraction<T> before{-one, zero}, after{one, zero};
+    const Fraction<T> entry = select(crossed, select(up, to_base, from_top), before);
+    const Fraction<T> exit = select(crossed, select(up, to_top, from_base), after);
+    return {.side = side,
+            .entry = entry,
+            .exit = exit,
+            .at_entry = quadratic_at(side, entry),
+            .at_exit = quadratic_at(side, exit),
+            .crossed = crossed,
+            .closed = crossed || (low >= zero && low <= v2),
+            .open = crossed || (low > zero && low < v2),
+            .d2 = side.d2};
+}
 
 /// Both ends; nothing where it is not known by what it enters and leaves.
 template <Number T>
 std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
     if (!is_certain(s.is_met())) return std::nullopt;
-    const auto side = *ends_of(s.side);
-    const auto one_of = [](const auto& by_cap, const Fraction<T>& cap, const T& root) -> std::optional<T> {
+    const T root = sqrt(s.side.q);
+    const bool past = is_certain(s.side.h > T(0));
+    const auto one_of = [](const auto& by_cap, const Fraction<T>& cap, const T& at_root) -> std::optional<T> {
         if (is_certain(by_cap)) return cap.n / cap.m;
-        return is_certain(!by_cap) ? std::optional(root) : std::nullopt;
+        return is_certain(!by_cap) ? std::optional(at_root) : std::nullopt;
     };
-    const auto near = one_of(s.enters_by_cap(), s.entry, side.near), far = one_of(s.leaves_by_cap(), s.exit, side.far);
+    const auto near =
+        one_of(s.enters_by_cap(), s.entry, past ? -(root + s.side.h) / s.side.a : s.side.c / (root - s.side.h));
+    const auto far =
+        one_of(s.leaves_by_cap(), s.exit, past ? -s.side.c / (root + s.side.h) : (root - s.side.h) / s.side.a);
     return near && far ? std::optional(Ends<T>{*near, *far}) : std::nullopt;
 }
 

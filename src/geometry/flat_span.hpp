@@ -7,6 +7,19 @@
 
 namespace lostbits {
 
+/// Whether a line crosses a surface there: the surface with its rims, and that without.
+template <class Mask>
+struct SurfaceCrossing {
+    Mask closed, open;
+};
+
+/// A span of a surface without an inside: its crossings in the order of t, each of which may not be one, and how each
+/// stands to a fraction.
+template <class S, class T>
+concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
+    S::crossings, s.crossing(0), s.order_to(0, t);
+};
+
 /// The one t at which a line crosses a flat piece of surface, and whether it does. A line beside its plane, or in it,
 /// crosses nothing: `closed` is no.
 template <class T>
@@ -15,6 +28,10 @@ struct FlatSpan {
     mask_t<T> closed;  ///< it crosses the piece or its rim
     mask_t<T> open;    ///< and not the rim
     T d2;              ///< d·d
+
+    static constexpr int crossings = 1;
+    [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int) const { return {closed, open}; }
+    [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
 /// Both ends are where it crosses; nothing where it is not known to.

@@ -188,6 +188,13 @@ Fraction<T> first_exit(const SlabSpan<T>& s) {
     return first;
 }
 
+/// A span of a solid that tells whether the line meets it (the closed and the open one), and how entering and leaving
+/// stand to a fraction.
+template <class S, class T>
+concept ToldSpan = requires(const S& s, const Fraction<T>& t) {
+    s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
+};
+
 /// Where a line enters and leaves: near ≤ far where it meets the solid.
 template <class T>
 struct Ends {

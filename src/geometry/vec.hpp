@@ -38,4 +38,20 @@ T length(const Vec<T>& a) {
     return sqrt(square(a));
 }
 
+/// Two vectors across v and across each other, of length one. v must not be 0.
+template <class T>
+struct AcrossAxis {
+    Vec<T> side, other;
+
+    explicit AcrossAxis(const Vec<T>& v) : side(unit(cross(v, along_least(v)))), other(unit(cross(v, side))) {}
+
+private:
+    static Vec<T> unit(const Vec<T>& v) { return (T(1) / length(v)) * v; }
+    /// The axis in which v is least.
+    static Vec<T> along_least(const Vec<T>& v) {
+        const T x = abs(v.x), y = abs(v.y), z = abs(v.z);
+        return Vec<T>(x <= y && x <= z ? T(1) : T(0), y < x && y <= z ? T(1) : T(0), z < x && z < y ? T(1) : T(0));
+    }
+};
+
 }  // namespace lostbits

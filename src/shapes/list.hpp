@@ -7,7 +7,11 @@
     line(triangle, Triangle) \
     line(ellipsoid, Ellipsoid) \
     line(cylinder, Cylinder) \
-    line(capsule, Capsule)
+    line(capsule, Capsule) \
+    line(tube, Tube) \
+    line(cone, Cone) \
+    line(disc, Disc) \
+    line(plane, Plane)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
@@ -16,5 +20,9 @@
 #include LOSTBITS_SHAPE_FILE(ellipsoid)
 #include LOSTBITS_SHAPE_FILE(cylinder)
 #include LOSTBITS_SHAPE_FILE(capsule)
+#include LOSTBITS_SHAPE_FILE(tube)
+#include LOSTBITS_SHAPE_FILE(cone)
+#include LOSTBITS_SHAPE_FILE(disc)
+#include LOSTBITS_SHAPE_FILE(plane)
 
 #undef LOSTBITS_SHAPE_FILE

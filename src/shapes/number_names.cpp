@@ -109,6 +109,10 @@ std::string no_end_words(Shape shape) {
 
 std::string limit_words(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
+    if (key.limit == Key::Limit::not_negative) return "is less than 0; write 0 or a positive number";
+    if (key.limit == Key::Limit::below_before)
+        return "is less than 0, or not less than " + std::string((&key - 1)->name) + "; write a number from 0 to that";
+    if (key.limit == Key::Limit::not_zero) return "is 0 in all three components; write where it points, at any length";
     if (key.limit == Key::Limit::off_line_before)
         return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) + "; " +
                with_article(shape) + " has an area, so move one of the three";

@@ -270,9 +270,13 @@ std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::apart_from_before && !are_apart(solid.point(k - 3), solid.point(k)))
             return BrokenLimit{&key, k};
+        if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), solid.point(k)))
+            return BrokenLimit{&key, k};
         for (const std::size_t end = k + key.count(); k < end; ++k) {
             const S& x = solid.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
+                (key.limit == Key::Limit::not_negative && !(x >= S(0))) ||
+                (key.limit == Key::Limit::below_before && !(x >= S(0) && x < solid.numbers[k - 1])) ||
                 (key.limit == Key::Limit::at_least_before && !(solid.numbers[k - key.count()] <= x)))
                 return BrokenLimit{&key, k};
         }
@@ -288,6 +292,15 @@ void for_each_key(Shape shape, const Act& act) {
         act(key, k);
         k += key.count();
     }
+}
+
+/// Whether the number at place k may be left out.
+inline bool is_optional(Shape shape, std::size_t k) {
+    bool optional = false;
+    for_each_key(shape, [&](const Key& key, std::size_t first) {
+        if (k >= first && k < first + key.count()) optional = key.optional;
+    });
+    return optional;
 }
 
 /// A key that is a length, and the place of its number.

@@ -1,6 +1,6 @@
-# cmake -P recipe_shape.cmake: follows the recipe "A shape" of CONTRIBUTING.md on a copy of the sources. The plane's
-# folder, at most 120 lines, and its line and its include in the list must be enough: the list of shapes, the names of
-# its numbers, a solid of plain numbers, the forms of the catalogue and the span over Ball must have it.
+# cmake -P recipe_shape.cmake: follows the recipe "A shape" of CONTRIBUTING.md on a copy of the sources. The folder of
+# half spaces, at most 120 lines, and its line and its include in the list must be enough: the list of shapes, the names
+# of its numbers, a solid of plain numbers, the forms of the catalogue and the span over Ball must have it.
 #   CXX, ROOT (the repository), WORK (a folder), INCLUDES (what the headers need besides)
 #   PROGRAM: also build the whole program in the copy (with BUILD_WITH, for CMake), and try it
 file(REMOVE_RECURSE ${WORK})
@@ -8,8 +8,8 @@ foreach(layer number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
 endforeach()
 
-file(COPY ${ROOT}/tests/repository/plane DESTINATION ${WORK}/src/shapes)
-file(GLOB_RECURSE files ${WORK}/src/shapes/plane/*)
+file(COPY ${ROOT}/tests/repository/half_space DESTINATION ${WORK}/src/shapes)
+file(GLOB_RECURSE files ${WORK}/src/shapes/half_space/*)
 set(lines 0)
 foreach(file IN LISTS files)
     file(READ ${file} text)
@@ -18,13 +18,13 @@ foreach(file IN LISTS files)
     math(EXPR lines "${lines} + ${length}")
 endforeach()
 if(lines GREATER 120)
-    message(FATAL_ERROR "the plane's folder has ${lines} lines")
+    message(FATAL_ERROR "the folder of half spaces has ${lines} lines")
 endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
 file(READ ${list} text)
-string(REPLACE "    line(capsule, Capsule)\n" "    line(capsule, Capsule) \\\n    line(plane, Plane)\n" text "${text}")
-string(REPLACE "FILE(capsule)\n" "FILE(capsule)\n#include LOSTBITS_SHAPE_FILE(plane)\n" text "${text}")
+string(REPLACE "    line(plane, Plane)\n" "    line(plane, Plane) \\\n    line(half_space, HalfSpace)\n" text "${text}")
+string(REPLACE "FILE(plane)\n" "FILE(plane)\n#include LOSTBITS_SHAPE_FILE(half_space)\n" text "${text}")
 file(WRITE ${list} "${text}")
 
 file(WRITE ${WORK}/shapes.cpp [=[
@@ -35,19 +35,19 @@ file(WRITE ${WORK}/shapes.cpp [=[
 int main() {
     using namespace lostbits;
     for (const ShapeRow& row : shape_rows) std::printf("%s: %zu\n", row.name.data(), row.numbers);
-    const Plane<double> plane{{0, 0, 3}, {0, 0, -2}};
-    const Solid<double> solid(plane);
+    const HalfSpace<double> half{{0, 0, 3}, {0, 0, -2}};
+    const Solid<double> solid(half);
     std::printf("%s of %zu numbers, last %g\n", name_of(solid.shape).data(), solid.used().size(), solid.used().back());
     intersect::for_each_form([&]<class Form>() {
-        if constexpr (intersect::shape_of<Form> == Shape::plane)
+        if constexpr (intersect::shape_of<Form> == Shape::half_space)
             std::printf("%s hits at %g\n", Form::info.name.data(),
-                        intersect::intersect_solid<Form>(Ray<double>{{0, 1, 1}, {0, 0, 0.5}}, plane, 0.0).t);
+                        intersect::intersect_solid<Form>(Ray<double>{{0, 1, 1}, {0, 0, 0.5}}, half, 0.0).t);
     });
-    const Plane<Ball> exact{{Ball(0), Ball(0), Ball(3)}, {Ball(0), Ball(0), Ball(-2)}};
+    const HalfSpace<Ball> exact{{Ball(0), Ball(0), Ball(3)}, {Ball(0), Ball(0), Ball(-2)}};
     for (const double side : {-1, 1}) {
         const Ray<Ball> ray{{Ball(0), Ball(1), Ball(3 + 2 * side)}, {Ball(0), Ball(0), Ball(-0.5 * side)}};
         const auto ends = ends_of(exact.span(ray));
-        std::printf("truly %g, and leaves at %g\n", ends->near.hi(), ends->far.hi());
+        std::printf("truly %s at %g\n", side < 0 ? "in" : "out", side < 0 ? ends->near.hi() : ends->far.hi());
     }
 }
 ]=])
@@ -60,9 +60,9 @@ if(failed)
     message(FATAL_ERROR "the shape of the recipe does not compile:\n${errors}")
 endif()
 execute_process(COMMAND ${WORK}/shapes OUTPUT_VARIABLE said)
-set(expected "sphere: 4\nbox: 6\ntriangle: 9\nellipsoid: 6\ncylinder: 7\ncapsule: 7\nplane: 6\n"
-    "plane of 6 numbers, last -2\nplane.quotient hits at 4\n"
-    "truly 4, and leaves at 4\ntruly 4, and leaves at 4\n")
+set(expected "sphere: 4\nbox: 6\ntriangle: 9\nellipsoid: 6\ncylinder: 7\ncapsule: 7\ntube: 7\ncone: 8\ndisc: 8\nplane: 6\nhalf_space: 6\n"
+    "half_space of 6 numbers, last -2\nhalf_space.quotient hits at 4\n"
+    "truly in at 4\ntruly out at 4\n")
 string(CONCAT expected ${expected})
 if(NOT said STREQUAL expected)
     message(FATAL_ERROR "the shape of the recipe is not what it should be:\n${said}")
@@ -85,19 +85,19 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -G Ninja -D
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/build --target lostbits -- -k 0
     OUTPUT_VARIABLE said RESULT_VARIABLE failed)
 if(failed)
-    message(FATAL_ERROR "the program with a plane does not build:\n${said}")
+    message(FATAL_ERROR "the program with a half space does not build:\n${said}")
 endif()
 
 set(head "source = \"-\"\ntitle = \"A floor\"\n")
 file(WRITE ${WORK}/floor.toml "schema = \"lostbits-scene/1\"\n${head}size = [16, 16]\n[camera]\nkind = \"pinhole\"\n"
     "eye = [0, 1, 0]\nlook_at = [0.25, 0, -3]\nup = [0, 1, 0]\nfov_deg = 90\n"
-    "[[plane]]\npoint = [0.1, -0.2, 0.3]\nnormal = [0.1, 1, 0.2]\n")
+    "[[half_space]]\npoint = [0.1, -0.2, 0.3]\nnormal = [0.1, 1, 0.2]\n")
 file(WRITE ${WORK}/lower.toml "schema = \"lostbits-sweep/1\"\n${head}scene = \"floor.toml\"\n"
     "[[axis]]\nname = \"height\"\n"
     "unit = \"world\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 3\n"
-    "set = [\"plane[0].point[1]\"]\nfactors = [-1]\n")
+    "set = [\"half_space[0].point[1]\"]\nfactors = [-1]\n")
 # The second answer is wrong, the third ray passes by.
-file(WRITE ${WORK}/rays.csv "ox,oy,oz,dx,dy,dz,px,py,pz,nx,ny,nz,hit,t\n0,0,5,0,0,-1,0,0,1,0,0,1,1,4\n"
+file(WRITE ${WORK}/rays.csv "ox,oy,oz,dx,dy,dz,ax,ay,az,vx,vy,vz,hit,t\n0,0,5,0,0,-1,0,0,1,0,0,1,1,4\n"
     "0,0,5,0,0,-1,0,0,1,0,0,1,1,4.5\n0,0,5,1,0,0,0,0,1,0,0,1,0,\n")
 function(say expected)
     execute_process(COMMAND ${WORK}/build/lostbits ${ARGN} WORKING_DIRECTORY ${WORK} OUTPUT_VARIABLE said
@@ -112,19 +112,19 @@ function(hold file expected)
         message(SEND_ERROR "${file} holds:\n${text}")
     endif()
 endfunction()
-say("^0\n.*plane\\.quotient" list intersectors)
-say("^0\n" map floor.toml -i plane.* -f f32 -f f64 -o map)
-hold(map/floor/summary.csv "\nplane\\.quotient,f32,256,199,57,0,0,0,0,")
-say("^0\n" sweep lower.toml -i plane.* -f f32 -o sweep)
-hold(sweep/lower/samples.csv "\n65536,0x1p.16,plane\\.quotient,f32,256,199,57,0,0,0,0,")
+say("^0\n.*half_space\\.quotient" list intersectors)
+say("^0\n" map floor.toml -i half_space.* -f f32 -f f64 -o map)
+hold(map/floor/summary.csv "\nhalf_space\\.quotient,f32,256,199,57,0,0,0,0,")
+say("^0\n" sweep lower.toml -i half_space.* -f f32 -o sweep)
+hold(sweep/lower/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o judge)
 # Random rays, as its own folder draws them, and times on them.
-file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[plane_family]\nviews = 64\n"
+file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[half_space_family]\nviews = 64\n"
     "[[axis]]\nname = \"distance\"\nunit = \"sizes\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 2\n"
     "set = [\"distance\"]\n")
-say("^0\n" sweep size.toml -i plane.* -f f32 -o family)
-hold(family/size/samples.csv "\n65536,0x1p.16,plane\\.quotient,f32,64,64,0,0,0,0,0,")
-say("^0\n.*plane\\.quotient" trade --shape plane --quick -o trade)
+say("^0\n" sweep size.toml -i half_space.* -f f32 -o family)
+hold(family/size/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,64,64,0,0,0,0,0,")
+say("^0\n.*half_space\\.quotient" trade --shape half_space --quick -o trade)
 # The same formula from outside: through the C interface, as a formula of a header, as a shader.
 file(WRITE ${WORK}/outside.c [=[
 #include <lostbits_plugin.h>
@@ -139,7 +139,7 @@ static const char* run(const lb_batch* b) {
     return NULL;
 }
 const lb_form* lostbits_forms(int abi, size_t* count) {
-    static const lb_form form = {.name = "outside.plane", .shape = 3, .format = LB_F64, .roots = LB_FIRST,
+    static const lb_form form = {.name = "outside.half_space", .shape = 10, .format = LB_F64, .roots = LB_FIRST,
                                  .flags = LB_NO_END, .run = run};
     *count = 1;
     return abi == LOSTBITS_PLUGIN_ABI ? &form : NULL;
@@ -149,26 +149,26 @@ file(WRITE ${WORK}/header.cpp [=[
 #include <lostbits_form.hpp>
 using namespace lostbits;
 struct Header {
-    static constexpr intersect::Info info{.name = "header.plane", .roots = intersect::Roots::first_only};
+    static constexpr intersect::Info info{.name = "header.half_space", .roots = intersect::Roots::first_only};
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        const T t = dot(plane.normal, plane.point - ray.origin) / dot(plane.normal, ray.direction);
+    static Hit<T> intersect(const Ray<T>& ray, const HalfSpace<T>& half) {
+        const T t = dot(half.normal, half.point - ray.origin) / dot(half.normal, ray.direction);
         return {t >= T(0), t, t, t};
     }
 };
 LOSTBITS_FORMULAS(Header)
 ]=])
-file(WRITE ${WORK}/plane.glsl "// lostbits: direction=any roots=first\n"
-    "float plane(vec3 ro, vec3 rd, vec3 normal, vec3 point) {\n"
+file(WRITE ${WORK}/half_space.glsl "// lostbits: direction=any roots=first\n"
+    "float half_space(vec3 ro, vec3 rd, vec3 normal, vec3 point) {\n"
     "    return dot(normal, point - ro) / dot(normal, rd);\n}\n")
 execute_process(COMMAND ${CXX} -x c -std=c99 -O2 -ffp-contract=off -fPIC -shared -I${WORK}/plugins ${WORK}/outside.c
     -o ${WORK}/outside.so COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CXX} -shared ${WORK}/header.cpp -o ${WORK}/header.so @${WORK}/build/form.flags
     COMMAND_ERROR_IS_FATAL ANY)
-say("^0\n.*outside\\.plane in binary64, a plane: does as it says" plugin check ${WORK}/outside.so)
-say("^0\n.*header\\.plane" plugin check ${WORK}/header.so)
-say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so -i *.plane -f f64 -o doors)
-hold(doors/floor/summary.csv "\noutside\\.plane,f64,256,199,57,0,0,0,0,")
-hold(doors/floor/summary.csv "\nheader\\.plane,f64,256,199,57,0,0,0,0,")
-say("^0\n.*shader\\.plane in binary32, a plane: does as it says" plugin check --shader ${WORK}/plane.glsl)
-say("^0\n.*culprit is n\\.\\(P-o\\)" explain floor.toml --pixel 3,12 -i plane.quotient -f f32)
+say("^0\n.*outside\\.half_space in binary64, a half_space: does as it says" plugin check ${WORK}/outside.so)
+say("^0\n.*header\\.half_space" plugin check ${WORK}/header.so)
+say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so -i *.half_space -f f64 -o doors)
+hold(doors/floor/summary.csv "\noutside\\.half_space,f64,256,199,57,0,0,0,0,")
+hold(doors/floor/summary.csv "\nheader\\.half_space,f64,256,199,57,0,0,0,0,")
+say("^0\n.*shader\\.half_space in binary32, a half_space: does as it says" plugin check --shader ${WORK}/half_space.glsl)
+say("^0\n.*culprit is n\\.\\(P-o\\)" explain floor.toml --pixel 3,12 -i half_space.quotient -f f32)

@@ -41,7 +41,7 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-template <class E, truth::ToldSpan<E> S>
+template <class E, ToldSpan<E> S>
 std::optional<Meeting> enclosed(const S& s) {
     const Fraction<E> begin{E(0), E(1)};
     const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
@@ -53,10 +53,16 @@ std::optional<Meeting> enclosed(const S& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-/// Nothing is inside; what crosses the rim does not meet the open surface.
-template <class E>
-std::optional<Meeting> enclosed(const FlatSpan<E>& s) {
-    const Tri on = s.closed && s.at.n <= E(0) && s.at.n >= E(0), meets = s.open && s.at.n > E(0);
+/// Nothing is inside; what crosses a rim does not meet the open surface.
+template <class E, SurfaceSpan<E> S>
+std::optional<Meeting> enclosed(const S& s) {
+    Tri on = Tri::no, meets = Tri::no;
+    for (int i = 0; i < S::crossings; ++i) {
+        const auto at = s.crossing(i);
+        const auto to_begin = s.order_to(i, {E(0), E(1)});
+        on = on || (at.closed && to_begin.at_most && !to_begin.less);
+        meets = meets || (at.open && !to_begin.at_most);
+    }
     if (on.is_unknown() || meets.is_unknown()) return std::nullopt;
     return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
 }
@@ -96,16 +102,18 @@ std::optional<bool> passes(const SlabSpan<E>& s) {
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
-template <class E, truth::ToldSpan<E> S>
+template <class E, ToldSpan<E> S>
 std::optional<bool> passes(const S& s) {
     const Fraction<E> from{E(0), E(1)}, to{E(1), E(1)};
     const Tri hit = s.is_open() && !s.leaves_to(from).at_most && s.enters_to(to).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
-template <class E>
-std::optional<bool> passes(const FlatSpan<E>& s) {
-    const Tri hit = s.open && s.at.n > E(0) && s.at.n < s.at.m;
+template <class E, SurfaceSpan<E> S>
+std::optional<bool> passes(const S& s) {
+    Tri hit = Tri::no;
+    for (int i = 0; i < S::crossings; ++i)
+        hit = hit || (s.crossing(i).open && !s.order_to(i, {E(0), E(1)}).at_most && s.order_to(i, {E(1), E(1)}).less);
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 

@@ -9,8 +9,9 @@
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/joined_span.hpp"
+#include "geometry/wall_span.hpp"
 #include "intersect/info.hpp"
-#include "measure/truth/missing.hpp"
+#include "measure/truth/lift.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 #include "shapes/solid.hpp"
@@ -51,9 +52,9 @@ Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touchi
 template <class E>
 Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing at, bool touching = false, bool on_surface = false) {
     const E root = sqrt(s.q);
-    const E t = at == Crossing::near    ? s.c / (root - s.h)
-                : (s.h > E(0)).is_yes() ? -s.c / (s.h + root)
-                                        : (root - s.h) / s.a;
+    const bool past = (s.h > E(0)).is_yes();
+    const E size = past ? root + s.h : root - s.h;
+    const E t = at == Crossing::near ? (past ? -size / s.a : s.c / size) : (past ? -s.c / size : size / s.a);
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, at};
 }
 
@@ -187,32 +188,45 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, inter
     return {Tri::yes, t, t * sqrt(slabs.d2), touching, false, Crossing::near};
 }
 
-/// The line against a surface without thickness. On the rim it touches; a surface where the ray begins is a root there,
-/// as entry and exit at once, and counts by the convention. There is no inside.
+/// A hit where the line crosses a surface.
 template <class E>
-Enclosed<E> enclose(const FlatSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
-    const E zero(0);
-    Tri before = s.at.n < zero, no_later = s.at.n <= zero, in_range = Tri::yes;  // than where it begins
-    if (range) {
-        const auto to_begin = order_of(s.at, Fraction<E>{range->begin, E(1)});
-        before = to_begin.less, no_later = to_begin.at_most;
-        in_range = in_time(order_of(s.at, range->end), *range);
-    }
-    const Tri hit = s.closed && !before && in_range;
-    if (hit.is_no()) return {Tri::no, zero, zero};
-    if (hit.is_unknown() || no_later.is_unknown() || Tri(s.open).is_unknown()) return {Tri::unknown, zero, zero};
-    const bool touching = Tri(s.open).is_no(), at_begin = no_later.is_yes();
-    if (at_begin && convention.at_origin == intersect::AtOrigin::miss) return {Tri::no, zero, zero, touching, true};
-    if (at_begin && (begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
+Enclosed<E> enclosed_at(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
     const E t = s.at.n / s.at.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching, at_begin, Crossing::near};
+    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, Crossing::near};
+}
+template <class E>
+Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
+    return enclosed_root(s.solid.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
-/// A span that tells how it stands to a fraction.
-template <class S, class E>
-concept ToldSpan = requires(const S& s, const Fraction<E>& t) {
-    s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
-};
+/// The line against a surface without an inside: the first of its crossings that counts. On a rim, or along the
+/// surface, it touches; a surface where the ray begins is a root there, and counts by the convention: where there are
+/// two crossings the near one is an entry, the far one an exit; a single one is both.
+template <class E, SurfaceSpan<E> S>
+Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
+    using intersect::AtOrigin, intersect::Touching;
+    const E zero(0);
+    const Fraction<E> begin{begin_of(range), E(1)};
+    Enclosed<E> none{Tri::no, zero, zero};
+    for (int i = 0; i < S::crossings; ++i) {
+        const auto at = s.crossing(i);
+        const auto to_begin = s.order_to(i, begin);
+        const Tri in_range = range ? in_time(s.order_to(i, range->end), *range) : Tri::yes;
+        const Tri ahead = at.closed && !to_begin.less && in_range, at_begin = to_begin.at_most;
+        if (ahead.is_no()) continue;
+        if (ahead.is_unknown() || at_begin.is_unknown() || Tri(at.open).is_unknown()) return {Tri::unknown, zero, zero};
+        const bool touching = Tri(at.open).is_no(), exit = i + 1 == S::crossings;
+        const bool passed_over =
+            at_begin.is_yes() && (asked.at_origin == AtOrigin::miss || (asked.at_origin == AtOrigin::exit && !exit));
+        if (passed_over || (touching && asked.touching == Touching::miss)) {
+            none.touching |= touching, none.on_surface |= at_begin.is_yes();
+            continue;
+        }
+        if (at_begin.is_yes() && (begin.n <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
+        return enclosed_at<E>(s, i, touching, at_begin.is_yes());
+    }
+    return none;
+}
 
 /// A hit where the line enters (`Crossing::near`) or leaves, by a cap or at a root.
 template <class E>
@@ -302,49 +316,6 @@ inline intersect::Convention convention_in(const Range<double>& range, intersect
     if (range.open.tmin) convention.at_origin = AtOrigin::miss;
     else if (range.tmin > 0) convention.at_origin = AtOrigin::hit;
     return convention;
-}
-
-template <class E, class S>
-E lift(const S& x) {
-    return E(x);
-}
-/// A 256-bit number as a ball: two words and what they leave.
-template <>
-inline Ball lift<Ball, Real>(const Real& x) {
-    const auto hi = x.convert_to<double>();
-    if (!std::isfinite(hi)) return Ball::unknown();
-    const auto lo = Real(x - Real(hi)).convert_to<double>();
-    const Real rest = Real(x - Real(hi)) - Real(lo);
-    if (rest == 0) return Ball(hi, lo, 0);
-    return std::fabs(hi) < 0x1p-800 ? Ball::unknown() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
-}
-
-template <class E, class S>
-Vec<E> lift_vec(const Vec<S>& v) {
-    return Vec<E>(lift<E>(v.x), lift<E>(v.y), lift<E>(v.z));
-}
-
-template <class E, class S>
-Ray<E> lift_ray(const Ray<S>& ray) {
-    return {lift_vec<E>(ray.origin), lift_vec<E>(ray.direction)};
-}
-
-template <class E, class S>
-Solid<E> lift_solid(const Solid<S>& solid) {
-    return transformed(solid, [](const S& x) { return lift<E>(x); });
-}
-
-/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
-/// number to 2^-104 of itself, as `lift` has it.
-inline double word_of(double x) { return x; }
-inline double low_word_of(double) { return 0; }
-inline double word_of(const Real& x) { return x.convert_to<double>(); }
-inline double low_word_of(const Real& x) {
-    const double hi = word_of(x);
-    if (!std::isfinite(hi)) return missing;
-    const Real rest = x - Real(hi);
-    if (rest == 0) return 0;
-    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
 }
 
 }  // namespace lostbits::measure::truth

@@ -9,6 +9,7 @@
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/joined_span.hpp"
+#include "geometry/wall_span.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/bounded.hpp"
 #include "number/dual.hpp"
@@ -159,19 +160,19 @@ private:
 /// problem with errors, P'(0) = c' and half of its slope there, h': t' − t is a root of a'δ² + 2s'δ + P'(0), which is
 /// −P'(0)/(s' ± √(s'² − a'P'(0))), and the same root where the sign is that of s. With |P'(0)| ≤ B, as P(0) = 0, and
 /// σ ≤ |s'| on the side of s,
-///     |δ| ≤ B/(σ + √(σ² − a'B))  where σ² ≥ a'B for the largest a': B/(2|s|) to first order, which is κ's;
-///     |δ| ≤ √(B/a')              where not, for the smallest a': as near to a tangent t goes as a square root (the
+///     |δ| ≤ B/(σ + √(σ² − a'B))  where σ² ≥ a'B for the largest |a'|: B/(2|s|) to first order, which is κ's;
+///     |δ| ≤ √(B/a')              where not, for the smallest |a'|: as near to a tangent t goes as a square root (the
 ///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
-/// and |s'|/a' twice more where s' may have the other sign.
+/// and |s'|/a' twice more where s' may have the other sign. P and −P have the same roots: a' > 0 is no loss.
 template <std::size_t N>
 double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounded<double>, N>>& s) {
     const double B = problem.aside(s.c);
     if (B == 0) return 0;
     const auto &slope = s.h.value(), &a = s.a.value();
     const double sigma = std::fabs(slope.value()) - slope.error() * outward;
-    const double aB = (a.value() + a.error()) * B * outward;
+    const double aB = (std::fabs(a.value()) + a.error()) * B * outward;
     if (sigma > 0 && sigma * sigma >= aB) return B / (sigma + std::sqrt(sigma * sigma - aB));
-    const double least = a.value() * (1 - 0x1p-40) - a.error();
+    const double least = std::fabs(a.value()) * (1 - 0x1p-40) - a.error();
     return least > 0 ? std::sqrt(B / least) + 2 * std::max(0.0, -sigma) / least : anywhere;
 }
 
@@ -207,6 +208,11 @@ double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<d
     if (!s.crossed.value()) return most;
     for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap));
     return most;
+}
+
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const WallSpan<Dual<Bounded<double>, N>>& s) {
+    return moved_root(problem, s.solid.side);
 }
 
 template <std::size_t N>

@@ -99,10 +99,20 @@ std::optional<int> side_at(const JoinedSpan<E>& s, Crossing at, const E& m, Leng
     return side_of_root(at == Crossing::near ? s.enter : s.leave, at, m, length);
 }
 
+template <class E>
+std::optional<int> side_at(const FlatSpan<E>& s, Crossing, const E& m, Length length) {
+    return side_of_fraction(s.at, s.d2, m, length);
+}
+template <class E>
+std::optional<int> side_at(const WallSpan<E>& s, Crossing at, const E& m, Length length) {
+    return side_of_root(s.solid.side, at, m, length);
+}
+
 /// For a ray that hits and m > 0.
-template <class E, ToldSpan<E> S>
-std::optional<int> side_of(const S& s, const E& m, Length length, const RangeOfSpan<E>* range,
-                           intersect::Convention convention) {
+template <class E, class S>
+requires(ToldSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
+                                                                         const RangeOfSpan<E>* range,
+                                                                         intersect::Convention convention) {
     const Enclosed<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
@@ -123,13 +133,6 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
         first = first_exit(s);
     }
     return side_of_fraction(first, s.d2, m, length);
-}
-
-/// For a ray that crosses and m > 0: the same of the one t.
-template <class E>
-std::optional<int> side_of(const FlatSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>*,
-                           intersect::Convention) {
-    return side_of_fraction(s.at, s.d2, m, length);
 }
 
 template <class E>

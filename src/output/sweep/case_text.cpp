@@ -33,8 +33,8 @@ std::string solid_text(const Solid<double>& solid) {
     std::string keys;
     for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
         keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
-        keys += key.kind == Key::Kind::point ? hex_list(solid.used().subspan(k, 3))
-                                             : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
+        keys += key.count() == 3 ? hex_list(solid.used().subspan(k, 3))
+                                 : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
     });
     return fmt::format("{{{} }}", keys);
 }

@@ -49,6 +49,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
+            if (!layout_.has(s)) continue;  // and is 0: else the layout had been refused
             if (!is_there(s) || !std::isfinite(x[s]))
                 return bad(s,
                            fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));

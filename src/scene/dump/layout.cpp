@@ -63,16 +63,43 @@ const KnownName* find_known(std::string_view name, std::optional<Shape> shape) {
     return found == known_names().end() ? nullptr : &*found;
 }
 
-/// The shape most of whose numbers have a column; of several the first.
-std::optional<Shape> shape_of(const std::vector<std::string>& names) {
-    std::array<std::set<std::size_t>, shape_rows.size()> named;
-    for (const KnownName& known : known_names())
-        if (known.shape && std::ranges::find(names, known.name) != names.end())
-            named[static_cast<std::size_t>(*known.shape)].insert(known.slot);
-    const auto most = std::ranges::max_element(named, {}, &std::set<std::size_t>::size);
-    if (most->empty()) return std::nullopt;
-    return shape_rows[static_cast<std::size_t>(most - named.begin())].shape;
-}
+/// What columns name of a shape.
+struct NamedNumbers {
+    Shape shape;
+    std::set<std::size_t> slots = {};
+
+    /// Whether no number is lacking but those that may be left out.
+    [[nodiscard]] bool are_whole() const {
+        bool whole = true;
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
+            whole = whole && (slots.contains(slot::solid + k) || is_optional(shape, k));
+        return whole;
+    }
+};
+
+/// Which shapes a file names, and whose it is: of the shapes that have a column for each number, or of all where there
+/// is no such shape, that most of whose numbers have a column; of several the first. Hits of a file of spheres may have
+/// normals, which discs have too.
+struct NamedShapes {
+    std::vector<NamedNumbers> all;  ///< in the order of the list
+    std::optional<Shape> chosen;
+
+    explicit NamedShapes(const std::vector<std::string>& names) {
+        for (const ShapeRow& row : shape_rows) all.push_back({row.shape});
+        for (const KnownName& known : known_names())
+            if (known.shape && std::ranges::find(names, known.name) != names.end())
+                all[static_cast<std::size_t>(*known.shape)].slots.insert(known.slot);
+        const auto most = std::ranges::max_element(
+            all, {}, [](const NamedNumbers& n) { return std::pair(n.are_whole(), n.slots.size()); });
+        if (!most->slots.empty()) chosen = most->shape;
+    }
+    /// Whether a number of another shape is no more than a column of the user's own: the chosen shape lacks nothing,
+    /// and this one does.
+    [[nodiscard]] bool are_own(Shape other) const {
+        return other != chosen && all[static_cast<std::size_t>(*chosen)].are_whole() &&
+               !all[static_cast<std::size_t>(other)].are_whole();
+    }
+};
 
 constexpr std::string_view hex_tail = "_hex";
 
@@ -110,8 +137,11 @@ void Layout::find_slots(const Complain& complain) {
         found[c].hex = name.ends_with(hex_tail);
         if (found[c].hex) name.erase(name.size() - hex_tail.size());
     }
-    const std::optional<Shape> shape = shape_of(names);
-    for (std::size_t c = 0; c < columns_.size(); ++c) found[c].known = find_known(names[c], shape);
+    const NamedShapes shapes(names);
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+        const KnownName* const known = find_known(names[c], shapes.chosen);
+        found[c].known = known && known->shape && shapes.are_own(*known->shape) ? nullptr : known;
+    }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;
         if (known == nullptr) continue;
@@ -134,6 +164,7 @@ void Layout::find_slots(const Complain& complain) {
     // stand in too many words.
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
+        if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -149,7 +180,8 @@ void Layout::require_whole(const Complain& complain) const {
     const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
         for (std::size_t s = begin; s < end; ++s) {
-            if (!has(s)) names += (names.empty() ? "" : ", ") + std::string(name_of_slot(s, shape));
+            if (!has(s) && !(shape && is_optional(*shape, s - slot::solid)))
+                names += (names.empty() ? "" : ", ") + std::string(name_of_slot(s, shape));
         }
         return names;
     };

@@ -26,6 +26,7 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Solid<Real> solid(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
+        if (key.optional && !table.has(key.name)) return;
         if (key.count() == 3) solid.set_point(k, table.vec3(key.name));
         else solid.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {
@@ -35,10 +36,16 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
     });
     if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
     const auto rounded = broken_limit(transformed(solid, [&](const Real& x) { return numbers.stored(x); }));
-    if (rounded && rounded->key->limit == Key::Limit::apart_from_before)
+    const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
+                                    rounded->key->limit == Key::Limit::below_before);
+    if (beside)
         table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
+    if (rounded && rounded->key->limit == Key::Limit::not_zero)
+        table.fail_at(rounded->key->name,
+                      "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
+                      "\"own\"");
     table.reject_unknown_keys();
     return solid;
 }

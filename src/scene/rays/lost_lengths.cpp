@@ -62,7 +62,7 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
     const auto of = [](const Solid<double>& solid) { return solid.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         const double *const from = of(before) + k, *const to = of(after) + k;
-        for (std::size_t i = 0; key.kind != Key::Kind::point && i < key.count(); ++i) {
+        for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
             // An ideal length that is positive may be 0 in binary64 already.
             if (to[i] == 0 && (from[i] != 0 || key.limit == Key::Limit::positive))
                 lose(std::string(key.name), from[i], "rounds to 0", where);
@@ -80,7 +80,7 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
         if (key.limit == Key::Limit::apart_from_before && after.point(k) == after.point(k - 3))
             lose("the way to " + std::string(key.name), length(Vec<double>(before.point(k) - before.point(k - 3))),
                  "rounds to 0", where);
-        if (key.kind == Key::Kind::point)
+        if (!key.is_length())
             check_point(of(before) + k, of(after) + k, fmt::format("a coordinate of {}", key.name), where);
     });
 }

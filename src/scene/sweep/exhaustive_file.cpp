@@ -157,6 +157,7 @@ void ExhaustiveFile::read_solid(TableReader& file) {
     solid = Solid<float>(found.front());
     TableReader table = file.table(name_of(solid.shape));
     for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.optional && !table.has(key.name)) return;
         if (key.count() == 1) solid.numbers[k] = float_in(table, key.name);
         else solid.set_point(k, vec_in(table, key.name));
     });

@@ -51,13 +51,8 @@ struct Cylinder {
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(radius) + square(axis()) / T(4))}; }
     /// The point of the cylinder at u.x of its height, u.y and u.z of the way across it.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const Vec<T> v = axis(), size(abs(v.x), abs(v.y), abs(v.z));
-        const Vec<T> least(size.x <= size.y && size.x <= size.z ? T(1) : T(0),
-                           size.y < size.x && size.y <= size.z ? T(1) : T(0),
-                           size.z < size.x && size.z < size.y ? T(1) : T(0));
-        const Vec<T> side = cross(v, least), other = cross(v, side);
-        return base + u.x * v + ((2 * u.y - 1) * radius / length(side)) * side +
-               ((2 * u.z - 1) * radius / length(other)) * other;
+        const AcrossAxis<T> across(axis());
+        return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.side + ((2 * u.z - 1) * radius) * across.other;
     }
     /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
     [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& still, const T& k) const {
@@ -71,21 +66,11 @@ struct Cylinder {
     /// v². Roots and caps are compared by dyadic polynomials of degree eight: for doubles an interval of 8 (1024 +
     /// 1074) + 16 < 16900 bits decides each.
     [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
-        const T zero(0), one(1);
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d);
-        const T v2 = square(v), r2 = square(radius), a = square(n), low = dot(v, f), across = dot(v, d);
-        const auto up = across > zero, crossed = up || across < zero;
-        const T size = select(up, across, -across);
-        const Fraction<T> to_base{-low, size}, to_top{v2 - low, size}, from_top{-to_top.n, size}, from_base{low, size};
-        const Fraction<T> before{-one, zero}, after{one, zero};
-        return {.side = {dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)},
-                .entry = select(crossed, select(up, to_base, from_top), before),
-                .exit = select(crossed, select(up, to_top, from_base), after),
-                .crossed = crossed,
-                .closed = crossed || (low >= zero && low <= v2),
-                .open = crossed || (low > zero && low < v2),
-                .d2 = square(d)};
+        const T v2 = square(v), r2 = square(radius), a = square(n);
+        return capped<T>({dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)}, dot(v, f),
+                         dot(v, d), v2);
     }
     /// How far a point is outside of the side or of the caps, whichever is more, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return max(off_side(p), off_caps(p)) / radius; }

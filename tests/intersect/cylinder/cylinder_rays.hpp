@@ -1,11 +1,7 @@
-// Rays at cylinders, in families that each do one thing, and the exact answer in fractions: how near to the axis the
-// line comes between the caps, which is the least of a parabola on an interval. No span and no form computes that.
+// Rays at cylinders, in families that each do one thing.
 #pragma once
 
-#include <algorithm>
-#include <optional>
-
-#include "intersect/exact.hpp"
+#include "intersect/cone/capped_answer.hpp"
 #include "measure/seeded.hpp"
 #include "shapes/cylinder/cylinder.hpp"
 
@@ -18,68 +14,8 @@ struct CylinderSample {
     Cylinder<double> cylinder;
 };
 
-/// The line against the infinite cylinder, P(t) = a t² + 2 h t + c, and against the caps, low ≤ t ≤ high.
-struct CylinderAnswer {
-    Rational a, h, c;
-    std::optional<Rational> low, high;  ///< nothing of a line beside the caps
-    bool between = true, inner = true;  ///< of such a line: whether it is between them, and not in one
-
-    [[nodiscard]] Rational at(const Rational& t) const { return (a * t + 2 * h) * t + c; }
-    /// Where P is least between the caps and from ≤ t ≤ to; nothing where no t is.
-    [[nodiscard]] std::optional<Rational> nearest(const std::optional<Rational>& from,
-                                                  const std::optional<Rational>& to = {}) const {
-        std::optional<Rational> least = low, most = high;
-        if (from) least = least ? std::max(*least, *from) : *from;
-        if (to) most = most ? std::min(*most, *to) : *to;
-        if (!between || (least && most && *most < *least)) return std::nullopt;
-        Rational t = a == 0 ? least ? *least : Rational(0) : Rational(-h / a);
-        if (least && t < *least) t = *least;
-        if (most && t > *most) t = *most;
-        return t;
-    }
-    [[nodiscard]] bool meets() const {
-        const auto t = nearest(Rational(0));
-        return t && at(*t) <= 0;
-    }
-    /// Whether the line passes through the open solid, in front of the origin or behind.
-    [[nodiscard]] bool goes_through() const {
-        const auto t = nearest(std::nullopt);
-        return inner && t && at(*t) < 0;
-    }
-    [[nodiscard]] bool holds(const Rational& t) const {
-        return between && (!low || (*low <= t && t <= *high)) && at(t) <= 0;
-    }
-    [[nodiscard]] bool is_within(const Rational& t) const {
-        return inner && (!low || (*low < t && t < *high)) && at(t) < 0;
-    }
-    /// Whether t, off by at most e, may be the first point of the surface from the origin on.
-    [[nodiscard]] bool is_first(const Rational& t, const Rational& e) const {
-        const bool inside = is_within(Rational(0));
-        if (inside) return holds(t - e) && !is_within(t + e);
-        if (holds(Rational(0))) return t - e <= 0 && 0 <= t + e;
-        // No point of it before t − e, and one from there to t + e.
-        const auto before = nearest(Rational(0), Rational(t - e)), there = nearest(Rational(t - e), Rational(t + e));
-        return !(before && *before < t - e && at(*before) <= 0) && there && at(*there) <= 0;
-    }
-};
-
-inline CylinderAnswer answer_of(const CylinderSample& s) {
-    CylinderAnswer answer{0, 0, 0, {}, {}};
-    Rational ff = 0, fd = 0, dd = 0, vf = 0, vd = 0, vv = 0;
-    for (int i = 0; i < 3; ++i) {
-        const Rational base(s.cylinder.base[i]), v = Rational(s.cylinder.top[i]) - base;
-        const Rational f = Rational(s.ray.origin[i]) - base, d(s.ray.direction[i]);
-        ff += f * f, fd += f * d, dd += d * d, vf += v * f, vd += v * d, vv += v * v;
-    }
-    answer.a = dd - vd * vd / vv, answer.h = fd - vf * vd / vv;
-    answer.c = ff - vf * vf / vv - Rational(s.cylinder.radius) * Rational(s.cylinder.radius);
-    if (vd == 0) {
-        answer.between = vf >= 0 && vf <= vv, answer.inner = vf > 0 && vf < vv;
-    } else {
-        const Rational one = -vf / vd, other = (vv - vf) / vd;
-        answer.low = std::min(one, other), answer.high = std::max(one, other);
-    }
-    return answer;
+inline CappedAnswer answer_of(const CylinderSample& s) {
+    return capped_answer(s.ray, s.cylinder.base, s.cylinder.top, s.cylinder.radius, s.cylinder.radius);
 }
 
 struct CylinderRays {

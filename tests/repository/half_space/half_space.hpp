@@ -1,59 +1,59 @@
-// The plane, a shape that is added as an exercise: recipe_shape.cmake puts this folder into a copy of src/shapes.
+// The half space, a shape that is added as an exercise: recipe_shape.cmake puts this folder into a copy of src/shapes.
 #pragma once
 
 #include "shapes/sphere/sphere.hpp"
 
 namespace lostbits {
 
-/// All points p with n·(p − P) = 0: a solid without thickness, which a line enters and leaves at once.
+/// All points p with n·(p − P) ≤ 0: a solid without an end.
 template <class T>
-struct Plane {
+struct HalfSpace {
     Vec<T> point;
     Vec<T> normal;
 
-    static constexpr std::string_view name = "plane", plural = "planes";
+    static constexpr std::string_view name = "half_space", plural = "half spaces";
     static constexpr bool told_end = false, zero_inside = true, usually_unit = false, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a plane through (0, 0, -2), across the z axis",
-                                      .touching = "a ray across it",
-                                      .point = "a plane through the origin",
+    static constexpr ShapeWords words{.plainest = "a half space below z = -2",
+                                      .touching = "a ray along its plane",
+                                      .point = "a normal of 0",
                                       .places = "points and normals"};
-    static constexpr std::array<Key, 2> keys{{{.name = "point", .letter = "p"}, {.name = "normal", .letter = "n"}}};
+    static constexpr std::array<Key, 2> keys{{{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
 
     template <class Numbers>
-    static constexpr Plane of(const Numbers& number) {
+    static constexpr HalfSpace of(const Numbers& number) {
         return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     }
     template <class Take>
     constexpr void each(const Take& take) const {
         take(point.x), take(point.y), take(point.z), take(normal.x), take(normal.y), take(normal.z);
     }
-    static Plane around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(-1)}}; }
+    static HalfSpace around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
 
     [[nodiscard]] Vec<T> middle() const { return point; }
     [[nodiscard]] T half_extent() const { return T(1); }
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] Sphere<T> ball_around() const { return {point, T(0x1p100)}; }
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const { return onto(point + T(2) * u); }
-    [[nodiscard]] std::optional<Plane> grown(const Vec<T>&, const T&) const { return *this; }
+    [[nodiscard]] std::optional<HalfSpace> grown(const Vec<T>&, const T&) const { return *this; }
 
-    /// t = n·(P − o)/(n·d), with a denominator above 0; of a line beside it, whether it lies in it.
+    /// From n·(P − o)/(n·d) on, against n, or up to there, along n; of a line beside the plane, whether it lies in it.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1), n = dot(normal, point - ray.origin), m = dot(normal, ray.direction);
-        const auto never = zero<zero, ahead = m> zero, crossed = ahead || m < zero;
-        const Fraction<T> at{select(ahead, n, -n), select(ahead, m, -m)}, before{-one, zero}, after{one, zero};
-        return {.entry = {select(crossed, at, before), before, before},
-                .exit = {select(crossed, at, after), after, after},
-                .crossed = {crossed, never, never},
-                .closed = crossed || !(n > zero || n < zero),
-                .open = never,
+        const auto never = zero<zero, out = m> zero, in = m < zero;
+        const Fraction<T> before{-one, zero}, after{one, zero};
+        return {.entry = {select(in, {-n, -m}, before), before, before},
+                .exit = {select(out, {n, m}, after), after, after},
+                .crossed = {in || out, never, never},
+                .closed = in || out || n >= zero,
+                .open = in || out || n > zero,
                 .d2 = square(ray.direction)};
     }
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
-    [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return off_surface(p); }
     [[nodiscard]] bool may_hold(const Vec<T>&) const { return true; }
-    [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const {
         const T size = length(normal);
-        return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
+        return (T(1) / size) * normal;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {

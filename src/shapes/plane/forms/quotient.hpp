@@ -1,4 +1,4 @@
-// t = n·(P − o)/(n·d), as everyone writes it.
+// t = n·(P − o)/(n·d).
 #pragma once
 
 #include "intersect/info.hpp"
@@ -10,16 +10,15 @@ namespace lostbits::intersect::plane {
 struct Quotient {
     static constexpr Info info{
         .name = "plane.quotient",
-        .title = "one quotient of two scalar products",
-        .source = "an example of a shape",
+        .title = "one quotient of two dot products",
+        .source = "Glassner, An Introduction to Ray Tracing (1989), chapter 2, from a point of the plane",
         .roots = Roots::first_only,
     };
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        const T n = named("n.(P-o)", dot(plane.normal, plane.point - ray.origin));
-        const T m = named("n.d", dot(plane.normal, ray.direction));
-        const T t = named("t", n / m);
+        const T from = named("n.(P-o)", dot(plane.normal, Vec<T>(plane.through - ray.origin)));
+        const T t = named("t", from / named("n.d", dot(plane.normal, ray.direction)));
         return {t >= T(0), t, t, t};
     }
 };

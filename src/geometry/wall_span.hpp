@@ -1,0 +1,47 @@
+// Where a line crosses a surface of a quadratic that two planes cut off and no cap closes, over any number: tubes.
+#pragma once
+
+#include <optional>
+
+#include "geometry/capped_span.hpp"
+#include "geometry/flat_span.hpp"
+
+namespace lostbits {
+
+/// The near and the far root of a quadratic, a > 0, each where it lies between the planes of a solid with caps. There
+/// is no inside: a line may come in by one open end, meet the far side alone, or nothing. A line beside the axis meets
+/// nothing, not even within the wall.
+template <class T>
+struct WallSpan {
+    CappedSpan<T> solid;
+    T d2;  ///< d·d
+
+    static constexpr int crossings = 2;
+
+    [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {
+        const T zero(0);
+        const auto& [side, entry, exit, at_entry, at_exit, crossed, closed, open, size] = solid;
+        const auto from = i == 0 ? at_entry.near_root() : at_entry.far_root();
+        const auto to = i == 0 ? at_exit.near_root() : at_exit.far_root();
+        const auto curved = side.a > zero;
+        return {curved && closed && side.q >= zero && !from.less && to.at_most,
+                curved && open && side.q > zero && !from.at_most && to.less};
+    }
+    /// How a root stands to t.
+    [[nodiscard]] Order<mask_t<T>> order_to(int i, const Fraction<T>& t) const {
+        const auto at = quadratic_at(solid.side, t);
+        return i == 0 ? at.near_root() : at.far_root();
+    }
+};
+
+/// The first and the last t at which it crosses; nothing where these are not known.
+template <Number T>
+std::optional<Ends<T>> ends_of(const WallSpan<T>& s) {
+    const auto near_met = s.crossing(0).closed, far_met = s.crossing(1).closed;
+    const bool near = is_certain(near_met), far = is_certain(far_met);
+    if ((!near && !is_certain(!near_met)) || (!far && !is_certain(!far_met)) || !(near || far)) return std::nullopt;
+    const Ends<T> roots = *ends_of(s.solid.side);
+    return Ends<T>{near ? roots.near : roots.far, far ? roots.far : roots.near};
+}
+
+}  // namespace lostbits

@@ -1,0 +1,57 @@
+// Stored numbers as numbers of an enclosure.
+#pragma once
+
+#include <cmath>
+
+#include "geometry/ray.hpp"
+#include "measure/truth/missing.hpp"
+#include "number/ball.hpp"
+#include "number/real.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::measure::truth {
+
+template <class E, class S>
+E lift(const S& x) {
+    return E(x);
+}
+/// A 256-bit number as a ball: two words and what they leave.
+template <>
+inline Ball lift<Ball, Real>(const Real& x) {
+    const auto hi = x.convert_to<double>();
+    if (!std::isfinite(hi)) return Ball::unknown();
+    const auto lo = Real(x - Real(hi)).convert_to<double>();
+    const Real rest = Real(x - Real(hi)) - Real(lo);
+    if (rest == 0) return Ball(hi, lo, 0);
+    return std::fabs(hi) < 0x1p-800 ? Ball::unknown() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
+}
+
+template <class E, class S>
+Vec<E> lift_vec(const Vec<S>& v) {
+    return Vec<E>(lift<E>(v.x), lift<E>(v.y), lift<E>(v.z));
+}
+
+template <class E, class S>
+Ray<E> lift_ray(const Ray<S>& ray) {
+    return {lift_vec<E>(ray.origin), lift_vec<E>(ray.direction)};
+}
+
+template <class E, class S>
+Solid<E> lift_solid(const Solid<S>& solid) {
+    return transformed(solid, [](const S& x) { return lift<E>(x); });
+}
+
+/// The double nearest to a number, and the double nearest to what that leaves: NaN where the two do not enclose the
+/// number to 2^-104 of itself, as `lift` has it.
+inline double word_of(double x) { return x; }
+inline double low_word_of(double) { return 0; }
+inline double word_of(const Real& x) { return x.convert_to<double>(); }
+inline double low_word_of(const Real& x) {
+    const double hi = word_of(x);
+    if (!std::isfinite(hi)) return missing;
+    const Real rest = x - Real(hi);
+    if (rest == 0) return 0;
+    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
+}
+
+}  // namespace lostbits::measure::truth

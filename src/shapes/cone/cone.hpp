@@ -1,0 +1,177 @@
+// The cone.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/capped_span.hpp"
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points between the planes across the axis at `base` and `top` that are no farther from the axis than a radius
+/// which goes evenly from `base_radius` > 0 to `top_radius` ≥ 0: closed, with caps; 0 is an apex.
+template <class T>
+struct Cone {
+    Vec<T> base;
+    Vec<T> top;
+    T base_radius;
+    T top_radius;
+
+    static constexpr std::string_view name = "cone", plural = "cones";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a cone along the z axis, from radius 2 at -2 to radius 1 at 2",
+                                      .touching = "a ray along its side",
+                                      .point = "a radius of 0 at the base",
+                                      .places = "ends of axes"};
+    static constexpr std::array<Key, 4> keys{
+        {{.name = "base", .letter = "b"},
+         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "base_radius", .letter = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+         {.name = "top_radius", .letter = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
+
+    template <class Numbers>
+    static constexpr Cone of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(base.x), take(base.y), take(base.z), take(top.x), take(top.y), take(top.z);
+        take(base_radius), take(top_radius);
+    }
+
+    static Cone around(const Vec<T>& p, const T& half) {
+        return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half, half / T(2)};
+    }
+
+    [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
+    /// Half of its height or its larger radius, whichever is larger.
+    [[nodiscard]] T half_extent() const { return max(unit(), length(axis()) / T(2)); }
+    [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(unit()) + square(axis()) / T(4))}; }
+    /// The point of the cone at u.x of its height, u.y and u.z of the way across it there.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const AcrossAxis<T> across(axis());
+        const T r = base_radius + u.x * (top_radius - base_radius);
+        return base + u.x * axis() + ((2 * u.y - 1) * r) * across.side + ((2 * u.z - 1) * r) * across.other;
+    }
+    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    [[nodiscard]] std::optional<Cone> grown(const Vec<T>& still, const T& k) const {
+        if (length(across(still)) == 0) return std::nullopt;
+        const Vec<T> there = onto_surface(still);
+        return Cone{there + k * (base - there), there + k * (top - there), k * base_radius, k * top_radius};
+    }
+
+    /// With v = top − base, f = o − base, s = top_radius − base_radius, m = v × f, n = v × d, and of the radius times
+    /// v² at o, ρ = base_radius v² + s v·f, and its change, σ = s v·d: v² |m + t n|² ≤ (ρ + t σ)², h = v² m·n − ρσ, c =
+    /// v² m² − ρ², a = v² n² − σ². From (h² − a c)/v² = |ρn − σm|² − v⁴ (v·w)² with w = d × f and ρn − σm = v²
+    /// (base_radius n − s w) + s (v·w) v comes a q in which no length of f is squared. Between the caps both radii are
+    /// at least 0, so that it is convex there. All that decides are dyadic polynomials of degree twelve at most: for
+    /// doubles an interval of 12 (1024 + 1074) + 24 < 25300 bits decides each.
+    [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
+        const Vec<T>& d = ray.direction;
+        const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d), w = cross(d, f);
+        const T v2 = square(v), low = dot(v, f), across = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
+        const T rho = base_radius * v2 + s * low, sigma = s * across;
+        const Vec<T> k = v2 * (base_radius * n - s * w) + (s * vw) * v;
+        return capped<T>({v2 * dot(m, n) - rho * sigma, v2 * square(m) - square(rho), v2 * square(n) - square(sigma),
+                          v2 * (square(k) - square(v2 * vw)), square(d)},
+                         low, across, v2);
+    }
+    /// How far a point is outside of the side or of the caps, whichever is more, in units of `unit()`.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+        const Profile at(*this, p);
+        return max(at.off_side(), at.off_caps()) / unit();
+    }
+    /// The larger radius.
+    [[nodiscard]] T unit() const { return max(base_radius, top_radius); }
+    /// How far a point is from the surface, negative inside.
+    [[nodiscard]] T distance(const Vec<T>& p) const {
+        const Profile at(*this, p);
+        const T inside = max(at.off_side(), at.off_caps());
+        return select(inside <= T(0), inside, at.way_to_nearest());
+    }
+    /// Whether it holds a point, in double, but for roundings.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        const Profile at(*this, p);
+        const T slack = 0x1p-40 * (length(p) + length(base) + length(top) + unit());
+        return !(at.off_side() > slack || at.off_caps() > slack) || !(square(axis()) > 0x1p-900);
+    }
+    /// The outward unit normal at the point p of a ray: of the side or of the cap that p is nearer to.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
+        const Profile at(*this, p);
+        const Vec<T> v = axis(), w = across(p);
+        const auto cap = at.off_caps() > at.off_side();
+        const T end = select(at.y + at.y < at.height, T(-1), T(1));
+        const T along = select(cap, end, at.fall / at.slant) / at.height;
+        const T aside = select(cap, T(0), at.height / at.slant / length(w));
+        return {along * v.x + aside * w.x, along * v.y + aside * w.y, along * v.z + aside * w.z};
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    /// The same with its error: as of the cylinder, with some ten roundings more of the place along the side.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const T size = length(Vec<T>(p - base)) + unit() + length(axis());
+        BoundedPoint<T> b{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(32) * size + gamma_bound<T>(3) * abs(base[i]);
+        return b;
+    }
+
+private:
+    /// A point and the cone in a plane through the axis: x across it, y along it from the base.
+    struct Profile {
+        struct Point {
+            T x, y;
+        };
+        T height, x, y, base_radius, top_radius;
+        T fall;   ///< by how much the radius falls
+        T slant;  ///< the length of the side
+
+        Profile(const Cone& cone, const Vec<T>& p)
+            : height(length(cone.axis())),
+              x(length(cross(cone.axis(), Vec<T>(p - cone.base))) / height),
+              y(dot(cone.axis(), Vec<T>(p - cone.base)) / height),
+              base_radius(cone.base_radius),
+              top_radius(cone.top_radius),
+              fall(base_radius - top_radius),
+              slant(sqrt(square(height) + square(fall))) {}
+        [[nodiscard]] T off_side() const { return ((x - base_radius) * height + y * fall) / slant; }
+        [[nodiscard]] T off_caps() const { return max(-y, y - height); }
+        /// The nearest point of the side.
+        [[nodiscard]] Point on_side() const {
+            const T way = (y * height - (x - base_radius) * fall) / square(slant), k = min(max(way, T(0)), T(1));
+            return {base_radius - k * fall, k * height};
+        }
+        [[nodiscard]] Point on_base() const { return {min(x, base_radius), T(0)}; }
+        [[nodiscard]] Point on_top() const { return {min(x, top_radius), height}; }
+        [[nodiscard]] T way_to(const Point& q) const { return sqrt(square(x - q.x) + square(y - q.y)); }
+        [[nodiscard]] Point nearest() const {
+            const Point cap = nearer(on_base(), on_top());
+            return nearer(on_side(), cap);
+        }
+        [[nodiscard]] T way_to_nearest() const { return way_to(nearest()); }
+
+    private:
+        [[nodiscard]] Point nearer(const Point& a, const Point& b) const {
+            const auto first = way_to(a) <= way_to(b);
+            return {select(first, a.x, b.x), select(first, a.y, b.y)};
+        }
+    };
+
+    [[nodiscard]] Vec<T> axis() const { return top - base; }
+    /// From the axis to p, across it.
+    [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
+        const Vec<T> v = axis(), f = p - base;
+        return f - (dot(v, f) / square(v)) * v;
+    }
+    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+        const Profile at(*this, p);
+        const auto q = at.nearest();
+        const Vec<T> w = across(p);
+        return base + (q.y / at.height) * axis() + (q.x / length(w)) * w;
+    }
+};
+
+}  // namespace lostbits

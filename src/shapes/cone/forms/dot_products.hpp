@@ -1,0 +1,32 @@
+// The quadric |p − axis|² = (linear radius)² from dot products with the axis, with h = b/2: v²f² − (v·f)² is what the
+// square of v × f would be, and a and h likewise.
+#pragma once
+
+#include "shapes/cone/forms/parts.hpp"
+
+namespace lostbits::intersect::cone {
+
+struct FromAxisProducts {
+    static constexpr Info info{
+        .name = "cone.dot_products",
+        .title = "quadric from dot products with the axis",
+        .source = "Eberly, Intersection of a Line and a Cone (2000), with a radius at both ends",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
+        const Vec<T>& d = ray.direction;
+        const Vec<T> v = cone.top - cone.base, f = ray.origin - cone.base;
+        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, d)), v2 = square(v);
+        const T s = cone.top_radius - cone.base_radius;
+        const T r = named("r", cone.base_radius + s * low / v2), k = named("k", s * across / v2);
+        const T a = named("a", square(d) - square(across) / v2 - square(k));
+        const T h = named("h", dot(f, d) - low * across / v2 - r * k);
+        const T c = named("c", square(f) - square(low) / v2 - square(r));
+        const T disc = named("disc", square(h) - a * c);
+        return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)),
+                                         caps_by_points<T>(cone, ray, low, across, v2), across);
+    }
+};
+
+}  // namespace lostbits::intersect::cone

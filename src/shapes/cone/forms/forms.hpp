@@ -1,0 +1,21 @@
+// The closed list of the forms of the cone: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/cone/forms/crossed.hpp"
+#include "shapes/cone/forms/dot_products.hpp"
+#include "shapes/cone/forms/framed.hpp"
+#include "shapes/cone/forms/moment.hpp"
+#include "shapes/cone/forms/quilez.hpp"
+
+namespace lostbits::intersect::cone {
+
+using ConeForms = FormList<  //
+    cone::FromAxisProducts,  //
+    cone::QuilezCone,        //
+    cone::CrossedConeAxis,   //
+    cone::InConeFrame,       //
+    cone::ByMoment           //
+    >;
+
+}  // namespace lostbits::intersect::cone

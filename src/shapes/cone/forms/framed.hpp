@@ -1,0 +1,35 @@
+// An instance along z: a frame from the axis, the ray taken into it, x² + y² = (r + s z)² there, and the caps z = 0 and
+// z = height. The axis and what is across it are rounded, and with them the shape.
+#pragma once
+
+#include "shapes/cone/forms/parts.hpp"
+#include "shapes/cylinder/forms/axis_frame.hpp"
+
+namespace lostbits::intersect::cone {
+
+struct InConeFrame {
+    static constexpr Info info{
+        .name = "cone.framed",
+        .title = "taken into a frame along the axis",
+        .source = "pbrt-v3, src/shapes/cone.cpp, with CoordinateSystem (Duff et al. 2017) as its transform",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
+        const cylinder::AxisFrame<T> frame(cone.top - cone.base);
+        const Vec<T> o = frame.into(ray.origin - cone.base), d = frame.into(ray.direction);
+        const T s = named("s", (cone.top_radius - cone.base_radius) / frame.height);
+        const T r = named("r", cone.base_radius + s * o.z), k = named("k", s * d.z);
+        const T a = named("a", square(d.x) + square(d.y) - square(k));
+        const T h = named("h", o.x * d.x + o.y * d.y - r * k);
+        const T c = named("c", square(o.x) + square(o.y) - square(r));
+        const T disc = named("disc", square(h) - a * c), base = -o.z / d.z, top = (frame.height - o.z) / d.z;
+        const auto within = [&](const T& t, const T& radius) {
+            return square(o.x + t * d.x) + square(o.y + t * d.y) <= square(radius);
+        };
+        const CapsPassed<T> caps{base, top, within(base, cone.base_radius), within(top, cone.top_radius)};
+        return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)), caps, d.z);
+    }
+};
+
+}  // namespace lostbits::intersect::cone

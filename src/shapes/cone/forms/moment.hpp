@@ -1,0 +1,32 @@
+// The discriminant from the moment w = d × f, in which no length of f is squared: disc/v² = |ρn − σm|² − v⁴ (v·w)² with
+// ρn − σm = v² (r n − s w) + s (v·w) v; the roots subtract nothing of like size, and the caps divide nothing.
+#pragma once
+
+#include "shapes/cone/forms/parts.hpp"
+
+namespace lostbits::intersect::cone {
+
+struct ByMoment {
+    static constexpr Info info{
+        .name = "cone.moment",
+        .title = "discriminant from the moment d x f, stable roots",
+        .source = "this project: Lagrange's identity twice, see Cone::span",
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
+        const Vec<T> v = cone.top - cone.base, f = ray.origin - cone.base;
+        const Vec<T> m = cross(v, f), n = cross(v, ray.direction), w = cross(ray.direction, f);
+        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction)), v2 = square(v);
+        const T s = cone.top_radius - cone.base_radius, vw = named("v.w", dot(v, w));
+        const T rho = cone.base_radius * v2 + s * low, sigma = s * across;
+        const Vec<T> k = v2 * (cone.base_radius * n - s * w) + (s * vw) * v;
+        const T a = named("a", v2 * square(n) - square(sigma));
+        const T minus_h = named("h'", rho * sigma - v2 * dot(m, n)), c = named("c", v2 * square(m) - square(rho));
+        const T disc = named("disc", v2 * (square(k) - square(v2 * vw)));
+        return first_of_side_and_caps<T>(disc < T(0), sphere::unified_roots<T>(a, minus_h, c, sqrt(disc)),
+                                         caps_without_division<T>(cone, ray, low, across), across);
+    }
+};
+
+}  // namespace lostbits::intersect::cone

@@ -1,0 +1,32 @@
+// The transform into an instance along z: a frame from the axis.
+#pragma once
+
+#include "geometry/vec.hpp"
+#include "number/concept.hpp"
+
+namespace lostbits::intersect::cylinder {
+
+/// x, y and z with z along the axis. Source: pbrt-v4, CoordinateSystem (Duff et al. 2017).
+template <Number T>
+struct AxisFrame {
+    T height;
+    Vec<T> z;
+
+private:
+    T sign_, a_, b_;
+
+public:
+    Vec<T> x, y;
+
+    explicit AxisFrame(const Vec<T>& axis)
+        : height(named("height", length(axis))),
+          z(axis.x / height, axis.y / height, axis.z / height),
+          sign_(copysign(T(1), z.z)),
+          a_(T(-1) / (sign_ + z.z)),
+          b_(z.x * z.y * a_),
+          x(T(1) + sign_ * square(z.x) * a_, sign_ * b_, -sign_ * z.x),
+          y(b_, sign_ + square(z.y) * a_, -z.y) {}
+    [[nodiscard]] Vec<T> into(const Vec<T>& p) const { return Vec<T>(dot(p, x), dot(p, y), dot(p, z)); }
+};
+
+}  // namespace lostbits::intersect::cylinder

@@ -1,0 +1,129 @@
+// The disc.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/flat_span.hpp"
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points of the plane through `centre` across `normal` that are no farther from the centre than `outer_radius` > 0
+/// and no nearer than `inner_radius` ≥ 0: closed, seen from both sides. With an inner radius it is an annulus. A line
+/// in its plane misses it.
+template <class T>
+struct Disc {
+    Vec<T> centre;
+    Vec<T> normal;
+    T outer_radius;
+    T inner_radius;
+
+    static constexpr std::string_view name = "disc", plural = "discs";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a disc of radius 2 in the plane z = -2",
+                                      .touching = "a ray through its rim",
+                                      .point = "an outer radius of 0",
+                                      .places = "centres"};
+    static constexpr std::array<Key, 4> keys{
+        {{.name = "centre", .letter = "c", .aliases = {"center"}},
+         {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
+         {.name = "outer_radius", .letter = "ro", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+         {.name = "inner_radius",
+          .letter = "ri",
+          .kind = Key::Kind::length,
+          .limit = Key::Limit::below_before,
+          .optional = true}}};
+
+    template <class Numbers>
+    static constexpr Disc of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(centre.x), take(centre.y), take(centre.z), take(normal.x), take(normal.y), take(normal.z);
+        take(outer_radius), take(inner_radius);
+    }
+
+    /// Across the z axis of the point, below it by `half`: flat, it cannot reach that far on all sides.
+    static Disc around(const Vec<T>& p, const T& half) {
+        return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}, half, T(0)};
+    }
+
+    [[nodiscard]] Vec<T> middle() const { return centre; }
+    [[nodiscard]] T half_extent() const { return outer_radius; }
+    [[nodiscard]] Sphere<T> ball_around() const { return {centre, outer_radius}; }
+    /// At u.z of the way from the inner rim to the outer, in the direction of u.x and u.y.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const AcrossAxis<T> across(normal);
+        const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
+        const T r = inner_radius + u.z * (outer_radius - inner_radius);
+        if (size == 0) return centre + r * across.side;
+        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+    }
+    [[nodiscard]] std::optional<Disc> grown(const Vec<T>& still, const T& k) const {
+        if (length(Vec<T>(onto_plane(still) - centre)) == 0) return std::nullopt;
+        const Vec<T> there = nearest(still);
+        return Disc{there + k * (centre - there), normal, k * outer_radius, k * inner_radius};
+    }
+
+    /// With f = o − centre, n the normal and m = d·n: t = −(f·n)/m, and from the centre to that point m times as far as
+    /// p = m f − (f·n) d = n × (f × d), in which nothing of the size of f is left: inner² m² ≤ p² ≤ outer² m². All are
+    /// dyadic polynomials of degree six: for doubles an interval of 6 (1024 + 1074) + 8 < 12600 bits decides each.
+    [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
+        const T zero(0);
+        const Vec<T>& d = ray.direction;
+        const Vec<T> f = ray.origin - centre;
+        const T m = dot(d, normal), k = -dot(f, normal), m2 = square(m);
+        const T p2 = square(cross(normal, cross(f, d))), outer = square(outer_radius) * m2;
+        const T inner = square(inner_radius) * m2;
+        const auto front = m > zero, crossed = front || m < zero, whole = inner_radius <= zero;
+        return {.at = {select(front, k, -k), select(front, m, -m)},
+                .closed = crossed && p2 <= outer && (whole || p2 >= inner),
+                .open = crossed && p2 < outer && (whole || p2 > inner),
+                .d2 = square(d)};
+    }
+    /// How far a point is from the plane, in units of `unit()`, on the side that the normal points to.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+        return dot(p - centre, normal) / (length(normal) * outer_radius);
+    }
+    [[nodiscard]] T unit() const { return outer_radius; }
+    /// |p − q|, q the point of the disc nearest to p. It has no inside, so this is never negative.
+    [[nodiscard]] T distance(const Vec<T>& p) const {
+        const T from = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
+        return sqrt(square(max(max(inner_radius - from, from - outer_radius), T(0))) + square(up));
+    }
+    /// Whether it holds a point, in double, but for roundings.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        return !(distance(p) > 0x1p-40 * (length(p) + length(centre) + outer_radius)) || !(square(normal) > 0x1p-900);
+    }
+    /// The unit normal on the side that the ray comes from.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
+        const T size = length(normal);
+        return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
+    /// p − (n·f/n²) n, f = p − centre: what is subtracted is off by γ(10)|f|, f and the difference by a rounding each.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const T size = length(Vec<T>(p - centre));
+        BoundedPoint<T> b{onto_plane(p), p};
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
+        return b;
+    }
+
+private:
+    [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
+        return p - (dot(p - centre, normal) / square(normal)) * normal;
+    }
+    [[nodiscard]] Vec<T> nearest(const Vec<T>& p) const {
+        const Vec<T> w = onto_plane(p) - centre;
+        const T from = length(w);
+        return centre + (min(max(from, inner_radius), outer_radius) / from) * w;
+    }
+};
+
+}  // namespace lostbits

@@ -1,0 +1,25 @@
+// The point on the plane in world space, and only then its way from the centre.
+#pragma once
+
+#include "shapes/disc/forms/parts.hpp"
+
+namespace lostbits::intersect::disc {
+
+struct AfterPoint {
+    static constexpr Info info{
+        .name = "disc.after_point",
+        .title = "the point in world space, then minus the centre",
+        .source = "Blender Cycles, intern/cycles/util/math_intersect.h, ray_disk_intersect",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc) {
+        const T from = named("n.(c-o)", dot(disc.centre - ray.origin, disc.normal));
+        const T t = named("t", from / named("n.d", dot(ray.direction, disc.normal)));
+        const Vec<T> p = ray.origin + t * ray.direction;
+        return met_at_rim<T>(t, named("p^2", square(Vec<T>(p - disc.centre))), disc);
+    }
+};
+
+}  // namespace lostbits::intersect::disc

@@ -1,0 +1,19 @@
+// The closed list of the forms of the disc: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/disc/forms/after_point.hpp"
+#include "shapes/disc/forms/framed.hpp"
+#include "shapes/disc/forms/moment.hpp"
+#include "shapes/disc/forms/quilez.hpp"
+
+namespace lostbits::intersect::disc {
+
+using DiscForms = FormList<  //
+    disc::AfterPoint,        //
+    disc::FromCentre,        //
+    disc::InPlaneFrame,      //
+    disc::ByMomentOfDisc     //
+    >;
+
+}  // namespace lostbits::intersect::disc

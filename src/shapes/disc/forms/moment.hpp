@@ -1,0 +1,27 @@
+// n·d times the way from the centre to the point is n × (f × d): no point far away is made, and nothing is divided
+// before it is decided.
+#pragma once
+
+#include "shapes/disc/forms/parts.hpp"
+
+namespace lostbits::intersect::disc {
+
+struct ByMomentOfDisc {
+    static constexpr Info info{
+        .name = "disc.moment",
+        .title = "n x (f x d) against the radius times n.d",
+        .source = "this project: see Disc::span",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc) {
+        const Vec<T> f = ray.origin - disc.centre, w = cross(f, ray.direction);
+        const T m = named("n.d", dot(ray.direction, disc.normal)), m2 = square(m);
+        const T p2 = named("p^2", square(cross(disc.normal, w))), t = named("t", -dot(f, disc.normal) / m);
+        const auto inside = p2 <= square(disc.outer_radius) * m2 && p2 >= square(disc.inner_radius) * m2;
+        return {inside && t >= T(0), t, t, t};
+    }
+};
+
+}  // namespace lostbits::intersect::disc

@@ -1,0 +1,89 @@
+// The plane.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/flat_span.hpp"
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points p with n·(p − through) = 0: without an end, seen from both sides. A line in it misses it.
+template <class T>
+struct Plane {
+    Vec<T> through;
+    Vec<T> normal;
+
+    static constexpr std::string_view name = "plane", plural = "planes";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a plane through (0, 0, -2), across the z axis",
+                                      .touching = "a ray along it",
+                                      .point = "a normal of 0",
+                                      .places = "points"};
+    static constexpr std::array<Key, 2> keys{
+        {{.name = "through", .letter = "q"},
+         {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero}}};
+
+    template <class Numbers>
+    static constexpr Plane of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(through.x), take(through.y), take(through.z), take(normal.x), take(normal.y), take(normal.z);
+    }
+
+    static Plane around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
+
+    [[nodiscard]] Vec<T> middle() const { return through; }
+    [[nodiscard]] T half_extent() const { return T(1); }
+    /// One that no scene leaves.
+    [[nodiscard]] Sphere<T> ball_around() const { return {through, T(0x1p100)}; }
+    /// The point below that of a cube of four, around the point that it goes through.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        return onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
+    }
+    [[nodiscard]] std::optional<Plane> grown(const Vec<T>&, const T&) const { return *this; }
+
+    /// t = n·(through − o)/(n·d): dyadic polynomials of degree two, for doubles 2 (1024 + 1074) + 3 < 4200 bits.
+    [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
+        const T zero(0), m = dot(normal, ray.direction), k = dot(normal, Vec<T>(through - ray.origin));
+        const auto front = m > zero, crossed = front || m < zero;
+        return {.at = {select(front, k, -k), select(front, m, -m)},
+                .closed = crossed,
+                .open = crossed,
+                .d2 = square(ray.direction)};
+    }
+    /// How far a point is on the side that the normal points to.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, Vec<T>(p - through)) / length(normal); }
+    [[nodiscard]] T unit() const { return T(1); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        return !(distance(p) > 0x1p-40 * (length(p) + length(through))) || !(square(normal) > 0x1p-900);
+    }
+    /// The unit normal on the side that the ray comes from.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
+        const T size = length(normal);
+        return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
+    /// As of the disc, with f = p − through.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const T size = length(Vec<T>(p - through));
+        BoundedPoint<T> b{onto_plane(p), p};
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
+        return b;
+    }
+
+private:
+    [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
+        return p - (dot(normal, Vec<T>(p - through)) / square(normal)) * normal;
+    }
+};
+
+}  // namespace lostbits

@@ -1,0 +1,19 @@
+// The closed list of the forms of the tube: one line each (and its include).
+#pragma once
+
+#include "intersect/form_list.hpp"
+#include "shapes/tube/forms/celeritas.hpp"
+#include "shapes/tube/forms/framed.hpp"
+#include "shapes/tube/forms/triple_product.hpp"
+#include "shapes/tube/forms/unit_axis.hpp"
+
+namespace lostbits::intersect::tube {
+
+using TubeForms = FormList<  //
+    tube::AlongUnitAxis,     //
+    tube::InFrameOfTube,     //
+    tube::CeleritasTube,     //
+    tube::ByDistanceOfLines  //
+    >;
+
+}  // namespace lostbits::intersect::tube

@@ -1,0 +1,29 @@
+// An instance along z: a frame from the axis, the ray taken into it, x² + y² = r² there, and z between the ends.
+#pragma once
+
+#include "shapes/cylinder/forms/axis_frame.hpp"
+#include "shapes/tube/forms/parts.hpp"
+
+namespace lostbits::intersect::tube {
+
+struct InFrameOfTube {
+    static constexpr Info info{
+        .name = "tube.framed",
+        .title = "taken into a frame along the axis",
+        .source = "pbrt-v4, src/pbrt/shapes.h, Cylinder, with CoordinateSystem (Duff et al. 2017) as its transform",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
+        const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
+        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const T a = named("a", square(d.x) + square(d.y)), h = named("h", o.x * d.x + o.y * d.y);
+        const T c = named("c", square(o.x) + square(o.y) - square(tube.radius));
+        const T disc = named("disc", square(h) - a * c);
+        return first_between_ends<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)), o.z, d.z,
+                                     frame.height);
+    }
+};
+
+}  // namespace lostbits::intersect::tube

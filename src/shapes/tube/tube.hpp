@@ -1,0 +1,104 @@
+// The tube.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/key.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "geometry/wall_span.hpp"
+#include "shapes/cylinder/cylinder.hpp"
+
+namespace lostbits {
+
+/// A cylinder without caps, open at both ends: all points at `radius` > 0 from the line through `bottom` and `top`
+/// between the planes across it at these two points. A surface, seen from both sides. A line along the axis misses it,
+/// also within the wall.
+template <class T>
+struct Tube {
+    Vec<T> bottom;
+    Vec<T> top;
+    T radius;
+
+    static constexpr std::string_view name = "tube", plural = "tubes";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a tube of radius 2 along the z axis, from -2 to 2",
+                                      .touching = "a ray through an open end's rim",
+                                      .point = "a radius of 0",
+                                      .places = "ends of axes"};
+    static constexpr std::array<Key, 3> keys{
+        {{.name = "bottom", .letter = "lo"},
+         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
+
+    template <class Numbers>
+    static constexpr Tube of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        solid().each(take);
+    }
+    static Tube around(const Vec<T>& p, const T& half) { return from(Cylinder<T>::around(p, half)); }
+
+    [[nodiscard]] Vec<T> middle() const { return solid().middle(); }
+    [[nodiscard]] T half_extent() const { return solid().half_extent(); }
+    [[nodiscard]] Sphere<T> ball_around() const { return solid().ball_around(); }
+    /// The point at u.x of its height, in the direction of u.y and u.z across it.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const AcrossAxis<T> across(axis());
+        const T x = 2 * u.y - 1, y = 2 * u.z - 1, size = sqrt(square(x) + square(y));
+        if (size == 0) return bottom + u.x * axis() + radius * across.side;
+        return bottom + u.x * axis() + (radius * x / size) * across.side + (radius * y / size) * across.other;
+    }
+    [[nodiscard]] std::optional<Tube> grown(const Vec<T>& still, const T& k) const {
+        const auto larger = solid().grown(still, k);
+        return larger ? std::optional(from(*larger)) : std::nullopt;
+    }
+
+    /// As of the cylinder.
+    [[nodiscard]] WallSpan<T> span(const Ray<T>& ray) const {
+        const CappedSpan<T> span = solid().span(ray);
+        return {span, span.d2};
+    }
+    /// How far a point is from the wall, in units of `unit()`: outside of it, inside, beyond an end.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
+    [[nodiscard]] T unit() const { return radius; }
+    /// |p − q|, q the point of the wall nearest to p. It has no inside, so this is never negative.
+    [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
+    /// Whether it holds a point, in double, but for roundings.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        return !(distance(p) > 0x1p-40 * (length(p) + length(bottom) + length(top) + radius)) ||
+               !(square(axis()) > 0x1p-900);
+    }
+    /// The unit normal on the side that the ray comes from.
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {
+        const Vec<T> w = across(p);
+        const T k = T(1) / length(w), towards = select(dot(w, ray.direction) > T(0), -k, k);
+        return {towards * w.x, towards * w.y, towards * w.z};
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    /// As of the cylinder.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const T size = length(Vec<T>(p - bottom)) + radius;
+        BoundedPoint<T> b{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(bottom[i]);
+        return b;
+    }
+
+private:
+    [[nodiscard]] Cylinder<T> solid() const { return {bottom, top, radius}; }
+    static Tube from(const Cylinder<T>& c) { return {c.base, c.top, c.radius}; }
+    [[nodiscard]] Vec<T> axis() const { return top - bottom; }
+    /// How far along the axis a point is, in parts of it.
+    [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }
+    [[nodiscard]] Vec<T> across(const Vec<T>& p) const { return p - bottom - along(p) * axis(); }
+    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+        const Vec<T> w = across(p);
+        return bottom + min(max(along(p), T(0)), T(1)) * axis() + (radius / length(w)) * w;
+    }
+};
+
+}  // namespace lostbits
