@@ -36,8 +36,8 @@ struct Segment {
     T from[3], to[3];
 };
 
-/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`,
-/// `Ellipsoid`, `Cylinder` and `Capsule`; the others are made of them.
+/// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`, `Ellipsoid`,
+/// `Cylinder`, `Capsule`, `Tube`, `Cone`, `Disc` and `Plane`; the others are made of them.
 template <class T>
 struct Sphere {
     T centre[3], radius;
@@ -65,6 +65,22 @@ struct Cylinder {
 template <class T>
 struct Capsule {
     T start[3], end[3], radius;
+};
+template <class T>
+struct Tube {
+    T bottom[3], top[3], radius;
+};
+template <class T>
+struct Cone {
+    T base[3], top[3], base_radius, top_radius;
+};
+template <class T>
+struct Disc {
+    T centre[3], normal[3], outer_radius, inner_radius;
+};
+template <class T>
+struct Plane {
+    T through[3], normal[3];
 };
 template <class T>
 struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
@@ -165,6 +181,26 @@ struct SolidOf<Capsule<T>> {
     static Capsule<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
 };
 template <class T>
+struct SolidOf<Tube<T>> {
+    static constexpr int shape = LB_TUBE;
+    static Tube<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
+};
+template <class T>
+struct SolidOf<Cone<T>> {
+    static constexpr int shape = LB_CONE;
+    static Cone<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
+};
+template <class T>
+struct SolidOf<Disc<T>> {
+    static constexpr int shape = LB_DISC;
+    static Disc<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
+};
+template <class T>
+struct SolidOf<Plane<T>> {
+    static constexpr int shape = LB_PLANE;
+    static Plane<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
+};
+template <class T>
 struct SolidOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
@@ -181,10 +217,11 @@ T length(const T (&v)[3]) {
 /// Behind the solid, as a distance: from the origin to the solid's middle, and its diameter or diagonal more.
 template <int shape, class T>
 T reach(const T* n, const Ray<T>& ray) {
-    constexpr bool along = shape == LB_CYLINDER || shape == LB_CAPSULE;  // an axis
-    constexpr bool of_two = shape == LB_BOX || along;                    // points, with the middle between them
-    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[along ? 6 : 3];
+    constexpr bool along = shape == LB_CYLINDER || shape == LB_CAPSULE || shape == LB_TUBE || shape == LB_CONE;
+    constexpr bool of_two = shape == LB_BOX || along;  // points, with the middle between them
+    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[along || shape == LB_DISC ? 6 : 3];
     for (int k = 4; shape == LB_ELLIPSOID && k < 6; ++k) radius = n[k] > radius ? n[k] : radius;
+    if (shape == LB_CONE && n[7] > radius) radius = n[7];
     for (int k = 0; k < 3; ++k) {
         between[k] = (of_two ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];
         if (of_two) across[k] = n[k + 3] - n[k];

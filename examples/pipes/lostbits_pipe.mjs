@@ -39,11 +39,16 @@ const solids = {
     ellipsoid: (n) => ({ centre: n.slice(0, 3), radii: n.slice(3), radius: Math.max(...n.slice(3)) }),
     cylinder: (n) => ({ base: n.slice(0, 3), top: n.slice(3, 6), radius: n[6] }),
     capsule: (n) => ({ start: n.slice(0, 3), end: n.slice(3, 6), radius: n[6] }),
+    tube: (n) => ({ bottom: n.slice(0, 3), top: n.slice(3, 6), radius: n[6] }),
+    cone: (n) => ({ base: n.slice(0, 3), top: n.slice(3, 6), base_radius: n[6], top_radius: n[7],
+                    radius: Math.max(n[6], n[7]) }),
+    disc: (n) => ({ centre: n.slice(0, 3), normal: n.slice(3, 6), outer_radius: n[6], inner_radius: n[7], radius: n[6] }),
+    plane: (n) => ({ through: n.slice(0, 3), normal: n.slice(3) }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
 function reach(origin, solid, end) {
-    const low = solid.centre ?? solid.lo ?? solid.base ?? solid.start;
+    const low = solid.centre ?? solid.lo ?? solid.base ?? solid.start ?? solid.bottom;
     const high = solid.centre ?? solid.hi ?? solid.top ?? solid.end;
     const middle = low.map((x, k) => (x + high[k]) / 2);
     const across = Math.hypot(...minus(high, low)) + 2 * (solid.radius ?? 0);
@@ -72,7 +77,8 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];
-    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7, capsule: 7 }[keys.shape];
+    const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7, capsule: 7, tube: 7, cone: 8, disc: 8,
+                    plane: 6 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends

@@ -22,6 +22,14 @@ def solid_of(shape, n):
         return SimpleNamespace(centre=n[:3], radii=n[3:], radius=max(n[3:]))
     if shape == "cylinder":
         return SimpleNamespace(base=n[:3], top=n[3:6], radius=n[6])
+    if shape == "tube":
+        return SimpleNamespace(bottom=n[:3], top=n[3:6], radius=n[6])
+    if shape == "cone":
+        return SimpleNamespace(base=n[:3], top=n[3:6], base_radius=n[6], top_radius=n[7], radius=max(n[6:8]))
+    if shape == "disc":
+        return SimpleNamespace(centre=n[:3], normal=n[3:6], outer_radius=n[6], inner_radius=n[7], radius=n[6])
+    if shape == "plane":
+        return SimpleNamespace(through=n[:3], normal=n[3:])
     if shape == "capsule":
         return SimpleNamespace(start=n[:3], end=n[3:6], radius=n[6])
     return SimpleNamespace(centre=n[:3], radius=n[3])
@@ -29,7 +37,7 @@ def solid_of(shape, n):
 
 def reach(origin, solid, end):
     """Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more."""
-    pairs = (("centre", "centre"), ("lo", "hi"), ("base", "top"), ("start", "end"))
+    pairs = (("centre", "centre"), ("lo", "hi"), ("base", "top"), ("start", "end"), ("bottom", "top"))
     low, high = next((getattr(solid, a), getattr(solid, b)) for a, b in pairs if hasattr(solid, a))
     middle = [(a + b) / 2 for a, b in zip(low, high)]
     return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(solid, "radius", 0))
@@ -52,7 +60,8 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     words.setdefault("direction", "unit" if takes == "segment" else "any")
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
     out = sys.stdout.buffer
-    width = {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7}[shape]
+    width = {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7, "tube": 7, "cone": 8,
+             "disc": 8, "plane": 6}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()

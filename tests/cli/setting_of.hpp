@@ -15,6 +15,10 @@ inline std::string setting_of(Shape shape) {
     if (shape == Shape::ellipsoid) return "ellipsoid-far --pixel 96,92";
     if (shape == Shape::cylinder) return "cylinder-near --pixel 96,92";
     if (shape == Shape::capsule) return "capsule-near --pixel 96,92";
+    if (shape == Shape::tube) return "tube-near --pixel 96,92";
+    if (shape == Shape::cone) return "cone-near --pixel 96,92";
+    if (shape == Shape::disc) return "disc-near --pixel 110,92";
+    if (shape == Shape::plane) return "plane-floor.floor --pixel 96,150";
     return "sdf-sphere --pixel 100,100";
 }
 

@@ -274,7 +274,7 @@ TEST_CASE("plugin: a contract that makes no sense is refused by its name", "[doo
              {"name", "must begin with a letter"},
              {"no_dot", "a name is LIBRARY.FORM"},
              {"ours", "begin the names of the forms that ship"},
-             {"shape", "shape is 99; it must be from 0 to 5"},
+             {"shape", "shape is 99; it must be from 0 to 9"},
              {"format", "format is 16; it must be 32 (float) or 64 (double)"},
              {"roots", "roots is -1"},
              {"flags", "flags has bits that this version does not know"},

@@ -227,8 +227,8 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
             std::size_t at = 0;
             for (const Key& key : row.keys) {
                 const auto part = names.subspan(at, key.count());
-                for (const std::string_view name : {key.name, key.letter, key.aliases[0], key.aliases[1]})
-                    all.push_back({std::string(name), {part.begin(), part.end()}});
+                for (const std::string_view own : {key.name, key.letter, key.aliases[0], key.aliases[1]})
+                    all.push_back({std::string(own), {part.begin(), part.end()}});
                 at += key.count();
             }
         }

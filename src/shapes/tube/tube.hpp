@@ -24,7 +24,7 @@ struct Tube {
 
     static constexpr std::string_view name = "tube", plural = "tubes";
     static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a tube of radius 2 along the z axis, from -2 to 2",
+    static constexpr ShapeWords words{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
                                       .touching = "a ray through an open end's rim",
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};
@@ -41,7 +41,10 @@ struct Tube {
     constexpr void each(const Take& take) const {
         solid().each(take);
     }
-    static Tube around(const Vec<T>& p, const T& half) { return from(Cylinder<T>::around(p, half)); }
+    /// Along x: a ray along z, which is what rays at the plainest solids are, meets its wall.
+    static Tube around(const Vec<T>& p, const T& half) {
+        return {{p.x - half, p.y, p.z}, {p.x + half, p.y, p.z}, half};
+    }
 
     [[nodiscard]] Vec<T> middle() const { return solid().middle(); }
     [[nodiscard]] T half_extent() const { return solid().half_extent(); }

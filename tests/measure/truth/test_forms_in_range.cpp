@@ -18,7 +18,7 @@ using scene::rays::RayGroup;
 
 namespace {
 
-/// A ray along an axis, whose roots are 2 and 8, of a triangle 2 alone, in every arithmetic: nothing is rounded.
+/// A ray along an axis, whose roots are 2 and 8, of what is flat 2 alone, in every arithmetic: nothing is rounded.
 RayGroup plain_ray(Shape shape, const Range<double>& range) {
     RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
     group.rays.tmin = {range.tmin};
@@ -30,7 +30,11 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
         group.solids = {Solid<double>(Triangle<double>{{-3, -8, -8}, {-3, 8, -8}, {-3, 0, 16}})};
     else if (shape == Shape::ellipsoid) group.solids = {Solid<double>(Ellipsoid<double>{{0, 0, 0}, {3, 2, 4}})};
     else if (shape == Shape::cylinder) group.solids = {Solid<double>(Cylinder<double>{{0, 0, -4}, {0, 0, 4}, 3})};
-    else group.solids = {Solid<double>(Capsule<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::capsule) group.solids = {Solid<double>(Capsule<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::tube) group.solids = {Solid<double>(Tube<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::cone) group.solids = {Solid<double>(Cone<double>{{0, 0, -4}, {0, 0, 4}, 4, 2})};
+    else if (shape == Shape::disc) group.solids = {Solid<double>(Disc<double>{{-3, 0, 0}, {1, 0, 0}, 4, 0})};
+    else group.solids = {Solid<double>(Plane<double>{{-3, 1, 0}, {1, 0, 0}})};
     return group;
 }
 
@@ -50,11 +54,11 @@ void for_each_range(const Use& use) {
             for (const auto& [name, open] : open_ends_names) use(Range<double>{tmin, tmax, open});
 }
 
-/// By hand: the surface is at 2 and 8, and all between is the box; the triangle is at 2.
+/// By hand: the surface is at 2 and 8, and all between is the box; what is flat is at 2.
 bool meets(Shape shape, bool closed, const Range<double>& r) {
     if (!r.holds_any()) return false;
     const auto in = [&r](double t) { return !r.is_before(t) && !r.is_after(t); };
-    if (shape == Shape::triangle) return in(2);
+    if (shape == Shape::triangle || shape == Shape::disc || shape == Shape::plane) return in(2);
     if (!zero_inside(shape)) return in(2) || in(8);
     if (closed) return in(2) || in(8) || (r.tmin < 8 && r.tmax > 2);
     return r.tmin < 8 && r.tmax > 2;

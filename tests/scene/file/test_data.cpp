@@ -79,15 +79,56 @@ bool hits(const Ray<Real>& ray, const Ellipsoid<Real>& e) {
     return length(Vec<Real>(f + t * d)) <= 1;
 }
 
-/// By the point of the ray between the caps that is nearest to the axis.
-bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
+/// By its distances from the axis along the ray between the caps, less the radius there: that is convex.
+bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
     const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;
     const Real v2 = dot(v, v), one = -dot(v, f) / dot(v, d), other = (v2 - dot(v, f)) / dot(v, d);
-    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
-    const Real low = max(min(one, other), Real(0)), high = max(one, other);
+    Real low = max(min(one, other), Real(0)), high = max(one, other);
+    const auto off = [&](const Real& t) {
+        const Vec<Real> p = f + t * d;
+        const Real k = dot(v, p) / v2;
+        return Real(length(Vec<Real>(p - k * v)) - c.base_radius - k * (c.top_radius - c.base_radius));
+    };
     if (high < low) return false;
-    const Real t = min(max(Real(-dot(from, across) / dot(across, across)), low), high);
-    return length(Vec<Real>(from + t * across)) <= c.radius;
+    for (int i = 0; i < 200; ++i) {
+        const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
+        if (off(a) < off(b)) high = b;
+        else low = a;
+    }
+    return off(low) <= 0;
+}
+
+bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
+    return hits(ray, Cone<Real>{c.base, c.top, c.radius, c.radius});
+}
+
+/// By both points of the line at the radius from the axis.
+bool hits(const Ray<Real>& ray, const Tube<Real>& c) {
+    const Vec<Real> v = c.top - c.bottom, f = ray.origin - c.bottom, &d = ray.direction;
+    const Real v2 = dot(v, v);
+    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
+    const Real middle = -dot(from, across) / dot(across, across), near = length(Vec<Real>(from + middle * across));
+    if (near > c.radius) return false;
+    const Real half = sqrt(Real(c.radius * c.radius - near * near)) / length(across);
+    const auto counts = [&](const Real& t) {
+        const Real k = dot(v, Vec<Real>(f + t * d)) / v2;
+        return t >= 0 && k >= 0 && k <= 1;
+    };
+    return counts(middle - half) || counts(middle + half);
+}
+
+/// By the point of its plane.
+bool hits(const Ray<Real>& ray, const Disc<Real>& disc) {
+    const Real along = dot(disc.normal, ray.direction);
+    if (along == 0) return false;
+    const Real t = dot(disc.normal, Vec<Real>(disc.centre - ray.origin)) / along;
+    const Real from = length(Vec<Real>(ray.origin + t * ray.direction - disc.centre));
+    return t >= 0 && from <= disc.outer_radius && from >= disc.inner_radius;
+}
+
+/// By whether it comes nearer.
+bool hits(const Ray<Real>& ray, const Plane<Real>& plane) {
+    return dot(plane.normal, Vec<Real>(plane.through - ray.origin)) * dot(plane.normal, ray.direction) > 0;
 }
 
 /// By the least of its distances from the axis along the ray: each part of it is convex, and so is the whole.

@@ -150,7 +150,9 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
           "scene.toml:1:1: sphere is missing; a scene has at least one [[sphere]] with centre and radius, or [[box]] "
           "with lo and hi, or [[triangle]] with a, b and c, or [[ellipsoid]] with centre and radii, or [[cylinder]] "
-          "with base, top and radius, or [[capsule]] with start, end and radius");
+          "with base, top and radius, or [[capsule]] with start, end and radius, or [[tube]] with bottom, top and "
+          "radius, or [[cone]] with base, top, base_radius and top_radius, or [[disc]] with centre, normal, "
+          "outer_radius and inner_radius, or [[plane]] with through and normal");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
