@@ -26,7 +26,7 @@ const BadFile bad_files[] = {
     {"a.csv", "ox,oy,oz,dx,dy\n", "a.csv:1:1:", "no dz"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz\n", "a.csv:1:1:", "no radius"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,hit,t\n", "a.csv: no column has a solid", "--sphere"},
-    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,lox\n", "a.csv:1:35:", "one shape"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,lox,loy,loz,hix,hiy,hiz\n", "a.csv:1:35:", "one shape"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,ox\n", "a.csv:1:35:", "already"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hits\n", "a.csv:1:35:", "did you mean \"hit\""},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,raduis,hit\n", "a.csv:1:28:", "did you mean \"radius\""},

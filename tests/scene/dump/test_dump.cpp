@@ -186,25 +186,50 @@ TEST_CASE("what a t means where no column says whether it is a hit") {
     CHECK_FALSE(hits("nan", never));
 }
 
+namespace {
+
+/// 1, 4, 9, … of the numbers of a shape in their own order, but for one that is below the one before it: every limit is
+/// kept.
+std::vector<int> squares_of(const ShapeRow& row) {
+    std::vector<int> all(row.numbers);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>((k + 1) * (k + 1));
+    for_each_key(row.shape, [&](const Key& key, std::size_t k) {
+        if (key.limit == Key::Limit::below_before) all[k] = all[k - 1] - 1;
+    });
+    return all;
+}
+
+}  // namespace
+
 TEST_CASE("the columns of each shape, in either order, are its numbers") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
+        const std::vector<int> numbers = squares_of(row);
         std::vector<std::string> names(column_names(row.shape).begin(), column_names(row.shape).end());
         for (const bool reversed : {false, true}) {
             if (reversed) std::ranges::reverse(names);
             std::string text = "ox,oy,oz,dx,dy,dz", line = "\n0,0,-5,0,0,1";
             for (std::size_t k = 0; k < row.numbers; ++k) {
-                // 1, 4, 9, … of the numbers in their own order: every limit is kept.
-                const std::size_t place = reversed ? row.numbers - k : k + 1;
-                text += "," + names[k], line += "," + std::to_string(place * place);
+                const int x = numbers[reversed ? row.numbers - 1 - k : k];
+                text += "," + names[k], line += "," + std::to_string(x);
             }
             const DumpFile file("a.csv", text + ",t" + line + ",1\n");
             const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
             REQUIRE(chunk.solids.front().shape == row.shape);
-            for (std::size_t k = 0; k < row.numbers; ++k)
-                CHECK(chunk.solids.front().numbers[k] == static_cast<double>((k + 1) * (k + 1)));
+            for (std::size_t k = 0; k < row.numbers; ++k) CHECK(chunk.solids.front().numbers[k] == numbers[k]);
         }
     }
+}
+
+TEST_CASE("numbers of another shape that lacks some are columns of the user's own, and one may be left out") {
+    const std::string first = "ox,oy,oz,dx,dy,dz,cx,cy,cz,nx,ny,nz,";
+    const DumpFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
+    const auto dump = open_dump(spheres.path(), {.keep = true});
+    CHECK(dump->layout().kept() == std::vector<std::string>{"nx", "ny", "nz"});
+    CHECK(read_all(*dump).front().solids.front().numbers == Solid<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
+    const DumpFile discs("a.csv", first + "outer_radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
+    CHECK(read_all(*open_dump(discs.path(), {})).front().solids.front().numbers ==
+          Solid<double>(Disc<double>{{1, 2, 3}, {0, 0, 1}, 2, 0}).numbers);
 }
 
 TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
