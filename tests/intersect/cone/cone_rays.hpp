@@ -60,7 +60,7 @@ inline const ConeRays cone_rays[] = {
          const double shift = rng.coin() ? 0 : static_cast<double>(rng.integer(-30, 30));
          s.ray.direction = {-3.0, 0, 4.0};
          const Vec<double> at =
-             on_side(s.cone, 0, 1, 0) + Vec<double>(shift, static_cast<double>(rng.integer(-9, 9)), 0);
+             on_side(s.cone, 0, 1, 0) + Vec<double>(shift, rng.coin() ? 0 : static_cast<double>(rng.integer(-9, 9)), 0);
          s.ray.origin = at - static_cast<double>(rng.integer(-10, 30)) * s.ray.direction;
          if (rng.coin()) s.ray.direction = -s.ray.direction;
          return s;
