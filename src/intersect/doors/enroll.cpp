@@ -10,14 +10,8 @@
 namespace lostbits::intersect::doors {
 namespace {
 
-/// One row and what its kernels are bound to.
-struct Enrolled {
-    Info info;
-    std::unique_ptr<ForeignBatch> of32, of64;
-};
-
-std::deque<Enrolled>& all_enrolled() {
-    static std::deque<Enrolled> rows;
+std::deque<ForeignRow>& all_enrolled() {
+    static std::deque<ForeignRow> rows;
     return rows;
 }
 
@@ -35,9 +29,26 @@ Info info_of(const Contract& c) {
             .ranged = (c.flags & LB_RANGE) != 0};
 }
 
-void add_format(Enrolled& to, ForeignForm form) {
-    std::unique_ptr<ForeignBatch>& place = form.contract.bits == 32 ? to.of32 : to.of64;
-    const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? to.of64 : to.of32;
+template <class S>
+void answer_batch(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
+    static_cast<ForeignBatch*>(own)->answer(rays, target, hits);
+}
+
+}  // namespace
+
+ForeignRow::ForeignRow(ForeignForm first) {
+    put(std::move(first));
+    info = info_of((of32 ? of32 : of64)->form().contract);
+}
+
+void ForeignRow::add(ForeignForm other) {
+    put(std::move(other));
+    info.formats = Formats::all;
+}
+
+void ForeignRow::put(ForeignForm form) {
+    std::unique_ptr<ForeignBatch>& place = form.contract.bits == 32 ? of32 : of64;
+    const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? of64 : of32;
     if (place)
         throw InputError(form.from + ": " + form.contract.name + " comes twice in binary" +
                          std::to_string(form.contract.bits) + ", the first time from " + place->form().from +
@@ -54,44 +65,34 @@ void add_format(Enrolled& to, ForeignForm form) {
     place = std::make_unique<ForeignBatch>(std::move(form));
 }
 
-template <class S>
-void answer_batch(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
-    static_cast<ForeignBatch*>(own)->answer(rays, target, hits);
-}
-
-table::Intersector row_of(const Enrolled& e) {
-    const Contract& contract = (e.of32 ? e.of32 : e.of64)->form().contract;
-    table::Intersector row{.info = &e.info, .shape = contract.shape, .native32 = {}, .native64 = {}};
-    if (e.of32) row.native32 = {answer_batch<float>, e.of32.get()};
-    if (e.of64) row.native64 = {answer_batch<double>, e.of64.get()};
+table::Intersector ForeignRow::row() const {
+    const Contract& contract = (of32 ? of32 : of64)->form().contract;
+    table::Intersector row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
+    if (of32) row.native32 = {answer_batch<float>, of32.get()};
+    if (of64) row.native64 = {answer_batch<double>, of64.get()};
     return row;
 }
-
-}  // namespace
 
 void enroll(std::vector<ForeignForm> forms) {
     const std::size_t before = all_enrolled().size();
     for (ForeignForm& form : forms) {
         const auto added =
             std::ranges::find_if(all_enrolled().begin() + static_cast<std::ptrdiff_t>(before), all_enrolled().end(),
-                                 [&form](const Enrolled& e) { return e.info.name == form.contract.name; });
+                                 [&form](const ForeignRow& e) { return e.info.name == form.contract.name; });
         if (added != all_enrolled().end()) {
-            add_format(*added, std::move(form));
-            added->info.formats = Formats::all;
+            added->add(std::move(form));
             continue;
         }
-        Enrolled& fresh = all_enrolled().emplace_back();
-        add_format(fresh, std::move(form));
-        fresh.info = info_of((fresh.of32 ? fresh.of32 : fresh.of64)->form().contract);
+        all_enrolled().emplace_back(std::move(form));
     }
     std::vector<table::Intersector> rows;
-    for (std::size_t i = before; i < all_enrolled().size(); ++i) rows.push_back(row_of(all_enrolled()[i]));
+    for (std::size_t i = before; i < all_enrolled().size(); ++i) rows.push_back(all_enrolled()[i].row());
     table::enroll(rows);
 }
 
 std::vector<const ForeignForm*> behind(const table::Intersector& row) {
     std::vector<const ForeignForm*> forms;
-    for (const Enrolled& e : all_enrolled()) {
+    for (const ForeignRow& e : all_enrolled()) {
         if (&e.info != row.info) continue;
         if (e.of32) forms.push_back(&e.of32->form());
         if (e.of64) forms.push_back(&e.of64->form());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 
@@ -31,6 +32,23 @@ private:
 
     ForeignForm form_;
     std::mutex one_at_a_time_;
+};
+
+/// The forms of one name, one or one for each of two formats, as a row of the table. It stays where it is: the row
+/// points into it.
+struct ForeignRow {
+    Info info = {};
+    std::unique_ptr<ForeignBatch> of32 = {}, of64 = {};
+
+    explicit ForeignRow(ForeignForm first);
+    ForeignRow(const ForeignRow&) = delete;
+    ForeignRow& operator=(const ForeignRow&) = delete;
+    /// The same form in the other format. InputError where it is there already, or promises something else.
+    void add(ForeignForm other);
+    [[nodiscard]] table::Intersector row() const;
+
+private:
+    void put(ForeignForm form);
 };
 
 }  // namespace lostbits::intersect::doors

@@ -20,8 +20,6 @@ using file::number_or_missing;
 using measure::choice::Candidate;
 using measure::choice::Room;
 
-namespace {
-
 std::vector<Column> candidate_columns() {
     auto columns = speed::kernel_columns("form under test; file.NAME: the answers that the files of rays have");
     columns.insert(
@@ -39,17 +37,21 @@ std::vector<Column> candidate_columns() {
     return columns;
 }
 
-const std::vector<Column> room_columns{
-    {"way", "string", "", "what grows: distance, radius, offset, view"},
-    {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is"},
-    {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0"},
-    {"beyond", "number", "1", "the first factor seen beyond that; missing: none"},
-    {"end", "string", "",
-     "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far as was "
-     "tried)"},
-    {"wrong", "integer", "", "rays decided wrongly where it fails"},
-    {"rays", "integer", "", "of so many"},
-    {"kept_bits", "number", "bits", "kept there"}};
+std::vector<Column> room_columns() {
+    return {{"way", "string", "", "what grows: distance, radius, offset, view"},
+            {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is"},
+            {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0"},
+            {"beyond", "number", "1", "the first factor seen beyond that; missing: none"},
+            {"end", "string", "",
+             "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far "
+             "as was "
+             "tried)"},
+            {"wrong", "integer", "", "rays decided wrongly where it fails"},
+            {"rays", "integer", "", "of so many"},
+            {"kept_bits", "number", "bits", "kept there"}};
+}
+
+namespace {
 
 void add_worth(file::CsvWriter& csv, const measure::choice::Worth& worth) {
     csv.add(worth.rays).add(worth.hits).add(worth.wrong).add(worth.wrong_fraction());
@@ -99,43 +101,43 @@ void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder / "choose.csv", candidate_columns()),
-      rooms_(folder / "room.csv", room_columns),
+      rooms_(folder / "room.csv", room_columns()),
       offsets_(folder / "offset.csv", offset_columns()),
       inputs_(folder / "inputs.csv", input_columns()),
       requirement_(folder / "requirement.csv", requirement_columns) {}
 
-void ChoiceFiles::write_candidates(const Chosen& chosen) {
+void add_candidates(file::CsvWriter& csv, const Chosen& chosen) {
     for (const std::size_t k : by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
-        speed::add_kernel(candidates_, c.row, c.isa);
-        candidates_.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
-        add_worth(candidates_, c.worth);
-        candidates_.add(c.worth.meets(chosen.request.wish)).add(chosen.meets == k);
-        candidates_.end_row();
+        speed::add_kernel(csv, c.row, c.isa);
+        csv.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
+        add_worth(csv, c.worth);
+        csv.add(c.worth.meets(chosen.request.wish)).add(chosen.meets == k);
+        csv.end_row();
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return;
     const auto& [name, format, worth] = *chosen.request.rays->answers;
-    candidates_.add(name).add(format.name).add(Cell()).add(Cell()).add(Cell()).add(Cell());
-    add_worth(candidates_, worth);
-    candidates_.add(worth.meets(chosen.request.wish)).add(false);
-    candidates_.end_row();
+    csv.add(name).add(format.name).add(Cell()).add(Cell()).add(Cell()).add(Cell());
+    add_worth(csv, worth);
+    csv.add(worth.meets(chosen.request.wish)).add(false);
+    csv.end_row();
 }
 
-void ChoiceFiles::write_rooms(const Chosen& chosen) {
+void add_rooms(file::CsvWriter& csv, const Chosen& chosen) {
     for (const Room& room : chosen.rooms) {
         const bool fails = room.end == measure::choice::End::fails;
-        rooms_.add(measure::choice::growth_names[static_cast<std::size_t>(room.way)]).add(room.holds);
-        rooms_.add(room.holds == 0 ? Cell() : Cell(room.value)).add(room.beyond == 0 ? Cell() : Cell(room.beyond));
-        rooms_.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
-        rooms_.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());
-        rooms_.add(fails ? number_or_missing(room.broken.kept_bits) : Cell());
-        rooms_.end_row();
+        csv.add(measure::choice::growth_names[static_cast<std::size_t>(room.way)]).add(room.holds);
+        csv.add(room.holds == 0 ? Cell() : Cell(room.value)).add(room.beyond == 0 ? Cell() : Cell(room.beyond));
+        csv.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
+        csv.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());
+        csv.add(fails ? number_or_missing(room.broken.kept_bits) : Cell());
+        csv.end_row();
     }
 }
 
 void ChoiceFiles::finish(const Chosen& chosen) {
-    write_candidates(chosen);
-    write_rooms(chosen);
+    add_candidates(candidates_, chosen);
+    add_rooms(rooms_, chosen);
     if (chosen.requirement) {
         write_requirement(requirement_, chosen, *chosen.requirement);
         draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
@@ -150,7 +152,7 @@ void ChoiceFiles::finish(const Chosen& chosen) {
         folder_ / "datapackage.json",
         fmt::format("What meets a wish on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
         {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns()},
-         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns},
+         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns()},
          {"offset.csv", "One row per strategy of offset that is safe under what is chosen, cheapest first",
           offset_columns()},
          {"inputs.csv", "Where nothing meets the wish: one row per choice of inputs that come in a wider format",

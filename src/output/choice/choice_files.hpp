@@ -13,6 +13,12 @@ namespace lostbits::output::choice {
 /// Every form and format by time and bits kept, with the Pareto front and what is chosen.
 void write_front_plot(const std::filesystem::path& path, const Chosen& chosen);
 
+/// The columns and rows of choose.csv and of room.csv.
+std::vector<file::Column> candidate_columns();
+void add_candidates(file::CsvWriter& csv, const Chosen& chosen);
+std::vector<file::Column> room_columns();
+void add_rooms(file::CsvWriter& csv, const Chosen& chosen);
+
 /// Opened before the work, named when it is whole.
 class ChoiceFiles {
 public:
@@ -21,9 +27,6 @@ public:
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
 private:
-    void write_candidates(const Chosen& chosen);
-    void write_rooms(const Chosen& chosen);
-
     std::filesystem::path folder_;
     file::CsvWriter candidates_, rooms_, offsets_, inputs_, requirement_;
 };

@@ -91,6 +91,13 @@ std::string Cell::text() const {
         value_);
 }
 
+double Cell::number() const {
+    return std::visit(
+        Overloaded{[](std::monostate) { return std::nan(""); }, [](const std::string&) { return std::nan(""); },
+                   [](auto x) { return static_cast<double>(x); }},
+        value_);
+}
+
 bool Cell::fits(std::string_view type) const {
     return std::visit(Overloaded{[](std::monostate) { return true; }, [&](bool) { return type == "boolean"; },
                                  [&](std::int64_t) { return type == "integer" || type == "number"; },
@@ -137,7 +144,8 @@ CsvWriter& CsvWriter::add(const Cell& cell) {
         throw std::logic_error(name() + ": column " + column.name + " is of type " + column.type +
                                " and cannot hold '" + cell.text() + "'");
     }
-    put(cell.text());
+    if (take_) take_(filled_++, cell);
+    else put(cell.text());
     return *this;
 }
 
@@ -145,6 +153,10 @@ void CsvWriter::end_row() {
     if (filled_ != columns_.size()) {
         throw std::logic_error(name() + ": a row has " + std::to_string(filled_) + " cells for " +
                                std::to_string(columns_.size()) + " columns");
+    }
+    if (take_) {
+        filled_ = 0;
+        return;
     }
     // A lone missing cell would be a blank line, which readers skip.
     if (line_.empty()) line_ = "\"\"";

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,9 @@ public:
     /// Whether a column of this type may hold the cell: a missing one fits everywhere, an integer fits `number`.
     [[nodiscard]] bool fits(std::string_view column_type) const;
 
+    /// The value as a number, a boolean being 0 or 1; NaN of a text and where it is missing.
+    [[nodiscard]] double number() const;
+
 private:
     std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
 };
@@ -65,6 +69,9 @@ public:
     /// Rows alone, which `take_lines` gives: a part of a file that is put together elsewhere.
     explicit CsvWriter(std::vector<Column> columns) : columns_(std::move(columns)) {}
     [[nodiscard]] std::string take_lines() { return std::exchange(lines_, {}); }
+    /// No text at all: `take` is told each cell and the place of its column, from 0, row by row.
+    using TakeCell = std::function<void(std::size_t column, const Cell& cell)>;
+    CsvWriter(std::vector<Column> columns, TakeCell take) : columns_(std::move(columns)), take_(std::move(take)) {}
     /// Rows that such a writer of the same columns gave.
     void add_lines(std::string_view lines);
 
@@ -91,6 +98,7 @@ private:
     [[nodiscard]] std::string name() const { return file_ ? file_->path().string() : "rows of a CSV"; }
 
     std::string line_, lines_;
+    TakeCell take_ = {};
     std::optional<AtomicFile> file_;  // none: the rows go to `lines_`
 };
 

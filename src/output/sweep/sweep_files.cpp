@@ -32,6 +32,12 @@ std::vector<Column> axis_columns(const SweepRequest& request) {
 constexpr const char* views_meaning =
     "sets of rays with a solid and a direction of their own: the independent samples of what those share";
 
+void add_axes(file::CsvWriter& csv, const measure::sweep::SweepStep& step) {
+    for (const double value : step.values) csv.add(value).add(file::hex(value));
+}
+
+}  // namespace
+
 std::vector<Column> sample_columns(const SweepRequest& request) {
     std::vector<Column> columns = axis_columns(request);
     // A sweep's rays have no picture: the place of the worst is its number in its set.
@@ -75,8 +81,6 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
         {"first_bad_high", "number", axis.unit, "the largest"}};
 }
 
-}  // namespace
-
 void SweepFiles::require_own_columns(const SweepRequest& request) {
     for (const auto& columns :
          {sample_columns(request), onset_columns(request), map::CulpritTable::columns(axis_columns(request))}) {
@@ -102,25 +106,30 @@ SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path&
         culprits_.emplace(folder / "culprits.csv", axis_columns(request), request.metrics);
 }
 
-void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
-    const map::SummaryTable table{request_.metrics, request_.sweep->shapes(), request_.sweep->has_mesh()};
-    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
+void add_samples(file::CsvWriter& samples, const SweepRequest& request,
+                 const std::vector<measure::sweep::SweepStep>& steps) {
+    const map::SummaryTable table{request.metrics, request.sweep->shapes(), request.sweep->has_mesh()};
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
         for (const measure::sweep::SweepStep& step : steps) {
-            const auto put_axes = [&step](file::CsvWriter& csv) {
-                for (const double value : step.values) csv.add(value).add(file::hex(value));
-            };
-            put_axes(samples_);
-            table.add(samples_, request_.rows[r], step.rows[r],
+            add_axes(samples, step);
+            table.add(samples, request.rows[r], step.rows[r],
                       [](const measure::map::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); });
-            samples_.add(step.rows[r].views);
-            samples_.end_row();
-            if (culprits_) culprits_->add(request_.rows[r], step.rows[r], put_axes);
+            samples.add(step.rows[r].views);
+            samples.end_row();
         }
+    }
+}
+
+void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<Onset>& onsets) {
+    add_samples(samples_, request_, steps);
+    for (std::size_t r = 0; culprits_ && r < request_.rows.size(); ++r) {
+        for (const measure::sweep::SweepStep& step : steps)
+            culprits_->add(request_.rows[r], step.rows[r], [&step](file::CsvWriter& csv) { add_axes(csv, step); });
     }
     std::vector<file::DataResource> resources{
         {"samples.csv", "One row per form, format and step", sample_columns(request_)}};
     if (onsets_) {
-        write_onsets(onsets);
+        add_onsets(*onsets_, request_, onsets);
         resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
     }
     if (culprits_)
@@ -132,28 +141,27 @@ void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, con
     samples_.close();
 }
 
-void SweepFiles::write_onsets(const std::vector<Onset>& onsets) {
+void add_onsets(file::CsvWriter& table, const SweepRequest& request, const std::vector<Onset>& onsets) {
     for (const Onset& o : onsets) {
-        const measure::map::MapRow& row = request_.rows[o.row];
+        const measure::map::MapRow& row = request.rows[o.row];
         const bool good = o.found && !o.from_start;
-        onsets_->add(row.form->info->name)
+        table.add(row.form->info->name)
             .add(row.format.name)
             .add(o.event)
             .add(o.statistic)
             .add(o.threshold)
             .add(o.found);
-        onsets_->add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
-        onsets_->add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
-        onsets_->add(o.found ? Cell(o.value_at_first_bad) : Cell()).add(o.recovers);
+        table.add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
+        table.add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());
+        table.add(o.found ? Cell(o.value_at_first_bad) : Cell()).add(o.recovers);
         const bool again = o.recovers && !o.good_at_end;
-        onsets_->add(o.recovers ? Cell(o.last_good_after) : Cell()).add(again ? Cell(o.bad_again) : Cell());
-        onsets_->add(o.recovers ? Cell(file::hex(o.last_good_after)) : Cell())
+        table.add(o.recovers ? Cell(o.last_good_after) : Cell()).add(again ? Cell(o.bad_again) : Cell());
+        table.add(o.recovers ? Cell(file::hex(o.last_good_after)) : Cell())
             .add(again ? Cell(file::hex(o.bad_again)) : Cell());
         const auto spread = o.spread();
-        onsets_->add(o.rays).add(o.views).add(1 + o.further.size()).add(spread.draws);
-        for (const double x : {spread.low, spread.median, spread.high})
-            onsets_->add(spread.draws > 0 ? Cell(x) : Cell());
-        onsets_->end_row();
+        table.add(o.rays).add(o.views).add(1 + o.further.size()).add(spread.draws);
+        for (const double x : {spread.low, spread.median, spread.high}) table.add(spread.draws > 0 ? Cell(x) : Cell());
+        table.end_row();
     }
 }
 

@@ -11,6 +11,14 @@
 
 namespace lostbits::output::sweep {
 
+/// The columns of samples.csv and of onsets.csv, and their rows.
+std::vector<file::Column> sample_columns(const measure::sweep::SweepRequest& request);
+std::vector<file::Column> onset_columns(const measure::sweep::SweepRequest& request);
+void add_samples(file::CsvWriter& samples, const measure::sweep::SweepRequest& request,
+                 const std::vector<measure::sweep::SweepStep>& steps);
+void add_onsets(file::CsvWriter& table, const measure::sweep::SweepRequest& request,
+                const std::vector<measure::sweep::Onset>& onsets);
+
 /// Opens the tables before the work and gives them their final names in `finish`.
 class SweepFiles {
 public:
@@ -20,8 +28,6 @@ public:
     void finish(const std::vector<measure::sweep::SweepStep>& steps, const std::vector<measure::sweep::Onset>& onsets);
 
 private:
-    void write_onsets(const std::vector<measure::sweep::Onset>& onsets);
-
     const measure::sweep::SweepRequest& request_;
     std::filesystem::path folder_;
     file::CsvWriter samples_;

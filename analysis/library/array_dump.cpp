@@ -1,0 +1,98 @@
+#include "analysis/library/array_dump.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "number/error.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::analysis::library {
+
+using scene::dump::Chunk;
+using scene::dump::ChunkWriter;
+using scene::dump::DumpOptions;
+using scene::dump::Records;
+
+namespace {
+
+std::vector<std::string> names_of(const std::vector<ArrayColumn>& columns) {
+    std::vector<std::string> names;
+    for (const ArrayColumn& column : columns) names.push_back(column.name);
+    return names;
+}
+
+/// That of t; else of the widest column.
+Format own_format(const std::vector<ArrayColumn>& columns) {
+    const auto t = std::ranges::find(columns, "t", &ArrayColumn::name);
+    const bool wide =
+        t != columns.end() ? t->type == ArrayColumn::Type::f64 : std::ranges::any_of(columns, [](const ArrayColumn& c) {
+            return c.type == ArrayColumn::Type::f64 && c.step != 0;
+        });
+    return *find_format(wide ? "f64" : "f32");
+}
+
+double number_at(const ArrayColumn& column, std::size_t i) {
+    const std::byte* const at = column.data + static_cast<std::ptrdiff_t>(i) * column.step;
+    if (column.type == ArrayColumn::Type::boolean) return *at != std::byte{0} ? 1 : 0;
+    if (column.type == ArrayColumn::Type::f32) {
+        float x = 0;
+        std::memcpy(&x, at, sizeof x);
+        return x;
+    }
+    double x = 0;
+    std::memcpy(&x, at, sizeof x);
+    return x;
+}
+
+double as_stored(double x, const Format& format) {
+    if (format.engine == Format::Engine::native64 || !std::isfinite(x)) return x;
+    if (format.engine == Format::Engine::native32) return static_cast<float>(x);
+    return rounding::to_format(x, 0, format.shape);
+}
+
+}  // namespace
+
+double number_at(const ArrayColumn& column, std::size_t i, const Format& format) {
+    return as_stored(number_at(column, i), format);
+}
+
+ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
+                     const DumpOptions& options)
+    : Dump(name, {}),
+      columns_(std::move(columns)),
+      count_(count),
+      layout_(names_of(columns_),
+              [&name](std::size_t, const std::string& why) { throw InputError(name + ": " + why); }),
+      stop_(options.stop) {
+    settle(options, layout_, own_format(columns_));
+}
+
+bool ArrayDump::next(std::size_t most, Records& records) {
+    stop_.check();
+    records.first = read_;
+    records.count = std::min(most, count_ - read_);
+    read_ += records.count;
+    return records.count > 0;
+}
+
+Chunk ArrayDump::decode(const Records& records) const {
+    Chunk chunk;
+    chunk.first = records.first;
+    ChunkWriter writer(layout_, terms(), records.count, chunk);
+    for (std::size_t i = records.first; i < records.first + records.count; ++i) {
+        for (std::size_t c = 0; c < columns_.size(); ++c) {
+            const double x = number_at(columns_[c], i), stored = as_stored(x, format());
+            if (std::isinf(stored) && !std::isinf(x))
+                throw InputError(fmt::format("{}: ray {}: {} is {}, larger than the largest number of {}", name(), i,
+                                             columns_[c].name, x, format().name));
+            writer.put(layout_.columns()[c].slot.value(), stored, stored == x || std::isnan(x));
+        }
+        writer.end_record([&](std::size_t) { return fmt::format("{}: ray {}", name(), i); });
+    }
+    return chunk;
+}
+
+}  // namespace lostbits::analysis::library

@@ -1,0 +1,113 @@
+// Forms of one's own, and what a call chooses among all.
+#include "analysis/library/handles.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::analysis::library {
+
+using intersect::doors::ForeignForm;
+using intersect::doors::WrittenFormula;
+
+namespace {
+
+/// A form whose function is the caller's, and runs here.
+ForeignForm foreign_of(const lb_form& given) {
+    ForeignForm made{intersect::doors::contract_of(given, "form"), "form", {}};
+    const auto run = given.run;
+    void* const own = given.own;
+    made.answer = [run, own, name = made.contract.name](const lb_batch& asked) {
+        const intersect::process::KeepsFloatingPoint keeps;
+        lb_batch batch = asked;
+        batch.own = own;
+        if (const char* const refused = run(&batch)) throw EnvironmentError("form " + name + ": " + refused);
+    };
+    return made;
+}
+
+TapeOp op_of_word(const char* word) {
+    const auto row = std::ranges::find(tape_operations, std::string_view(word ? word : ""), &TapeOpRow::name);
+    if (row != tape_operations.end()) return row->op;
+    std::vector<std::string> names;
+    for (const TapeOpRow& each : tape_operations) names.emplace_back(each.name);
+    throw InputError("operation \"" + std::string(word ? word : "") + "\" is unknown; " +
+                     scene::toml::did_you_mean(word ? word : "", names));
+}
+
+/// Both rows anew, after a formula came.
+void renew(lostbits_form& form) {
+    form.row = form.alone = form.asked->row();
+    if (!form.formulas[0] && !form.formulas[1]) return;
+    form.written.emplace(form.formulas[0], form.formulas[1]);
+    form.written->fill(form.row);
+    form.alone = form.written->row(form.asked->info);
+}
+
+}  // namespace
+
+Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
+    forms = words_of(choice.forms);
+    std::vector<std::string> formats = words_of(choice.formats);
+    if (formats.empty()) formats = {"f32", "f64"};
+    if (forms.empty() && choice.own_count == 0 && !may_be_empty) forms = {"*"};
+    std::vector<const intersect::table::Intersector*> all;
+    for (std::size_t i = 0; i < choice.own_count; ++i) {
+        require(choice.own[i], "a form of `own`");
+        all.push_back(choice.written != 0 ? &choice.own[i]->alone : &choice.own[i]->row);
+    }
+    if (!forms.empty()) std::ranges::copy(choice::select_forms(forms, "forms"), std::back_inserter(all));
+    if (!all.empty()) rows = choice::cross(all, choice::select_formats(formats, "formats"));
+    asked = choice::select_metrics(words_of(choice.metrics), made);
+}
+
+void Choosing::keep_those_for(const std::string& name, const choice::Meets& meets) {
+    rows = choice::rows_meeting({rows, forms, true}, name, meets);
+    if (rows.empty()) throw NothingSelected(name + ": no chosen form is for its solids, in a format that it exists in");
+}
+
+}  // namespace lostbits::analysis::library
+
+using namespace lostbits;
+using namespace lostbits::analysis::library;
+
+extern "C" {
+
+int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(forms, "forms");
+        require(form, "form");
+        if (count != 1 && count != 2) throw InputError("count is of one form, or of one for each of two formats");
+        auto made = std::make_unique<lostbits_form>();
+        made->asked = std::make_unique<intersect::doors::ForeignRow>(foreign_of(forms[0]));
+        if (count == 2) made->asked->add(foreign_of(forms[1]));
+        renew(*made);
+        *form = made.release();
+        return Exit::done;
+    });
+}
+
+int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation* operations, size_t count, int32_t hit,
+                        int32_t t, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(form, "form");
+        require(operations, "operations");
+        if (bits != 32 && bits != 64) throw InputError("bits are 32 or 64");
+        WrittenFormula formula{.name = std::string(form->asked->info.name),
+                               .shape = form->row.shape,
+                               .operations = {},
+                               .hit = hit,
+                               .t = t};
+        for (std::size_t i = 0; i < count; ++i) {
+            const lostbits_operation& o = operations[i];
+            formula.operations.push_back({.op = op_of_word(o.op),
+                                          .operands = {o.operands[0], o.operands[1], o.operands[2]},
+                                          .value = o.value,
+                                          .label = o.label ? o.label : ""});
+        }
+        require_sense(formula);
+        form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
+        renew(*form);
+        return Exit::done;
+    });
+}
+
+void lostbits_form_free(lostbits_form* form) { delete form; }
+}

@@ -1,0 +1,145 @@
+// What the handles of the C interface stand for, and what stands around every call.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/choice/select.hpp"
+#include "analysis/library/lostbits.h"
+#include "analysis/library/result.hpp"
+#include "intersect/doors/foreign_batch.hpp"
+#include "intersect/doors/written_formula.hpp"
+#include "intersect/process/floating_point.hpp"
+#include "scene/file/scene.hpp"
+
+struct lostbits_scene {
+    lostbits::scene::file::Scene scene;
+    std::string named;     ///< what names it to `lostbits explain`; empty where nothing does
+    bool has_own = false;  ///< its solids are arrays, and those that it was read with are gone
+};
+
+struct lostbits_form {
+    std::unique_ptr<lostbits::intersect::doors::ForeignRow> asked = {};
+    std::array<std::shared_ptr<const lostbits::intersect::doors::WrittenFormula>, 2> formulas = {};  ///< f32, f64
+    std::optional<lostbits::intersect::doors::WrittenForm> written = {};
+    lostbits::intersect::table::Intersector row{};    ///< asked, and beside that what is written
+    lostbits::intersect::table::Intersector alone{};  ///< what is written alone; of nothing `row`
+};
+
+namespace lostbits::analysis::library {
+
+inline int put_error(lostbits_error* error, Exit code, const std::string& text) {
+    if (error != nullptr) {
+        error->code = static_cast<int>(code);
+        const std::size_t n = std::min(text.size(), sizeof error->text - 1);
+        std::memcpy(error->text, text.data(), n);
+        error->text[n] = '\0';
+    }
+    return static_cast<int>(code);
+}
+
+/// `act()`, which gives an Exit, with arithmetic as IEEE 754 asks and with what it throws as a code and a text.
+template <class Act>
+int guarded(lostbits_error* error, const Act& act) {
+    const intersect::process::KeepsFloatingPoint keeps;
+    intersect::process::FloatingPoint::standard().set();
+    try {
+        return put_error(error, act(), "");
+    } catch (const Interrupted&) {
+        return put_error(error, Exit::interrupted, "interrupted: the call was asked to stop");
+    } catch (const Error& e) {
+        return put_error(error, e.code(), e.what());
+    } catch (const std::bad_alloc&) {
+        return put_error(error, Exit::environment, "there is not enough memory; ask for fewer rays, forms or metrics");
+    } catch (const std::exception& e) {
+        return put_error(error, Exit::internal, std::string("a fault of lostbits: ") + e.what());
+    }
+}
+
+/// InputError where an argument that must be there is NULL.
+inline void require(const void* argument, const char* name) {
+    if (argument == nullptr) throw InputError(std::string(name) + " is NULL; give one");
+}
+
+inline std::vector<std::string> words_of(const lostbits_words& words) {
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < words.count; ++i) all.emplace_back(words.words[i]);
+    return all;
+}
+
+/// How a call runs; all of it optional.
+class Running {
+public:
+    explicit Running(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(run_.threads) {}
+    [[nodiscard]] intersect::process::StopToken stop() const {
+        // The caller's byte is set by another thread of another language: what it writes is seen as a flag of ours.
+        static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
+        return run_.stop ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(run_.stop))
+                         : intersect::process::StopToken();
+    }
+    /// Adds up what is done of so much, and says so.
+    [[nodiscard]] std::function<void(std::uint64_t)> advancing(std::uint64_t of) {
+        return [this, of](std::uint64_t more) {
+            stop().check();
+            if (run_.progress == nullptr) return;
+            const std::lock_guard alone(mutex_);
+            run_.progress(run_.own, done_ += more, of);
+        };
+    }
+
+private:
+    lostbits_run run_;
+    choice::ThreadLimit limit_;
+    std::mutex mutex_;
+    std::uint64_t done_ = 0;
+};
+
+/// What was chosen: rows of one's own first, then those of the table; the metrics keep what is made for them.
+struct Choosing {
+    lostbits_choice choice;
+    std::vector<std::string> forms;  ///< words, for messages and for sets
+    std::vector<measure::map::MapRow> rows;
+    measure::metric::MetricSet made = {};
+    std::vector<const measure::metric::Metric*> asked = {};
+
+    explicit Choosing(const lostbits_choice* given, bool may_be_empty = false);
+    /// The rows for what is called `name`. NothingSelected where there are none.
+    void keep_those_for(const std::string& name, const choice::Meets& meets);
+};
+
+/// The path of a file in memory that holds a text, for as long as this lives; what messages say of it says `text`.
+class TextFile {
+public:
+    explicit TextFile(const std::string& text);
+    ~TextFile();
+    TextFile(const TextFile&) = delete;
+    TextFile& operator=(const TextFile&) = delete;
+    [[nodiscard]] const std::string& path() const { return path_; }
+    /// `act()`; an InputError about the file says `text:LINE:COLUMN` in place of the path.
+    template <class Act>
+    auto with_places(const Act& act) const {
+        try {
+            return act();
+        } catch (const InputError& e) {
+            std::string words = e.what();
+            if (words.starts_with(path_)) words.replace(0, path_.size(), "text");
+            throw InputError(words);
+        }
+    }
+
+private:
+    int file_;
+    std::string path_;
+};
+
+}  // namespace lostbits::analysis::library

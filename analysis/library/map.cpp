@@ -1,0 +1,70 @@
+// Maps of a scene.
+#include "analysis/library/handles.hpp"
+#include "measure/blame/culprits.hpp"
+#include "measure/map/culprit_order.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/map/culprit_table.hpp"
+#include "output/map/map_tables.hpp"
+
+namespace lostbits::analysis::library {
+
+using measure::map::MapRow;
+using measure::metric::Metric;
+
+namespace {
+
+std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& chosen, Running& running) {
+    const scene::file::Scene& scene = given.scene;
+    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
+    std::ranges::copy(chosen.asked, std::back_inserter(asked));
+    static_cast<void>(choice::that_apply(asked, chosen.rows, "scene " + scene.id));
+    measure::map::MapRequest request{
+        .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
+    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
+                                            [&scene] { return measure::blame::SettingOf(scene); });
+    request.metrics = measure::map::order_culprits(request, chosen.made);
+    request.progress = running.advancing(scene.pixels() * request.rows.size());
+
+    auto result = std::make_unique<lostbits_result>();
+    const output::map::SummaryTable summary(request.metrics, scene.shapes(), scene.mesh != nullptr);
+    ResultTable& table = result->tables.emplace_back("summary", summary.columns());
+    std::deque<RayTable> rays;
+    std::vector<measure::map::MapSink*> sinks;
+    for (const MapRow& row : request.rows) {
+        if (chosen.choice.rows == 0) break;
+        ResultTable& of_row = result->tables.emplace_back(
+            std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
+        sinks.push_back(&rays.emplace_back(of_row, row, request.metrics));
+    }
+    const auto summaries = measure::map::run_map(request, sinks);
+    auto csv = table.writer();
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        summary.add(csv, request.rows[r], summaries[r], [&](const measure::map::WorstRay& ray) {
+            return given.named.empty() ? std::string()
+                                       : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
+        });
+        csv.end_row();
+    }
+    return result;
+}
+
+}  // namespace
+}  // namespace lostbits::analysis::library
+
+using namespace lostbits;
+using namespace lostbits::analysis::library;
+
+extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* choice, const lostbits_run* run,
+                            lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(result, "result");
+        Choosing chosen(choice);
+        Running running(run);
+        auto found = map_of(*scene, chosen, running);
+        for (ResultTable& table : found->tables) table.seal();
+        *result = found.release();
+        return Exit::done;
+    });
+}

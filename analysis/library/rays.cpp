@@ -1,0 +1,313 @@
+// Rays that come as arrays: judged, asked about, and their truth.
+#include "scene/rays/rays.hpp"
+#include "analysis/library/array_dump.hpp"
+#include "analysis/library/handles.hpp"
+#include "intersect/process/parallel.hpp"
+#include "measure/answer/answers.hpp"
+#include "measure/blame/culprits.hpp"
+#include "measure/judge/judge.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/map/map_tables.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::analysis::library {
+
+using measure::map::MapRow;
+using measure::metric::Metric;
+using scene::rays::RayGroup;
+
+namespace {
+
+constexpr const char* whose = "rays";
+
+/// The arrays as a dump, and the solids that all rays share.
+struct GivenRays {
+    std::unique_ptr<ArrayDump> dump;
+    std::vector<Solid<double>> solids = {};  ///< empty: each ray has its own
+    Shape shape{};                           ///< of the first
+};
+
+void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
+    if (array.data == nullptr) return;
+    using Type = ArrayColumn::Type;
+    if (array.bits != 8 && array.bits != 32 && array.bits != 64)
+        throw InputError("an array of " + names.front() + " has items of " + std::to_string(array.bits) +
+                         " bits; they are 32, 64 or, of decisions, 8");
+    for (std::size_t k = 0; k < names.size(); ++k)
+        into.push_back(
+            {.name = names[k],
+             .data = static_cast<const std::byte*>(array.data) + static_cast<std::ptrdiff_t>(k) * array.item_step,
+             .step = array.step,
+             .type = array.bits == 8    ? Type::boolean
+                     : array.bits == 32 ? Type::f32
+                                        : Type::f64});
+}
+
+/// Those of an array of solids that all rays share, one after the other.
+std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape shape, const Format& format) {
+    std::vector<ArrayColumn> columns;
+    put_columns(columns, rays.solids, column_names(shape));
+    std::vector<Solid<double>> solids;
+    for (std::size_t i = 0; i < rays.solid_count; ++i) {
+        Solid<double> solid(shape);
+        for (std::size_t k = 0; k < columns.size(); ++k) solid.numbers[k] = number_at(columns[k], i, format);
+        const auto broken = broken_limit(solid);
+        for (const double x : solid.used())
+            if (!std::isfinite(x)) throw InputError("solid " + std::to_string(i) + " has a number that is not finite");
+        if (broken)
+            throw InputError("solid " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
+                             limit_words(shape, *broken->key));
+        solids.push_back(solid);
+    }
+    return solids;
+}
+
+GivenRays given(const lostbits_rays& rays, const Running& running) {
+    if (rays.origin.data == nullptr || rays.direction.data == nullptr)
+        throw InputError("rays: origin and direction are arrays of three numbers a ray; give both");
+    std::vector<ArrayColumn> columns;
+    put_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
+    put_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});
+    put_columns(columns, rays.tmin, std::array<std::string, 1>{"tmin"});
+    put_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
+    put_columns(columns, rays.t, std::array<std::string, 1>{"t"});
+    put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
+    scene::dump::DumpOptions options{.stop = running.stop()};
+    if (rays.format != nullptr) options.format = choice::select_formats({rays.format}, "format").front();
+    GivenRays made;
+    if (rays.scene != nullptr) {
+        if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no solids");
+        made.shape = rays.scene->scene.shapes().front();
+    } else {
+        const auto shape = shape_named(rays.shape ? rays.shape : "");
+        if (!shape || !is_solid(*shape) || rays.solids.data == nullptr)
+            throw InputError(
+                "rays: no solids; give their shape (\"sphere\", \"box\", ...) and their numbers, or a scene");
+        made.shape = *shape;
+        if (rays.paired != 0 && rays.solid_count != rays.count)
+            throw InputError("there are " + std::to_string(rays.count) + " rays and " +
+                             std::to_string(rays.solid_count) + " solids; of pairs there are as many of both");
+        if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
+        if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
+    }
+    if (rays.paired == 0 || rays.scene != nullptr) options.solid = made.shape;
+    made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
+    const Format& format = made.dump->format();
+    if (rays.scene != nullptr) {
+        const scene::file::Scene& scene = rays.scene->scene;
+        if (scene.inputs == scene::file::Inputs::shared) made.solids = scene::rays::shared_solids(scene);
+        else
+            for (const Solid<Real>& solid : scene.solids())
+                made.solids.push_back(scene::rays::round_solid(solid, format.shape));
+    } else if (rays.paired == 0) {
+        made.solids = shared_solids_of(rays, made.shape, format);
+    }
+    return made;
+}
+
+intersect::Info contract_of_arrays(const lostbits_rays& rays) {
+    lb_form words{};
+    words.name = "own.arrays";
+    words.format = LB_F64;
+    words.direction = rays.unit != 0 ? LB_UNIT : LB_ANY;
+    words.roots = (static_cast<unsigned>(rays.inside) & LB_INSIDE) == LB_INSIDE_NEAR ? LB_NEAR : LB_FIRST;
+    words.touching = rays.touching;
+    words.at_origin = rays.at_origin;
+    words.flags = static_cast<unsigned>(rays.inside);
+    words.run = [](const lb_batch*) -> const char* { return nullptr; };
+    const auto contract = intersect::doors::contract_of(words, whose);
+    intersect::Info info{};
+    info.direction = contract.direction;
+    info.touching = contract.touching;
+    info.at_origin = contract.at_origin;
+    info.inside = contract.inside;
+    return info;
+}
+
+class JudgedRows final : public measure::judge::JudgeSink {
+public:
+    explicit JudgedRows(measure::map::MapSink& rows) : rows_(rows) {}
+    void piece(const scene::dump::Chunk&, const measure::map::BandResult& result) override { rows_.band(result); }
+
+private:
+    measure::map::MapSink& rows_;
+};
+
+choice::Meets meets_of(const GivenRays& all) {
+    const Shapes shapes = all.solids.empty() ? Shapes(all.shape) : choice::shapes_of(all.solids);
+    return [shapes](Shapes forms) { return forms == shapes; };
+}
+
+std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, Running& running) {
+    GivenRays all = given(rays, running);
+    measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
+    request.answered = all.dump->layout().has_answers();
+    intersect::Info contract = contract_of_arrays(rays);
+    if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
+    const measure::judge::FileForm answers("arrays", all.shape, contract);
+    if (!chosen.rows.empty()) chosen.keep_those_for(whose, meets_of(all));
+    else if (!request.answered)
+        throw NothingSelected("rays: there are no answers (t or hit) and no forms; give either");
+    if (request.answered) request.rows.push_back({&answers.form(), all.dump->format()});
+    request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
+    std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
+    std::ranges::copy(chosen.asked, std::back_inserter(asked));
+    request.metrics = choice::measured(asked, request.rows);
+    if (!chosen.rows.empty()) {
+        RayGroup group;
+        group.solids = all.solids;
+        if (group.solids.empty()) group.solids.emplace_back(all.shape);
+        request.metrics = chosen.made.for_forms(request.metrics, measure::map::forms_of(chosen.rows),
+                                                [&group] { return measure::blame::SettingOf(group); });
+    }
+    const auto advance = running.advancing(rays.count);
+    request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
+
+    auto result = std::make_unique<lostbits_result>();
+    std::vector<Shape> shapes;
+    for (const ShapeRow& row : shape_rows) {
+        const auto of = [&row](const Solid<double>& solid) { return solid.shape == row.shape; };
+        if (all.solids.empty() ? row.shape == all.shape : std::ranges::any_of(all.solids, of))
+            shapes.push_back(row.shape);
+    }
+    const output::map::SummaryTable summary(request.metrics, shapes);
+    ResultTable& table = result->tables.emplace_back("summary", summary.columns());
+    std::deque<RayTable> rows;
+    std::deque<JudgedRows> judged;
+    std::vector<measure::judge::JudgeSink*> sinks;
+    for (const MapRow& row : request.rows) {
+        if (chosen.choice.rows == 0) break;
+        ResultTable& of_row = result->tables.emplace_back(
+            std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
+        sinks.push_back(&judged.emplace_back(rows.emplace_back(of_row, row, request.metrics)));
+    }
+    const auto found = measure::judge::run_judge(*all.dump, request, sinks);
+    auto csv = table.writer();
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        summary.add(csv, request.rows[r], found.summaries[r],
+                    [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); });
+        csv.end_row();
+    }
+    return result;
+}
+
+/// Pieces of the rays, in parallel: `act(first, group)`, the group being rays from `first` on with their solids.
+template <class Act>
+void by_piece(GivenRays& all, std::size_t count, const std::function<void(std::uint64_t)>& advance, const Act& act) {
+    constexpr std::size_t piece = 8192;
+    intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
+        const std::size_t first = p * piece, n = std::min(piece, count - first);
+        scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});
+        RayGroup group;
+        group.paired = !chunk.solids.empty();
+        group.solids = group.paired ? std::move(chunk.solids) : all.solids;
+        group.rays = std::move(chunk.rays);
+        group.rays.width = static_cast<int>(n);
+        group.rays.y1 = 1;
+        act(first, std::move(group));
+        advance(n);
+    });
+}
+
+std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Choosing& chosen, Running& running) {
+    GivenRays all = given(rays, running);
+    chosen.keep_those_for(whose, meets_of(all));
+    auto result = std::make_unique<lostbits_result>();
+    for (const MapRow& row : chosen.rows) {
+        ResultTable& table = result->tables.emplace_back(
+            std::string(row.form->info->name) + "." + std::string(row.format.name),
+            std::vector<output::file::Column>{{"hit", "boolean", "", "whether the form says that the ray hits"},
+                                              {"t", "number", "t", "its answer, in its own unit"}});
+        for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
+    }
+    by_piece(all, rays.count, running.advancing(rays.count), [&](std::size_t first, RayGroup group) {
+        const measure::truth::Band band(std::move(group), {.stop = running.stop()});
+        for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
+            const MapRow& row = chosen.rows[r];
+            measure::truth::BandNeeds needs;
+            needs.unit_rays = row.form->info->direction == intersect::Direction::unit;
+            const auto inputs = band.inputs(row.format, needs);
+            const auto answers = measure::answer::evaluate(*row.form, inputs);
+            ResultTable& table = result->tables[r];
+            for (std::size_t i = 0; i < answers.t.size(); ++i) {
+                table.columns[0].numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;
+                table.columns[1].numbers[first + i] = answers.hit[i] != 0 ? answers.t[i] : measure::truth::missing;
+            }
+        }
+    });
+    return result;
+}
+
+std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, Running& running) {
+    GivenRays all = given(rays, running);
+    const intersect::Info contract = contract_of_arrays(rays);
+    auto result = std::make_unique<lostbits_result>();
+    ResultTable& table = result->tables.emplace_back(
+        "truth", std::vector<output::file::Column>{{"decision", "integer", "", "0 miss, 1 hit, 2 unresolved"},
+                                                   {"solid", "integer", "", "the solid that is hit, from 0"},
+                                                   {"t_hi", "number", "t", "t*, to the nearest number of binary64"},
+                                                   {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"}});
+    for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
+    const bool unit = contract.direction == intersect::Direction::unit;
+    by_piece(all, rays.count, running.advancing(rays.count), [&](std::size_t first, RayGroup group) {
+        const bool paired = group.paired;
+        const measure::truth::Band band(std::move(group), {.stop = running.stop()});
+        for (std::size_t i = 0; i < band.pixels(); ++i) {
+            const measure::truth::Truth truth = band.truth(i, contract.convention());
+            table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
+            if (!truth.is_hit()) continue;
+            const measure::truth::Certified& t = unit ? truth.distance : truth.t;
+            const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
+            table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
+            table.columns[2].numbers[first + i] = std::ldexp(t.hi, e);
+            table.columns[3].numbers[first + i] = std::ldexp(t.lo, e);
+        }
+    });
+    return result;
+}
+
+template <class Find>
+int call(lostbits_result** result, lostbits_error* error, const lostbits_rays* rays, const Find& find) {
+    return guarded(error, [&] {
+        require(rays, "rays");
+        require(result, "result");
+        auto found = find();
+        for (ResultTable& table : found->tables) table.seal();
+        *result = found.release();
+        return Exit::done;
+    });
+}
+
+}  // namespace
+}  // namespace lostbits::analysis::library
+
+using namespace lostbits::analysis::library;
+
+extern "C" {
+
+int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
+                   lostbits_result** result, lostbits_error* error) {
+    return call(result, error, rays, [&] {
+        Choosing chosen(choice, true);
+        Running running(run);
+        return judge_of(*rays, chosen, running);
+    });
+}
+
+int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
+                     lostbits_result** result, lostbits_error* error) {
+    return call(result, error, rays, [&] {
+        Choosing chosen(choice);
+        Running running(run);
+        return answers_of_forms(*rays, chosen, running);
+    });
+}
+
+int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
+                   lostbits_error* error) {
+    return call(result, error, rays, [&] {
+        Running running(run);
+        return truth_of_rays(*rays, running);
+    });
+}
+}

@@ -1,0 +1,137 @@
+#include "analysis/library/result.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/map/summary_columns.hpp"
+
+namespace lostbits::analysis::library {
+
+using measure::metric::Metric;
+using output::file::Cell;
+using output::file::Column;
+
+namespace {
+
+constexpr std::uint8_t no_category = 255;
+
+template <class Names>
+void put_names(ResultColumn& column, const Names& names) {
+    for (const auto& name : names) column.names.emplace_back(name);
+}
+
+std::uint8_t code_of(double category) {
+    return std::isnan(category) || category >= no_category ? no_category : static_cast<std::uint8_t>(category);
+}
+
+}  // namespace
+
+ResultTable::ResultTable(std::string title, const std::vector<Column>& all) : name(std::move(title)) {
+    for (const Column& column : all) columns.push_back({.about = column});
+}
+
+output::file::CsvWriter ResultTable::writer() {
+    std::vector<Column> abouts;
+    for (const ResultColumn& column : columns) abouts.push_back(column.about);
+    return {abouts, [this](std::size_t k, const Cell& cell) {
+                ResultColumn& column = columns[k];
+                if (column.about.type != "string") return column.numbers.push_back(cell.number());
+                std::string text = cell.text();
+                column.texts.push_back(text.empty() ? std::nullopt : std::optional(std::move(text)));
+            }};
+}
+
+ResultColumn& ResultTable::operator[](const std::string& column) {
+    return *std::ranges::find_if(columns, [&](const ResultColumn& c) { return c.about.name == column; });
+}
+
+std::size_t ResultTable::rows() const {
+    if (columns.empty()) return 0;
+    const ResultColumn& first = columns.front();
+    return std::max({first.numbers.size(), first.texts.size(), first.codes.size()});
+}
+
+void ResultTable::seal() {
+    for (ResultColumn& column : columns) {
+        for (const auto& text : column.texts) column.text_pointers.push_back(text ? text->c_str() : nullptr);
+        for (const std::string& word : column.names) column.name_pointers.push_back(word.c_str());
+    }
+}
+
+std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics) {
+    std::vector<Column> columns{{"outcome", "string", "", "outcome of the ray"},
+                                {"object", "integer", "", "solid that the form hit, from 0"},
+                                {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
+                                {"t", "number", "t", "the form's answer, in its own unit"},
+                                {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"}};
+    for (const Metric* m : metrics)
+        columns.push_back({measure::map::column_name(*m), m->categories.empty() ? "number" : "string",
+                           std::string(m->unit), std::string(m->meaning)});
+    return columns;
+}
+
+RayTable::RayTable(ResultTable& table, const measure::map::MapRow& row, const std::vector<const Metric*>& metrics)
+    : table_(table), row_(row), metrics_(metrics) {
+    put_names(table["outcome"], measure::answer::outcome_names);
+    for (const Metric* m : metrics) put_names(table[measure::map::column_name(*m)], m->categories);
+}
+
+void RayTable::band(const measure::map::BandResult& result) {
+    const std::size_t n = result.outcomes.size();
+    auto& columns = table_.columns;
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool hit = result.answers->hit[i] != 0;
+        const measure::truth::Truth truth = result.truth(i);
+        columns[0].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
+        columns[1].numbers.push_back(hit ? result.answers->object[i] : measure::truth::missing);
+        columns[2].numbers.push_back(truth.is_hit() ? truth.object : measure::truth::missing);
+        columns[3].numbers.push_back(hit ? result.answers->t[i] : measure::truth::missing);
+        columns[4].numbers.push_back(
+            truth.is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
+                           : measure::truth::missing);
+    }
+    for (std::size_t m = 0; m < metrics_.size(); ++m) {
+        ResultColumn& column = columns[5 + m];
+        const std::vector<double>& values = result.metrics[m];
+        if (column.names.empty()) column.numbers.insert(column.numbers.end(), values.begin(), values.end());
+        else std::ranges::transform(values, std::back_inserter(column.codes), code_of);
+    }
+}
+
+}  // namespace lostbits::analysis::library
+
+using lostbits::analysis::library::ResultColumn;
+using lostbits::analysis::library::ResultTable;
+
+extern "C" {
+
+int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_table* into) {
+    if (result == nullptr || table >= result->tables.size()) return LOSTBITS_NOTHING;
+    const ResultTable& found = result->tables[table];
+    *into = {found.name.c_str(), found.columns.size(), found.rows()};
+    return LOSTBITS_OK;
+}
+
+int lostbits_result_column(const lostbits_result* result, size_t table, size_t column, lostbits_column* into) {
+    if (result == nullptr || table >= result->tables.size() || column >= result->tables[table].columns.size())
+        return LOSTBITS_NOTHING;
+    const ResultColumn& c = result->tables[table].columns[column];
+    const bool coded = !c.names.empty(), texts = !coded && c.about.type == "string";
+    *into = {.name = c.about.name.c_str(),
+             .type = c.about.type.c_str(),
+             .unit = c.about.unit.c_str(),
+             .meaning = c.about.meaning.c_str(),
+             .numbers = coded || texts ? nullptr : c.numbers.data(),
+             .texts = texts ? c.text_pointers.data() : nullptr,
+             .categories = coded ? c.codes.data() : nullptr,
+             .names = coded ? c.name_pointers.data() : nullptr,
+             .name_count = c.names.size()};
+    return LOSTBITS_OK;
+}
+
+const char* lostbits_result_text(const lostbits_result* result, size_t text) {
+    return result == nullptr || text >= result->texts.size() ? nullptr : result->texts[text].c_str();
+}
+
+void lostbits_result_free(lostbits_result* result) { delete result; }
+}

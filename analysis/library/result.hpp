@@ -1,0 +1,62 @@
+// What a call hands back: tables of columns, as the writers of CSV files have them, and texts.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/library/lostbits.h"
+#include "measure/map/map.hpp"
+#include "output/file/csv.hpp"
+
+namespace lostbits::analysis::library {
+
+/// One column and its rows: of numbers, of texts or of categories, by its type and by whether it has names.
+struct ResultColumn {
+    output::file::Column about;
+    std::vector<double> numbers = {};
+    std::vector<std::optional<std::string>> texts = {};
+    std::vector<std::uint8_t> codes = {};
+    std::vector<std::string> names = {};  ///< of the codes
+
+    std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< made by `seal`
+};
+
+/// Rows that a CSV file would have, in memory.
+class ResultTable {
+public:
+    ResultTable(std::string name, const std::vector<output::file::Column>& columns);
+    /// Takes rows as a file does.
+    [[nodiscard]] output::file::CsvWriter writer();
+    /// The column of that name, which is there.
+    [[nodiscard]] ResultColumn& operator[](const std::string& column);
+    /// Makes the pointers that C reads; nothing is added after.
+    void seal();
+
+    std::string name;
+    std::vector<ResultColumn> columns;
+    [[nodiscard]] std::size_t rows() const;
+};
+
+/// A row a ray of one form and format, as a map or a judgement gives them band by band.
+class RayTable final : public measure::map::MapSink {
+public:
+    RayTable(ResultTable& table, const measure::map::MapRow& row,
+             const std::vector<const measure::metric::Metric*>& metrics);
+    static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
+    void band(const measure::map::BandResult& result) override;
+
+private:
+    ResultTable& table_;
+    const measure::map::MapRow& row_;
+    const std::vector<const measure::metric::Metric*>& metrics_;
+};
+
+}  // namespace lostbits::analysis::library
+
+struct lostbits_result {
+    std::deque<lostbits::analysis::library::ResultTable> tables;
+    std::vector<std::string> texts;
+};

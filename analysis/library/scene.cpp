@@ -1,0 +1,217 @@
+// Scenes: from files, from texts, from arrays.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "analysis/library/handles.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/toml/toml_tree.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::analysis::library {
+
+using scene::file::Scene;
+
+TextFile::TextFile(const std::string& text) : file_(memfd_create("lostbits", MFD_CLOEXEC)) {
+    if (file_ < 0 || write(file_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+        throw EnvironmentError("the text could not be kept in memory");
+    path_ = "/proc/self/fd/" + std::to_string(file_);
+}
+
+TextFile::~TextFile() { close(file_); }
+
+namespace {
+
+Scene only_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
+    choice::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set)};
+    if (where.width > 0 || where.height > 0)
+        choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
+    auto scenes = choice::load_scenes(choice, data);
+    if (scenes.size() > 1)
+        throw InputError(name + ": has " + std::to_string(scenes.size()) + " variants; name one, such as " +
+                         scenes.front().id);
+    return std::move(scenes.front());
+}
+
+std::string data_of(const lostbits_where& where) { return choice::data_folder(where.data ? where.data : "").string(); }
+
+/// Takes away what the scene was read with, once.
+void make_room(lostbits_scene& scene) {
+    if (scene.has_own) return;
+    scene.has_own = true;
+    scene.named.clear();
+    scene.scene.listed.clear();
+    scene.scene.flake.reset();
+    scene.scene.mesh.reset();
+}
+
+Shape shape_of_word(const char* word) {
+    require(word, "shape");
+    const auto shape = shape_named(word);
+    std::string names;
+    for (const ShapeRow& row : shape_rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    if (!shape || !is_solid(*shape)) throw InputError("shape \"" + std::string(word) + "\" is not one of " + names);
+    return *shape;
+}
+
+/// As a file's solids are held to what a solid is, ideal and as it is stored.
+Solid<Real> solid_of(Shape shape, const double* numbers, const Scene& scene, const std::string& place) {
+    Solid<double> solid(shape);
+    std::copy_n(numbers, solid.used().size(), solid.used().begin());
+    for (std::size_t k = 0; k < solid.used().size(); ++k) {
+        if (!std::isfinite(solid.numbers[k]))
+            throw InputError(place + ": " + number_names(shape)[k] + " is " + std::to_string(solid.numbers[k]) +
+                             ", which is not a finite number");
+    }
+    const bool shared = scene.inputs == scene::file::Inputs::shared;
+    for (const Solid<double>& held : {solid, shared ? scene::rays::round_solid(solid, binary32) : solid}) {
+        if (const auto broken = broken_limit(held))
+            throw InputError(place + ": " + std::string(broken->key->name) + " " + limit_words(shape, *broken->key));
+    }
+    return transformed(solid, [](double x) { return Real(x); });
+}
+
+void add_rays(const Scene& scene, lostbits_result& result) {
+    ResultTable& table = result.tables.emplace_back(
+        "rays", std::vector<output::file::Column>{{"x", "integer", "pixel", "column, from the left"},
+                                                  {"y", "integer", "pixel", "row, from the top"},
+                                                  {"ox", "number", "", "of the ray's origin"},
+                                                  {"oy", "number", "", "of the ray's origin"},
+                                                  {"oz", "number", "", "of the ray's origin"},
+                                                  {"dx", "number", "", "of the ray's direction"},
+                                                  {"dy", "number", "", "of the ray's direction"},
+                                                  {"dz", "number", "", "of the ray's direction"}});
+    auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
+                                                            : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
+        table.columns[0].numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
+        table.columns[1].numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
+    }
+    std::size_t k = 2;
+    for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz})
+        table.columns[k++].numbers = std::move(*column);
+}
+
+void add_solids(const Scene& scene, lostbits_result& result) {
+    std::vector<Solid<double>> solids;
+    if (scene.inputs == scene::file::Inputs::shared) solids = scene::rays::shared_solids(scene);
+    else
+        for (const Solid<Real>& solid : scene.solids()) solids.push_back(scene::rays::round_solid(solid, binary64));
+    for (const Shape shape : scene.shapes()) {
+        std::vector<output::file::Column> columns;
+        for (const std::string& name : number_names(shape))
+            columns.push_back({name, "number", "", "of the solid, as it is stored"});
+        ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
+        for (const Solid<double>& solid : solids) {
+            for (std::size_t k = 0; solid.shape == shape && k < columns.size(); ++k)
+                table.columns[k].numbers.push_back(solid.numbers[k]);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace lostbits::analysis::library
+
+using namespace lostbits;
+using namespace lostbits::analysis;
+using namespace lostbits::analysis::library;
+
+extern "C" {
+
+int lostbits_abi(void) { return LOSTBITS_ABI; }
+const char* lostbits_version(void) { return LOSTBITS_VERSION; }
+
+int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_scene** scene, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(name, "name");
+        require(scene, "scene");
+        const lostbits_where given = where ? *where : lostbits_where{};
+        const std::string data = data_of(given);
+        auto found =
+            std::make_unique<lostbits_scene>(lostbits_scene{.scene = only_scene(name, given, data), .named = {}});
+        found->named = choice::name_of_scene(found->scene, data);
+        for (const std::string& set : words_of(given.set)) found->named += " --set '" + set + "'";
+        if (given.width > 0)
+            found->named += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
+        *scene = found.release();
+        return Exit::done;
+    });
+}
+
+int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_scene** scene, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(text, "text");
+        require(scene, "scene");
+        const TextFile file(text);
+        auto found = std::make_unique<lostbits_scene>(lostbits_scene{
+            .scene = file.with_places([&] { return only_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
+            .named = {}});
+        found->scene.id = "text";
+        found->scene.path.clear();
+        *scene = found.release();
+        return Exit::done;
+    });
+}
+
+int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
+                          lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        const Shape of = shape_of_word(shape);
+        if (count == 0) throw InputError("there are no solids; give at least one");
+        require(numbers, "numbers");
+        std::vector<Solid<Real>> solids;
+        for (std::size_t i = 0; i < count; ++i)
+            solids.push_back(solid_of(of, numbers + i * row_of(of).numbers, scene->scene,
+                                      std::string(row_of(of).name) + " " + std::to_string(i)));
+        make_room(*scene);
+        auto& listed = scene->scene.listed;
+        listed.insert(listed.end(), solids.begin(), solids.end());
+        std::ranges::stable_sort(listed, {}, &Solid<Real>::shape);  // shape by shape, as a file has them
+        return Exit::done;
+    });
+}
+
+int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count, const uint32_t* faces,
+                        size_t face_count, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(vertices, "vertices");
+        require(faces, "faces");
+        scene::triangle::Mesh mesh;
+        for (std::size_t i = 0; i < vertex_count; ++i) {
+            const double* const v = vertices + 3 * i;
+            if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
+                throw InputError("vertex " + std::to_string(i) + " is not three finite numbers");
+            mesh.vertices.emplace_back(v[0], v[1], v[2]);
+        }
+        for (std::size_t i = 0; i < face_count; ++i) {
+            const uint32_t* const f = faces + 3 * i;
+            for (int k = 0; k < 3; ++k)
+                if (f[k] >= vertex_count)
+                    throw InputError("face " + std::to_string(i) + " names vertex " + std::to_string(f[k]) +
+                                     "; there are " + std::to_string(vertex_count) + ", counted from 0");
+            mesh.faces.push_back({f[0], f[1], f[2]});
+        }
+        scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
+        if (mesh.faces.empty()) throw InputError("the mesh has no face with an area; give at least one");
+        make_room(*scene);
+        scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
+        return Exit::done;
+    });
+}
+
+int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(result, "result");
+        auto found = std::make_unique<lostbits_result>();
+        add_rays(scene->scene, *found);
+        add_solids(scene->scene, *found);
+        for (ResultTable& table : found->tables) table.seal();
+        *result = found.release();
+        return Exit::done;
+    });
+}
+
+void lostbits_scene_free(lostbits_scene* scene) { delete scene; }
+}

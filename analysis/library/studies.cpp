@@ -1,0 +1,156 @@
+// Sweeps, explained rays and choices.
+#include "analysis/choice/timed.hpp"
+#include "analysis/library/handles.hpp"
+#include "measure/blame/culprits.hpp"
+#include "measure/choice/candidates.hpp"
+#include "measure/sweep/sweep.hpp"
+#include "output/blame/explain_text.hpp"
+#include "output/choice/choice_files.hpp"
+#include "output/choice/choice_text.hpp"
+#include "output/sweep/sweep_files.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::analysis::library {
+
+using measure::map::MapRow;
+
+namespace {
+
+std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Choosing& chosen,
+                                          Running& running) {
+    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
+        throw InputError(path.string() +
+                         ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
+                         "sweep` measures those");
+    const scene::sweep::SweepFile sweep(path, data);
+    chosen.keep_those_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
+    std::vector<const measure::metric::Metric*> asked = chosen.asked;
+    for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
+    measure::sweep::SweepRequest request{
+        .sweep = &sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
+    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
+                                            [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+    for (MapRow& row : request.rows) row.judged = sweep.convention;
+    request.further_draws = 2;
+    request.recoveries = true;
+    output::sweep::SweepFiles::require_own_columns(request);
+    request.progress = running.advancing(measure::sweep::sweep_units(request));
+    const auto found = measure::sweep::measure_sweep(request);
+    auto result = std::make_unique<lostbits_result>();
+    auto samples = result->tables.emplace_back("samples", output::sweep::sample_columns(request)).writer();
+    output::sweep::add_samples(samples, request, found.steps);
+    if (sweep.axes.size() == 1) {
+        auto onsets = result->tables.emplace_back("onsets", output::sweep::onset_columns(request)).writer();
+        output::sweep::add_onsets(onsets, request, found.onsets);
+    }
+    return result;
+}
+
+std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
+    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    if (chosen.rows.size() != 1)
+        throw InputError("explain looks at one ray in one form and format, and " + std::to_string(chosen.rows.size()) +
+                         " are chosen; name one of each");
+    const MapRow& row = chosen.rows.front();
+    if (!row.form->is_template())
+        throw InputError("form " + std::string(row.form->info->name) +
+                         ": its operations are not known; say them with lostbits_form_write");
+    const measure::answer::OneRay ray(scene, x, y);
+    const auto found = measure::blame::explain(*row.form, row.format, ray);
+    auto result = std::make_unique<lostbits_result>();
+    result->texts = {output::blame::explain_text(found, false), output::blame::explain_json(found)};
+    return result;
+}
+
+struct WishWords {
+    double bits, wrong;
+    const char* at;
+};
+
+/// Whether anything meets the wish; the result says what.
+bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const WishWords& wish, Choosing& chosen,
+                 Running& running) {
+    if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits are from 0 to 53");
+    if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays, from 0 to 1");
+    measure::choice::ChoiceRequest request;
+    request.wish = {
+        .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : "p99")};
+    request.limit.stop = request.plan.stop = running.stop();
+    request.scene = &scene;
+    request.rows = choice::timed_on(scene.id, {chosen.rows, chosen.forms, true},
+                                    [&scene](Shapes forms) { return scene.meets(forms); });
+    std::erase_if(request.rows, [](const MapRow& row) { return choice::is_emulated(row.format); });
+    if (request.rows.empty())
+        throw InputError(
+            "a choice is among f32 and f64: the time of an emulated format says nothing; name one of them");
+    request.progress = running.advancing(scene.pixels() * request.rows.size());
+    measure::choice::TimedRays timed;
+    const auto all = measure_candidates(request, timed);
+    request.progress = [](std::uint64_t) {};
+    output::choice::Chosen found{request, all, timed, cheapest(all, request.wish)};
+    if (found.meets) found.rooms = rooms_of(request, all[*found.meets].row);
+    else found.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
+    auto candidates = result.tables.emplace_back("choose", output::choice::candidate_columns()).writer();
+    output::choice::add_candidates(candidates, found);
+    auto rooms = result.tables.emplace_back("room", output::choice::room_columns()).writer();
+    output::choice::add_rooms(rooms, found);
+    result.texts.push_back(output::choice::in_words(found));
+    return found.meets.has_value();
+}
+
+Exit hand_over(std::unique_ptr<lostbits_result> found, lostbits_result** result, Exit exit = Exit::done) {
+    for (ResultTable& table : found->tables) table.seal();
+    *result = found.release();
+    return exit;
+}
+
+}  // namespace
+}  // namespace lostbits::analysis::library
+
+using namespace lostbits;
+using namespace lostbits::analysis;
+using namespace lostbits::analysis::library;
+
+extern "C" {
+
+int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostbits_choice* choice,
+                   const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(sweep, "sweep");
+        require(result, "result");
+        Choosing chosen(choice);
+        Running running(run);
+        const std::string folder = choice::data_folder(data ? data : "").string();
+        if (is_text == 0)
+            return hand_over(sweep_of(scene::sweep::find_sweep(sweep, folder), folder, chosen, running), result);
+        const TextFile file(sweep);
+        return hand_over(file.with_places([&] { return sweep_of(file.path(), folder, chosen, running); }), result);
+    });
+}
+
+int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_choice* choice, lostbits_result** result,
+                     lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(result, "result");
+        Choosing chosen(choice);
+        return hand_over(explanation_of(scene->scene, x, y, chosen), result);
+    });
+}
+
+int lostbits_choose(const lostbits_scene* scene, double bits, double wrong, const char* at,
+                    const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                    lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(result, "result");
+        Choosing chosen(choice);
+        Running running(run);
+        auto found = std::make_unique<lostbits_result>();
+        const bool meets = choose_into(*found, scene->scene, {bits, wrong, at}, chosen, running);
+        return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
+    });
+}
+}

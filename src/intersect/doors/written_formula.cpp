@@ -1,0 +1,282 @@
+#include "intersect/doors/written_formula.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "intersect/table/arithmetics.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::doors {
+
+using table::HitBatch;
+using table::Intersector;
+using table::LiftedInputs;
+using table::RayBatch;
+
+namespace {
+
+/// A number of a formula's text from integers that each format of 24 bits holds: m·2^e, in pieces of 20 bits, so that
+/// formats which hold the number get it without rounding, and it is a constant and not an input on a tape.
+template <class T>
+T constant(double x) {
+    if (std::isinf(x)) return x > 0 ? T(1) / T(0) : -(T(1) / T(0));
+    if (x == 0) return std::signbit(x) ? -T(0) : T(0);
+    if (x == std::floor(x) && std::fabs(x) < 0x1p24) return T(static_cast<int>(x));
+    int exponent = 0;
+    double rest = std::frexp(std::fabs(x), &exponent);
+    constexpr int bits = 20;
+    const auto piece = [&] {
+        rest *= 1 << bits;
+        exponent -= bits;
+        const int m = static_cast<int>(rest);
+        rest -= m;
+        return T(m);
+    };
+    T whole = piece();
+    while (rest != 0) whole = whole * T(1 << bits) + piece();
+    for (; exponent <= -bits; exponent += bits) whole = whole / T(1 << bits);
+    for (; exponent >= bits; exponent -= bits) whole = whole * T(1 << bits);
+    if (exponent < 0) whole = whole / T(1 << -exponent);
+    if (exponent > 0) whole = whole * T(1 << exponent);
+    return x < 0 ? -whole : whole;
+}
+
+/// The list in T. Numbers and decisions are kept apart; `place` is that of an operation among its kind.
+template <class T>
+class Evaluation {
+public:
+    explicit Evaluation(const WrittenFormula& formula) : formula_(formula), place_(formula.operations.size()) {
+        numbers_.reserve(formula.operations.size());
+    }
+
+    template <class Input>
+    Hit<T> run(const Input& input) {
+        for (std::size_t i = 0; i < formula_.operations.size(); ++i) {
+            const WrittenOperation& w = formula_.operations[i];
+            if (is_decision(w.op)) {
+                place_[i] = masks_.size();
+                masks_.push_back(decision(w));
+            } else {
+                place_[i] = numbers_.size();
+                numbers_.push_back(number(w, input));
+                if (!w.label.empty()) static_cast<void>(named(w.label, numbers_.back()));
+            }
+        }
+        const T t = numbers_[place_[static_cast<std::size_t>(formula_.t)]];
+        return {masks_[place_[static_cast<std::size_t>(formula_.hit)]], t, t, t};
+    }
+
+private:
+    const T& x(const WrittenOperation& w, std::size_t k) const {
+        return numbers_[place_[static_cast<std::size_t>(w.operands[k])]];
+    }
+    mask_t<T> m(const WrittenOperation& w, std::size_t k) const {
+        return masks_[place_[static_cast<std::size_t>(w.operands[k])]];
+    }
+    template <class Input>
+    T number(const WrittenOperation& w, const Input& input) const {
+        switch (w.op) {
+            case TapeOp::input: return input(static_cast<std::size_t>(w.operands[0]));
+            case TapeOp::constant: return constant<T>(w.value);
+            case TapeOp::add: return x(w, 0) + x(w, 1);
+            case TapeOp::sub: return x(w, 0) - x(w, 1);
+            case TapeOp::mul: return w.operands[0] == w.operands[1] ? square(x(w, 0)) : x(w, 0) * x(w, 1);
+            case TapeOp::div: return x(w, 0) / x(w, 1);
+            case TapeOp::sqrt: return sqrt(x(w, 0));
+            case TapeOp::fma: return fma(x(w, 0), x(w, 1), x(w, 2));
+            case TapeOp::neg: return -x(w, 0);
+            case TapeOp::abs: return abs(x(w, 0));
+            case TapeOp::copysign: return copysign(x(w, 0), x(w, 1));
+            case TapeOp::min: return min(x(w, 0), x(w, 1));
+            case TapeOp::max: return max(x(w, 0), x(w, 1));
+            case TapeOp::select: return select(m(w, 0), x(w, 1), x(w, 2));
+            case TapeOp::next_up: return next_up(x(w, 0));
+            default: return next_down(x(w, 0));
+        }
+    }
+    mask_t<T> decision(const WrittenOperation& w) const {
+        switch (w.op) {
+            case TapeOp::less: return x(w, 0) < x(w, 1);
+            case TapeOp::less_equal: return x(w, 0) <= x(w, 1);
+            case TapeOp::greater: return x(w, 0) > x(w, 1);
+            case TapeOp::greater_equal: return x(w, 0) >= x(w, 1);
+            case TapeOp::both: return m(w, 0) && m(w, 1);
+            case TapeOp::either: return m(w, 0) || m(w, 1);
+            default: return !m(w, 0);
+        }
+    }
+
+    const WrittenFormula& formula_;
+    std::vector<std::size_t> place_;
+    std::vector<T> numbers_;
+    std::vector<mask_t<T>> masks_;
+};
+
+/// The inputs by their numbers.
+template <class T>
+auto by_number(const Ray<T>& ray, const Solid<T>& solid, const T& end) {
+    return [&ray, &solid, &end](std::size_t k) -> T {
+        if (k < 3) return ray.origin[static_cast<int>(k)];
+        if (k < 6) return ray.direction[static_cast<int>(k - 3)];
+        return k - 6 < solid.used().size() ? solid.used()[k - 6] : end;
+    };
+}
+
+template <class T>
+Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
+    using intersect::doors::by_number;
+    return Evaluation<T>(formula).run(by_number(ray, solid, end));
+}
+
+const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own); }
+
+template <class T>
+void answer_rays(const WrittenFormula& formula, const RayBatch<double>& rays, const Target<double>& target,
+                 const HitBatch<double>& hits) {
+    const std::size_t step = target.solids.size() == 1 ? 0 : 1;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray<double> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
+        const LiftedInputs<T> in(ray, Target<double>(target.solids[i * step]),
+                                 rays.tmax.empty() ? HUGE_VAL : rays.tmax[i]);
+        const Hit<T> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
+        hits.hit[i] = hit.hit;
+        hits.t[i] = hits.near[i] = hits.far[i] = as_double(hit.t);
+    }
+}
+
+void answer_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                    const HitBatch<double>& hits) {
+    const CurrentFormat::Scope scope(format);
+    answer_rays<RoundedAny>(of(own).in(*find_format("f32")), rays, target, hits);
+}
+
+void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    answer_rays<double>(of(own).in(*find_format("f64")), rays, target, hits);
+}
+
+void answer_32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    const WrittenFormula& formula = of(own).in(*find_format("f32"));
+    const std::size_t step = target.solids.size() == 1 ? 0 : 1;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray<float> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
+        const float end = rays.tmax.empty() ? HUGE_VALF : rays.tmax[i];
+        const Hit<float> hit = answer_of(formula, ray, target.solids[i * step], end);
+        hits.hit[i] = hit.hit;
+        hits.t[i] = hits.near[i] = hits.far[i] = hit.t;
+    }
+}
+
+template <class E>
+Hit<E> enclose(void* own, const Ray<E>& ray, const Target<E>& target) {
+    return answer_of(of(own).in(*find_format("f32")), ray, target.solids.front(), table::unlimited<E>());
+}
+
+template <class F>
+void write_on(Tape& tape, const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
+              double end) {
+    const Tape::Scope scope(tape);
+    const LiftedInputs<Recorded<F>> in(ray, target, end);
+    const Hit<Recorded<F>> hit = answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
+    tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
+}
+
+void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
+            Tape& tape) {
+    tape.clear();
+    with_number(format, [&]<class F>() { write_on<F>(tape, of(own).in(format), ray, target, end); });
+}
+
+void record_all(void* own, const Target<double>& target, Tape& tape) {
+    record(own, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
+}
+
+OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& target, float end) {
+    using T = Counted<float>;
+    const auto lift = [](float x) { return T(x); };
+    const auto vec = [&](const Vec<float>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
+    const LiftedTarget<T> lifted(target, lift);
+    operation_counts() = {};
+    static_cast<void>(answer_of(of(own).in(*find_format("f32")), Ray<T>{vec(ray.origin), vec(ray.direction)},
+                                lifted.get().solids.front(), lift(end)));
+    return operation_counts();
+}
+
+std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, const Ray<double>& ray,
+                                            const Target<double>& target, double end) {
+    const auto in = [&]<class F>() {
+        const LiftedInputs<Bounded<F>> inputs(ray, target, end);
+        const auto hit = answer_of(of(own).in(format), inputs.ray, inputs.target.get().solids.front(), inputs.tmax);
+        return BoundedAnswer{hit.hit.value(), hit.hit.is_proved(), double{hit.t.value()}, double{hit.t.error()}};
+    };
+    switch (format.engine) {
+        case Format::Engine::native32: return in.template operator()<float>();
+        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::rounded: break;
+    }
+    return std::nullopt;
+}
+
+/// Which operands of an operation are decisions.
+bool takes_decision(TapeOp op, std::size_t k) {
+    return kind_of(op) == OperationKind::logic || (op == TapeOp::select && k == 0);
+}
+
+}  // namespace
+
+void require_sense(const WrittenFormula& f) {
+    const auto fail = [&f](std::size_t i, const std::string& why) {
+        throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
+                         ", " + why);
+    };
+    const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
+    for (std::size_t i = 0; i < f.operations.size(); ++i) {
+        const WrittenOperation& w = f.operations[i];
+        if (w.op == TapeOp::convert || w.op == TapeOp::any)
+            fail(i, "is not one that a list may have: all of its numbers are of one format, and it has no loops");
+        if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
+            fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are from 0 to " +
+                        std::to_string(inputs - 1));
+        if (w.op == TapeOp::constant && std::isnan(w.value)) fail(i, "is not a number");
+        for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
+            const std::int32_t a = w.operands[k];
+            if (a < 0 || static_cast<std::size_t>(a) >= i)
+                fail(i, "takes operation " + std::to_string(a) + ", which does not come before it");
+            if (is_decision(f.operations[static_cast<std::size_t>(a)].op) != takes_decision(w.op, k))
+                fail(i, takes_decision(w.op, k) ? "takes a number where it needs a decision"
+                                                : "takes a decision where it needs a number");
+        }
+    }
+    const auto is_one = [&f](NodeId i, bool decides) {
+        return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
+               is_decision(f.operations[static_cast<std::size_t>(i)].op) == decides;
+    };
+    if (!is_one(f.hit, true)) throw InputError(f.name + ": hit is not the place of a decision");
+    if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the place of a number");
+}
+
+WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)
+    : of32_(std::move(of32)), of64_(std::move(of64)) {}
+
+const WrittenFormula& WrittenForm::in(const Format& format) const {
+    return of32_ == nullptr || (format.engine == Format::Engine::native64 && of64_ != nullptr) ? *of64_ : *of32_;
+}
+
+void WrittenForm::fill(Intersector& row) {
+    row.rounded = {answer_rounded, this};
+    row.ball = {enclose<Ball>, this};
+    row.interval = {enclose<Interval>, this};
+    row.record = {record, this};
+    row.record_all = {record_all, this};
+    row.count = {count, this};
+    row.bounded = {answer_bounded, this};
+}
+
+Intersector WrittenForm::row(const Info& info) {
+    Intersector row{.info = &info, .shape = in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
+    row.native32 = {answer_32, this};
+    row.native64 = {answer_64, this};
+    fill(row);
+    return row;
+}
+
+}  // namespace lostbits::intersect::doors
