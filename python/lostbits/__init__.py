@@ -1,0 +1,24 @@
+"""lostbits: where ray intersectors lose significand bits, which operation loses them, and what a safer form costs.
+
+    import lostbits as lb
+
+    @lb.intersector("sphere")
+    def mine(o, d, centre, radius): ...          # whole batches of numpy arrays -> t, nan where it misses
+
+    m = lb.map("rtg-fig-7-3-4100-oblique", [mine, "sphere.unified"])
+    m.pixels["mine", "f32"].lost_bits            # an array, height x width
+    lb.explain(mine, "rtg-fig-7-3-4100-oblique", pixel=(100, 90))
+
+Begin with help(lb.map), help(lb.intersector) or docs/python.md.
+"""
+
+from ._forms import Intersector, intersector
+from ._library import EnvironmentFault, Error, InputError, NothingSelected, Table, library
+from ._measure import Scene, ask, choose, explain, judge, map, scene, sweep, truth
+from ._results import Choice, Explanation, Judgement, Map, Sweep, Truths
+from ._trace import Unfollowed
+
+__version__: str = library.lostbits_version().decode()
+__all__ = ["Choice", "EnvironmentFault", "Error", "Explanation", "InputError", "Intersector", "Judgement", "Map",
+           "NothingSelected", "Scene", "Sweep", "Table", "Truths", "Unfollowed", "ask", "choose", "explain",
+           "intersector", "judge", "map", "scene", "sweep", "truth"]
