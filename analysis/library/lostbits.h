@@ -1,5 +1,5 @@
-/* lostbits as a library: scenes, maps, judged rays, certified truths, sweeps, explained rays and choices, as the program
- * `lostbits` measures them, with the same bits. C99; link with liblostbits.so.
+/* lostbits as a library: scenes, maps, judged rays, certified truths, sweeps, explained rays and choices, as the
+ * program `lostbits` measures them, with the same bits. C99; link with liblostbits.so.
  *
  * A function returns LOSTBITS_OK or another of the codes below, which are the exit codes of the program, and then
  * `error->text` says what is wrong, why, and what to try; `error` may be NULL. Nothing is written to a file or to a
@@ -28,13 +28,13 @@ extern "C" {
 #define LOSTBITS_ABI 1
 
 enum {
-    LOSTBITS_OK = 0,            /* done */
-    LOSTBITS_NO = 1,            /* done, and the answer is no: nothing meets the wish of a choice */
-    LOSTBITS_BAD_INPUT = 2,     /* an argument, or a file, that does not say what it should */
-    LOSTBITS_ENVIRONMENT = 3,   /* the machine: memory, a file, a form from outside that failed */
-    LOSTBITS_NOTHING = 4,       /* a pattern that selects nothing */
-    LOSTBITS_INTERNAL = 70,     /* a fault of lostbits */
-    LOSTBITS_INTERRUPTED = 130  /* `stop` was set */
+    LOSTBITS_OK = 0,           /* done */
+    LOSTBITS_NO = 1,           /* done, and the answer is no: nothing meets the wish of a choice */
+    LOSTBITS_BAD_INPUT = 2,    /* an argument, or a file, that does not say what it should */
+    LOSTBITS_ENVIRONMENT = 3,  /* the machine: memory, a file, a form from outside that failed */
+    LOSTBITS_NOTHING = 4,      /* a pattern that selects nothing */
+    LOSTBITS_INTERNAL = 70,    /* a fault of lostbits */
+    LOSTBITS_INTERRUPTED = 130 /* `stop` was set */
 };
 
 typedef struct lostbits_error {
@@ -59,9 +59,9 @@ typedef struct lostbits_words {
 } lostbits_words;
 
 typedef struct lostbits_where {
-    const char* data;    /* the folder with scenes/ and sweeps/; NULL: $LOSTBITS_DATA, then ./data, then the program's */
-    int width, height;   /* of the picture; 0: the scene's own */
-    lostbits_words set;  /* changes before the scene is read: "sphere[0].radius=10" */
+    const char* data;   /* the folder with scenes/ and sweeps/; NULL: $LOSTBITS_DATA, then ./data, then the program's */
+    int width, height;  /* of the picture; 0: the scene's own */
+    lostbits_words set; /* changes before the scene is read: "sphere[0].radius=10" */
 } lostbits_where;
 
 /* A scene file, or the name of one in the data folder (`rtg-fig-7-3-4100-oblique`). `where` may be NULL. */
@@ -100,8 +100,8 @@ typedef struct lostbits_operation {
     const char* label;   /* what the formula's text calls it, or NULL */
 } lostbits_operation;
 
-/* Says which operations the form does in a format (32 or 64), so that it can be explained, blamed, and run in formats of
- * any width and without rounding, as the forms of lostbits are. `hit` and `t` are places in the list. */
+/* Says which operations the form does in a format (32 or 64), so that it can be explained, blamed, and run in formats
+ * of any width and without rounding, as the forms of lostbits are. `hit` and `t` are places in the list. */
 LOSTBITS_API int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation* operations, size_t count,
                                      int32_t hit, int32_t t, lostbits_error* error);
 LOSTBITS_API void lostbits_form_free(lostbits_form* form);
@@ -109,13 +109,13 @@ LOSTBITS_API void lostbits_form_free(lostbits_form* form);
 /* ---- What is measured, and how ---- */
 
 typedef struct lostbits_choice {
-    lostbits_words forms;            /* names and globs: "sphere.*"; all where neither these nor `own` are there */
-    lostbits_form* const* own;       /* forms of one's own, which come first */
+    lostbits_words forms;      /* names and globs: "sphere.*"; all where neither these nor `own` are there */
+    lostbits_form* const* own; /* forms of one's own, which come first */
     size_t own_count;
-    lostbits_words formats;          /* "f32", "bf16", "p5..p12"; empty: f32 and f64 */
-    lostbits_words metrics;          /* beside the default ones */
-    int rows;                        /* not 0: also a table a form and format with a row a ray */
-    int written;                     /* not 0: of forms of one's own, f32 and f64 are what their operations give */
+    lostbits_words formats; /* "f32", "bf16", "p5..p12"; empty: f32 and f64 */
+    lostbits_words metrics; /* beside the default ones */
+    int rows;               /* not 0: also a table a form and format with a row a ray */
+    int written;            /* not 0: of forms of one's own, f32 and f64 are what their operations give */
 } lostbits_choice;
 
 typedef struct lostbits_run {
@@ -145,12 +145,12 @@ typedef struct lostbits_rays {
     const char* shape;                /* of the solids; or NULL where `scene` has them */
     lostbits_array solids;            /* solid_count x numbers */
     size_t solid_count;
-    int paired;                       /* not 0: ray i is aimed at solid i alone; solid_count is count then */
-    const lostbits_scene* scene;      /* whose solids the rays are aimed at; or NULL */
-    lostbits_array t, hit;            /* count: answers; a t that is NaN or infinite is a miss */
-    const char* format;               /* that the answers were computed in; NULL: by the type of t */
-    int unit;                         /* not 0: t is a distance, of the direction normalised */
-    int touching, at_origin, inside;  /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
+    int paired;                      /* not 0: ray i is aimed at solid i alone; solid_count is count then */
+    const lostbits_scene* scene;     /* whose solids the rays are aimed at; or NULL */
+    lostbits_array t, hit;           /* count: answers; a t that is NaN or infinite is a miss */
+    const char* format;              /* that the answers were computed in; NULL: by the type of t */
+    int unit;                        /* not 0: t is a distance, of the direction normalised */
+    int touching, at_origin, inside; /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
 } lostbits_rays;
 
 /* Rays of one's own, and answers if there are any: as `lostbits judge`. Tables as of a map, the answers being those of

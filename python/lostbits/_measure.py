@@ -405,7 +405,7 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: Option
     paths = {along: 1.0} if isinstance(along, str) else dict(along)
     if start is None:
         raise lib.InputError("sweep: say where it begins, as in start=1")
-    lines = ['schema = "lostbits-sweep/1"', f"title = {_toml(f'{on.name} along {name}')}", f"scene = {_toml(path)}",
+    lines = ['schema = "lostbits-sweep/1"', f"title = {_toml(f'{on.name} along {name}')}", 'source = "-"', f"scene = {_toml(path)}",
              "[[axis]]", f"name = {_toml(name)}", 'unit = "world"', f"spacing = {_toml(spacing)}",
              f"from = {_toml(float(start))}", f"to = {_toml(float(to))}", f"steps = {int(steps)}",
              f"set = {_toml(list(paths))}", f"factors = {_toml(list(paths.values()))}"]

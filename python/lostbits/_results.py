@@ -195,16 +195,27 @@ class Explanation:
 
     def __init__(self, text: str, found: Dict[str, Any], followed: Optional[Tape]) -> None:
         self.text, self.json = text, found
-        self.culprit: Optional[str] = found.get("culprit")
+        self._blamed: Optional[str] = found.get("culprit")
         self.operations: List[Dict[str, Any]] = [dict(row) for row in found.get("operations", [])]
-        lines = _lines(followed) if followed is not None else {}
         for row in self.operations:
-            row["line"] = lines.get(row["name"])
+            row["line"] = None
+        if followed is not None:
+            _put_lines(self.operations, followed)
+
+    @property
+    def culprit(self) -> Optional[str]:
+        """What it computes: `dot(o - centre, d)`."""
+        row = self._row()
+        return None if row is None else str(row["expression"])
+
+    def _row(self) -> Optional[Dict[str, Any]]:
+        return next((row for row in self.operations if row["name"] == self._blamed), None)
 
     @property
     def line(self) -> Optional[int]:
-        """The line of the function's file that did the culprit, where it is known by the name of a variable."""
-        return next((row["line"] for row in self.operations if row["name"] == self.culprit), None)
+        """The line of the function's file that did the culprit; None where there is none, or the form is not one's own."""
+        row = self._row()
+        return None if row is None else row["line"]
 
     @property
     def frame(self) -> Any:
@@ -221,8 +232,20 @@ class Explanation:
         return self.text
 
 
-def _lines(followed: Tape) -> Dict[str, int]:
-    return {label: followed.lines[node] for node, label in followed.labels.items()}
+def _put_lines(operations: List[Dict[str, Any]], followed: Tape) -> None:
+    """Where each operation was done. The tape has one more input, and constants in pieces of their own."""
+    constant: Dict[str, bool] = {}
+    rows = []
+    for row in operations:
+        operands = [constant.get(name, False) for name in row["operands"]]
+        constant[row["name"]] = row["operation"] == "constant" or bool(operands) and all(operands)
+        if row["operation"] not in ("input", "constant") and not constant[row["name"]]:
+            rows.append(row)
+    done = [(op, line) for (op, _, _), line in zip(followed.ops, followed.lines) if op not in ("input", "constant")]
+    for row, (op, line) in zip(rows, done):
+        if row["operation"] != op:
+            return  # a comparison of constants, behind which places are not known
+        row["line"] = line
 
 
 class Choice:
