@@ -252,6 +252,17 @@ class Bar:
             print("\r" + " " * (len(self.title) + 8) + "\r", end="", file=sys.stderr, flush=True)
 
 
+def _view(address: int, rows: int, item: Any, keeps: Handle) -> NDArray[Any]:
+    """The memory of a result as an array, without a copy. The array keeps the result for as long as it lives."""
+    if rows == 0:
+        return np.empty(0, dtype=np.dtype(item))
+    memory = (item * rows).from_address(address)
+    memory.keeps = keeps
+    array = np.frombuffer(memory, dtype=np.dtype(item))
+    array.flags.writeable = False
+    return array
+
+
 class Column:
     """A column of a table: `values` (floats with nan where missing, texts with None, or codes), unit and meaning."""
 
@@ -261,16 +272,13 @@ class Column:
         self.categories: Optional[List[str]] = None
         self.codes: Optional[NDArray[np.uint8]] = None
         self._texts: Optional[List[Optional[str]]] = None
-        self._keeps = keeps  # the memory is the result's
         if raw.categories:
-            self.codes = np.ctypeslib.as_array(raw.categories, (rows,))
+            self.codes = _view(c.addressof(raw.categories.contents), rows, c.c_uint8, keeps)
             self.categories = [raw.names[i].decode() for i in range(raw.name_count)]
         elif raw.texts:
             self._texts = [None if raw.texts[i] is None else raw.texts[i].decode() for i in range(rows)]
-        elif rows == 0:
-            self._numbers = np.empty(0)
         else:
-            self._numbers = np.ctypeslib.as_array(raw.numbers, (rows,))
+            self._numbers = _view(c.addressof(raw.numbers.contents) if rows else 0, rows, c.c_double, keeps)
 
     @property
     def values(self) -> NDArray[Any]:

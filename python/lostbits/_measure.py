@@ -96,9 +96,10 @@ def _choice(own: Sequence[Intersector], names: Sequence[str], formats: Sequence[
     handles = (c.c_void_p * len(own))(*[form.handle.pointer for form in own])
     formats = [formats] if isinstance(formats, str) else formats
     metrics = [metrics] if isinstance(metrics, str) else metrics
-    made = lib.Choice(lib.words(list(names)), c.cast(handles, c.POINTER(c.c_void_p)), len(own),
-                      lib.words(list(formats)), lib.words(list(metrics)), int(rows), int(written))
-    made.kept = (handles, made.forms, own)
+    texts = [lib.words(list(each)) for each in (names, formats, metrics)]
+    made = lib.Choice(texts[0], c.cast(handles, c.POINTER(c.c_void_p)), len(own), texts[1], texts[2], int(rows),
+                      int(written))
+    made.kept = (handles, texts, own)
     return made
 
 
@@ -145,11 +146,11 @@ class Scene:
         return o, d, solids.astype(dtype)
 
     def _sample(self, shape: str, dtype: Any) -> Tuple[Floats, Floats, Floats]:
-        """At most some thousand of its rays, evenly, each with a solid in turn."""
+        """At most some thousand of its rays, evenly, a stretch of them to each of the solids."""
         o, d, solids = self.arrays(shape, dtype)
         step = max(1, len(o) // 4096)
         o, d = np.ascontiguousarray(o[::step]), np.ascontiguousarray(d[::step])
-        return o, d, solids[np.arange(len(o)) % len(solids)]
+        return o, d, solids[np.arange(len(o)) * len(solids) // len(o)]
 
     def __repr__(self) -> str:
         return f"<lostbits scene {self.name or 'of arrays'}, {self.size[0]} x {self.size[1]}>"
@@ -157,8 +158,9 @@ class Scene:
 
 def _where(size: Optional[Tuple[int, int]], changes: Sequence[str], data: Optional[str]) -> lib.Where:
     width, height = size or (0, 0)
-    made = lib.Where(data.encode() if data else lib.data_folder(), width, height, lib.words(list(changes)))
-    made.kept = changes
+    texts = lib.words(list(changes))
+    made = lib.Where(data.encode() if data else lib.data_folder(), width, height, texts)
+    made.kept = texts
     return made
 
 
@@ -333,7 +335,7 @@ def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere",
 
 def _paired_sample(kept: Sequence[Any], paired: bool, dtype: Any) -> Tuple[Floats, Floats, Floats]:
     o, d, solids = (np.asarray(a, dtype=dtype)[:4096] for a in kept[:3])
-    return o, d, solids if paired else solids[np.arange(len(o)) % len(solids)]
+    return o, d, solids if paired else solids[np.arange(len(o)) * len(solids) // len(o)]
 
 
 def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
@@ -449,8 +451,9 @@ def choose(scene: Union[Scene, str], bits: float, *, wrong: float = 0, at: str =
     most a share `wrong` of the rays wrongly. The result: `.chosen`, (form, format) or None; `.candidates`, cheapest
     first; `.room`, how far it holds; `.text`. Times are measured anew each time.
     """
+    on = _scene(scene)
     own, names = forms_of(forms)
-    code, result = _measured("lostbits_choose", _scene(scene).handle.pointer, c.c_double(bits), c.c_double(wrong),
+    code, result = _measured("lostbits_choose", on.handle.pointer, c.c_double(bits), c.c_double(wrong),
                              at.encode(), c.byref(_choice(own, names, formats)), own=own, threads=threads,
                              progress=progress, title="choose")
     return Choice(lib.tables_of(result), lib.texts_of(result)[0], code == 0)

@@ -1,0 +1,147 @@
+"""The arrays of the package are the program's files, to the bit."""
+
+import csv
+import os
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+import lostbits as lb
+
+PROGRAM = os.environ["LOSTBITS_PROGRAM"]
+
+
+def run(*words):
+    return subprocess.run([PROGRAM, "-q", *words], check=True, capture_output=True, text=True)
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def as_numbers(rows, name):
+    return np.array([float(row[name]) if row[name] else np.nan for row in rows])
+
+
+class Bits(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory()
+        self.out = self.scratch.name
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def hold_table(self, table, rows, without=()):
+        """Every column of a file is one of the table, number for number and text for text."""
+        self.assertEqual(len(rows), len(table))
+        names = [name for name in rows[0] if name not in without]
+        self.assertGreater(len(names), 5)
+        for name in names:
+            column = table.columns[name]
+            if column.type == "string":
+                np.testing.assert_array_equal(column.values, [row[name] or None for row in rows], name)
+            else:
+                np.testing.assert_array_equal(np.asarray(column.values, dtype=float), as_numbers(rows, name), name)
+
+    def test_map(self):
+        run("map", "near-benign", "-i", "sphere.unified", "-i", "sphere.schoolbook", "--size", "40x30", "--metric",
+            "culprit", "--pixels", "csv", "-o", self.out)
+        m = lb.map(lb.scene("near-benign", size=(40, 30)), ["sphere.unified", "sphere.schoolbook"], metrics=["culprit"],
+                   progress=False)
+        folder = os.path.join(self.out, "near-benign")
+        self.hold_table(m.summary, rows_of(os.path.join(folder, "summary.csv")))
+        for form in ("sphere.unified", "sphere.schoolbook"):
+            for format in ("f32", "f64"):
+                rows = rows_of(os.path.join(folder, f"{form}.{format}.csv"))
+                pixels = m.pixels[form, format]
+                self.assertEqual(pixels.lost_bits.shape, (30, 40))
+                exact = np.array([float.fromhex(row["t_hex"]) if row["t_hex"] else np.nan for row in rows])
+                np.testing.assert_array_equal(pixels.t.ravel(), exact)
+                for name in set(rows[0]) & set(pixels.columns) - {"outcome", "culprit"}:
+                    np.testing.assert_array_equal(pixels[name].astype(float).ravel(), as_numbers(rows, name), name)
+                for name in ("outcome", "culprit"):
+                    self.assertEqual([x or "" for x in pixels[name].ravel()], [row[name] for row in rows])
+        self.assertGreater(np.nanmax(m.pixels["sphere.schoolbook", "f32"].lost_bits), 1)
+
+    def test_judge(self):
+        scene = lb.scene("rtg-fig-7-3-100-oblique", size=(64, 64))
+        o, d, spheres = scene.arrays()
+        answers = lb.ask("sphere.press", o, d, spheres)
+        path = os.path.join(self.out, "rays.npy")
+        fields = ["ox", "oy", "oz", "dx", "dy", "dz", "hit", "t"]
+        rays = np.empty(len(o), dtype=[(f, "?" if f == "hit" else "<f4") for f in fields])
+        for k, name in enumerate(fields[:6]):
+            rays[name] = (o if k < 3 else d)[:, k % 3]
+        rays["hit"], rays["t"] = answers.hit, answers.t
+        np.save(path, rays)
+        sphere = ",".join(str(float(x)) for x in spheres[0])
+        run("judge", path, f"--sphere={sphere}", "-i", "sphere.unified", "--rows", "-o", self.out)
+        j = lb.judge(o, d, answers.t.astype(np.float32), answers.hit, spheres, forms="sphere.unified", progress=False)
+        rows = rows_of(os.path.join(self.out, "rays", "summary.csv"))
+        self.hold_table(j.summary, rows, without=("form",))
+        rows = rows_of(os.path.join(self.out, "rays", "file.rays.f32.csv"))
+        np.testing.assert_array_equal(j.rays.lost_bits, as_numbers(rows, "lost_bits"))
+        np.testing.assert_array_equal(j.rays.truth, as_numbers(rows, "truth"))
+        self.assertGreater(np.isfinite(j.rays.lost_bits).sum(), 500)
+
+    def test_sweep(self):
+        run("sweep", "triangle-distance", "-i", "triangle.pbrt", "-f", "f32", "-o", self.out)
+        s = lb.sweep("triangle-distance", "triangle.pbrt", "f32", progress=False)
+        folder = os.path.join(self.out, "triangle-distance")
+        self.hold_table(s.samples, rows_of(os.path.join(folder, "samples.csv")))
+        self.hold_table(s.onsets, rows_of(os.path.join(folder, "onsets.csv")))
+
+    def test_choose(self):
+        run("choose", "near-benign", "--bits", "16", "--quick", "-i", "sphere.un*", "-o", self.out)
+        c = lb.choose("near-benign", 16, forms="sphere.un*", progress=False)
+        worth = ("rays", "true_hits", "wrong", "kept_bits", "meets")
+        files = {(row["form"], row["format"]): row for row in rows_of(os.path.join(self.out, "near-benign", "choose.csv"))}
+        self.assertEqual(len(files), len(c.candidates))
+        for i, key in enumerate(zip(c.candidates["form"], c.candidates["format"])):
+            for name in worth:
+                self.assertEqual(float(c.candidates[name][i]), float(files[key][name]), (key, name))
+        self.assertIn(c.chosen, files)
+
+    def test_explain(self):
+        e = lb.explain("sphere.schoolbook", "near-benign", (100, 90), "f32")
+        words = run("explain", "near-benign", "--pixel", "100,90", "-i", "sphere.schoolbook").stdout
+        self.assertEqual(e.text, words)
+
+    def test_arrays_outlive_what_they_came_from(self):
+        import gc
+
+        o, d, spheres = lb.scene("near-benign", size=(64, 64)).arrays()
+        t = lb.truth(o, d, spheres).t
+        kept = t.copy()
+        gc.collect()
+        others = [lb.truth(o + np.float32(k), d, spheres).t for k in range(1, 6)]
+        np.testing.assert_array_equal(t, kept)
+        self.assertEqual(len(others), 5)
+        with self.assertRaises(ValueError):
+            t[0] = 1  # it is the library's memory
+
+    def test_truth_is_exact(self):
+        from fractions import Fraction as F
+
+        rng = np.random.default_rng(3)
+        o, d = rng.normal(size=(200, 3)) * 4, rng.normal(size=(200, 3))
+        d = (d - o).astype(np.float64)
+        truth = lb.truth(o, d, np.array([[0.0, 0.0, 0.0, 1.0]]))
+        self.assertTrue(truth.resolved.all())
+        self.assertGreater(truth.hit.sum(), 20)
+        for i in range(200):
+            a, b, c = (sum(F(x) * F(y) for x, y in zip(p, q)) for p, q in ((d[i], d[i]), (o[i], d[i]), (o[i], o[i])))
+            disc = b * b - a * (c - 1)
+            self.assertEqual(bool(truth.hit[i]), disc >= 0 and -b > 0 or c <= 1)
+            if truth.hit[i] and c > 1:
+                # a t + b = -sqrt(disc): squared, t's error shows to first order.
+                t = F(truth.t[i]) + F(truth.t_lo[i])
+                off = ((a * t + b) ** 2 - disc) / (2 * a * (a * t + b)) if disc else F(0)
+                self.assertLess(abs(off), abs(t) / 2**70)
+
+
+if __name__ == "__main__":
+    unittest.main()
