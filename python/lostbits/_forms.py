@@ -44,7 +44,8 @@ class Intersector:
             raise lib.InputError("intersector: is given to a function, as in @lb.intersector(\"sphere\")")
         self.keys = word(shape, SHAPES, "shape")
         self.function, self.shape, self.roots = function, shape, roots
-        self.name = "py." + (name or getattr(function, "__name__", "form"))
+        own_name = str(name or getattr(function, "__name__", "form"))
+        self.name = "py." + own_name
         wanted = 2 + len(self.keys)
         try:
             inspect.signature(function).bind(*[None] * wanted)
@@ -83,7 +84,9 @@ class Intersector:
 
         def view(address: int, shape: Tuple[int, ...]) -> NDArray[Any]:
             bytes_ = int(np.prod(shape)) * size
-            return np.frombuffer((c.c_char * bytes_).from_address(address), dtype=dtype).reshape(shape)
+            memory: Any = (c.c_char * bytes_).from_address(address)
+            array: NDArray[Any] = np.frombuffer(memory, dtype=dtype).reshape(shape)
+            return array
 
         def run(batch: Any) -> Optional[int]:
             b = batch.contents
@@ -220,8 +223,8 @@ def forms_of(forms: Union[Form, Sequence[Form], None]) -> Tuple[List[Intersector
     """Forms of one's own, and the names of others."""
     if forms is None:
         return [], []
-    if isinstance(forms, (str, Intersector)):
-        forms = [forms]
+    if isinstance(forms, (str, Intersector)) or callable(forms):
+        forms = [forms]  # type: ignore[list-item]
     own: List[Intersector] = []
     names: List[str] = []
     for form in forms:
@@ -229,7 +232,7 @@ def forms_of(forms: Union[Form, Sequence[Form], None]) -> Tuple[List[Intersector
             own.append(form)
         elif isinstance(form, str):
             names.append(form)
-        elif callable(form):
+        elif callable(form):  # a function without its decorator
             raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a function; say what it meets first: "
                                  "@lb.intersector(\"sphere\")")
         else:

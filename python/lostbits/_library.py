@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes as c
 import ctypes.util
+import difflib
 import os
 import sys
 import threading
@@ -213,7 +214,7 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
         if bar is not None:
             bar.advance(done, of)
 
-    run = Run(threads, c.pointer(stop), Progress(advance) if bar else Progress(), None)
+    run = Run(threads, c.pointer(stop), Progress(advance) if bar else c.cast(0, Progress), None)
 
     def work() -> None:
         codes.append(int(getattr(library, name)(*arguments, c.byref(run), c.byref(result.pointer), c.byref(error))))
@@ -307,13 +308,18 @@ class Table:
 
     def __getitem__(self, column: str) -> NDArray[Any]:
         if column not in self.columns:
-            raise KeyError(f"no column {column!r}; there are {', '.join(self.columns)}")
+            raise KeyError(self._no(column))
         return self.columns[column].values
 
     def __getattr__(self, column: str) -> NDArray[Any]:
         if column.startswith("_") or column not in self.__dict__.get("columns", {}):
-            raise AttributeError(f"no column {column!r}; there are {', '.join(self.__dict__.get('columns', {}))}")
+            raise AttributeError(self._no(column))
         return self[column]
+
+    def _no(self, column: str) -> str:
+        names = list(self.__dict__.get("columns", {}))
+        near = difflib.get_close_matches(column, names, 3) or names[:8]
+        return f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}"
 
     def __dir__(self) -> List[str]:
         return [*super().__dir__(), *self.columns]

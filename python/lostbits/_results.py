@@ -253,9 +253,9 @@ class Choice:
 
     def __init__(self, tables: Dict[str, Table], text: str, meets: bool) -> None:
         self.candidates, self.room, self.text = tables["choose"], tables["room"], text
-        rows = np.flatnonzero(self.candidates["chosen"]) if meets else []
         self.chosen: Optional[Tuple[str, str]] = None
-        for i in rows:
+        if meets:
+            i = int(np.argmax(self.candidates["chosen"]))
             self.chosen = (self.candidates["form"][i], self.candidates["format"][i])
 
     @property

@@ -52,7 +52,8 @@ class Tape:
         self._made: Dict[Tuple[str, Tuple[int, int, int], float], int] = {}
 
     def add(self, op: str, *operands: int, value: float = 0.0) -> int:
-        row = (op, (*operands, *(-1,) * (3 - len(operands))), value)
+        a, b, k = (*operands, -1, -1, -1)[:3]
+        row = (op, (a, b, k), value)
         once = op in ("constant", "both", "either", "opposite")
         if once and math.copysign(1, value) > 0 and row in self._made:
             return self._made[row]
@@ -126,7 +127,7 @@ class Traced(NDArrayOperatorsMixin):
         raise fail("an array of rays becomes a number or a plain array here (float(x), math.f(x), np.array(x), a call "
                    "into C): what happens to it then cannot be followed")
 
-    __float__ = __int__ = __index__ = __complex__ = __array__ = item = tolist = tobytes = _no_number  # type: ignore
+    __float__ = __int__ = __index__ = __complex__ = __array__ = item = tolist = tobytes = _no_number
 
     # ---- indexing ----
 
@@ -134,7 +135,8 @@ class Traced(NDArrayOperatorsMixin):
         mask = _mask_of(key)
         if mask is None:
             return self._like(lambda a: a[key])
-        return self._like(lambda a: a[np.ones(mask.shape, dtype=bool)])
+        everywhere = np.ones(mask.shape, dtype=np.bool_)
+        return self._like(lambda a: a[everywhere])
 
     def __setitem__(self, key: Any, value: Any) -> None:
         mask = _mask_of(key)
@@ -319,7 +321,7 @@ def _one(written: Tape, name: str, a: List[int], valid: List[int]) -> Tuple[int,
 
 def _power(base: Traced, exponent: Traced) -> Traced:
     power = exponent.value.item() if exponent.size == 1 else None
-    of = {2: np.square, 1: np.positive, 0.5: np.sqrt, -1: np.reciprocal}.get(power)  # type: ignore[call-overload]
+    of = {2: np.square, 1: np.positive, 0.5: np.sqrt, -1: np.reciprocal}.get(power)  
     if of is None:
         raise fail("a power other than 2, 1, 0.5 and -1 is not followed")
     return _elementwise(of, [base])
@@ -332,7 +334,8 @@ def where(condition: Any, a: Any = None, b: Any = None) -> Traced:
     written = tape()
     m, x, y = _traced(condition, None), _traced(a, None), _traced(b, None)
     with np.errstate(all="ignore"):
-        value = np.where(m.value, *(v.value if v.ndim else v.value[()].item() for v in (x, y)))
+        sides: List[Any] = [v.value if v.ndim else v.value[()].item() for v in (x, y)]
+        value = np.where(m.value, sides[0], sides[1])
     if value.dtype != bool:
         value = value.astype(written.dtype)
     nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
@@ -359,7 +362,7 @@ def where(condition: Any, a: Any = None, b: Any = None) -> Traced:
 
 _orders: Dict[Any, Any] = {}
 _numbers = np.random.default_rng(1).random(1 << 14)
-_candidates = {
+_candidates: Dict[int, Dict[str, Callable[[Any, Any], Any]]] = {
     3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]), "last pair first": lambda p, add: add(p[0], add(p[1], p[2])),
         "ends first": lambda p, add: add(add(p[0], p[2]), p[1])},
     2: {"in order": lambda p, add: add(p[0], p[1])},
@@ -394,7 +397,7 @@ def _order(key: Any, terms: int, ask: Callable[[], Tuple[Any, List[Any]]]) -> An
 def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dtype: Any = None, out: Any = None,
             initial: Any = None, **_: Any) -> Traced:
     array, name = _traced(array, None), ufunc.__name__
-    if out is not None or initial is not None and not isinstance(initial, type(np._NoValue)):
+    if out is not None or initial is not None and initial is not getattr(np, "_NoValue", None):
         raise fail(f"np.{name}.reduce with out= or initial= is not followed")
     if name in ("logical_or", "logical_and") and (axis is None or axis == 0) and array.ndim == 1:
         made = Traced(np.array(True), np.array(0))
@@ -416,7 +419,8 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
         made = parts[0]
         for part in parts[1:]:
             made = combine(made, part)
-    return made._like(lambda a: np.expand_dims(a, at)) if keepdims is True else made  # type: ignore[no-any-return]
+    kept: Traced = made._like(lambda a: np.expand_dims(a, at)) if keepdims is True else made
+    return kept
 
 
 def _einsum(subscripts: str, *operands: Any, **options: Any) -> Traced:
@@ -482,7 +486,7 @@ def _cross(a: Any, b: Any, axisa: int = -1, axisb: int = -1, axisc: int = -1, ax
 def _norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Traced:
     if ord not in (None, 2) or axis is None:
         raise fail("np.linalg.norm is followed for the length along one axis: norm(x, axis=-1)")
-    return np.sqrt(_reduce(np.add, x * x, axis, keepdims))  # type: ignore[no-any-return]
+    return _elementwise(np.sqrt, [_reduce(np.add, x * x, axis, keepdims)])
 
 
 def _moved(function: Any) -> Callable[..., Traced]:
@@ -490,9 +494,13 @@ def _moved(function: Any) -> Callable[..., Traced]:
 
     def run(first: Any, *arguments: Any, **options: Any) -> Traced:
         several = isinstance(first, (list, tuple))
-        parts = [_traced(x, tape().dtype) for x in first] if several else _traced(first, tape().dtype)
-        return Traced(*(function([getattr(p, what) for p in parts] if several else getattr(parts, what), *arguments,
-                                 **options) for what in ("value", "nodes", "valid")))
+        parts = [_traced(x, tape().dtype) for x in (first if several else [first])]
+
+        def moved(what: str) -> Any:
+            arrays = [getattr(p, what) for p in parts]
+            return function(arrays if several else arrays[0], *arguments, **options)
+
+        return Traced(moved("value"), moved("nodes"), moved("valid"))
 
     return run
 

@@ -1,0 +1,146 @@
+"""Natural mistakes: each an exception with one clear sentence. And Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+import unittest
+
+import numpy as np
+
+import lostbits as lb
+
+N = 50
+O = np.zeros((N, 3), np.float32) + np.float32(0.1)
+O[:, 2] = 5
+D = np.zeros((N, 3), np.float32)
+D[:, 2] = -1
+S = np.array([[0, 0, 0, 1]], np.float32)
+T = np.full(N, 4, np.float32)
+
+
+def form(body):
+    def made(o, d, centre, radius):
+        return body(o, d)
+    return lb.intersector("sphere", name="made")(made)
+
+
+class Mistakes(unittest.TestCase):
+    def hold(self, kind, words, ask):
+        with self.assertRaises(kind) as caught:
+            ask()
+        said = str(caught.exception)
+        self.assertIn(words, said)
+        self.assertLess(len(said), 500)
+        self.assertNotIn("\n", said.strip())
+
+    def test_arrays(self):
+        wrong = lb.InputError
+        for words, ask in (
+            ("o is a list", lambda: lb.truth([[0, 0, 5]], D, S)),
+            ("o is a float", lambda: lb.truth(0.5, D, S)),
+            ("give both", lambda: lb.truth(O, None, S)),
+            ("o has shape (50, 2); it is n x 3", lambda: lb.truth(O[:, :2], D, S)),
+            ("d has 49 rows and o has 50", lambda: lb.truth(O, D[1:], S)),
+            ("o is an array of int64", lambda: lb.truth(O.astype(np.int64), D, S)),
+            ("o is an array of float16", lambda: lb.truth(O.astype(np.float16), D, S)),
+            ("other order (>f4)", lambda: lb.truth(O.astype(">f4"), D, S)),
+            ("o is empty", lambda: lb.truth(O[:0], D[:0], S)),
+            ("solids has shape (1, 3)", lambda: lb.truth(O, D, S[:, :3])),
+            ("solids is None", lambda: lb.truth(O, D, None)),
+            ("solids has 1 rows and o has 50", lambda: lb.truth(O, D, S, paired=True)),
+            ("shape is 'ball'; it is one of sphere", lambda: lb.truth(O, D, S, shape="ball")),
+            ("ray 0: ox is nan", lambda: lb.truth(O * np.float32(np.nan), D, S)),
+            ("direction is zero", lambda: lb.truth(O, D * 0, S)),
+            ("radius", lambda: lb.truth(O, D, -S)),
+            ("t has numbers below 0", lambda: lb.judge(O, D, T - 9, None, S)),
+            ("hit is an array of int64; it is of booleans", lambda: lb.judge(O, D, T, np.ones(N, np.int64), S)),
+            ("t has shape (50, 1); it is n", lambda: lb.judge(O, D, T[:, None], None, S)),
+            ("direction is 'units'", lambda: lb.judge(O, D, T, None, S, direction="units")),
+        ):
+            with self.subTest(words):
+                self.hold(wrong, words, ask)
+
+    def test_any_strides_are_read_where_they_lie(self):
+        plain = lb.truth(O, D, S)
+        self.assertTrue(plain.hit.all())
+        wide = np.zeros((N, 7), np.float32)
+        wide[:, 1:4], wide[:, 4:7] = O, D
+        for o, d in ((np.asfortranarray(O), np.asfortranarray(D)), (wide[:, 1:4], wide[:, 4:7]),
+                     (O[::-1], D[::-1]), (O, np.broadcast_to(D[:1], D.shape)), (O.astype(np.float64), D)):
+            np.testing.assert_array_equal(lb.truth(o, d, S).t, plain.t)
+
+    def test_functions(self):
+        for kind, words, ask in (
+            (lb.InputError, "returned float", lambda: lb.map("near-benign", form(lambda o, d: 4.0), "f32")),
+            (lb.InputError, "of shape (", lambda: lb.map("near-benign", form(lambda o, d: o), "f32")),
+            (lb.InputError, "returned float64 where the rays are float32",
+             lambda: lb.map("near-benign", form(lambda o, d: o[:, 0] * np.ones(len(o))), "f32")),
+            (lb.InputError, "returned NoneType", lambda: lb.map("near-benign", form(lambda o, d: None), "f32")),
+            (ZeroDivisionError, "division", lambda: lb.map("near-benign", form(lambda o, d: 1 // 0), "f32")),
+            (ValueError, "ambiguous", lambda: lb.map("near-benign", form(lambda o, d: o if o > 0 else d), "f32")),
+        ):
+            with self.subTest(words):
+                self.hold(kind, words, ask)
+
+    def test_calls(self):
+        for kind, words, ask in (
+            (lb.InputError, "did you mean", lambda: lb.map("near-bening")),
+            (lb.InputError, "sphere.unified", lambda: lb.map("near-benign", "sphere.unifeid")),
+            (lb.NothingSelected, "no form matches", lambda: lb.map("near-benign", "cube.*")),
+            (lb.InputError, "here it is \"f32\"", lambda: lb.map("near-benign", "sphere.*", "float32")),
+            (lb.InputError, "takes 4 arrays: o, d, centre, radius", lambda: lb.intersector("sphere")(lambda o, d: o)),
+            (lb.InputError, "write the shape", lambda: lb.intersector(lambda o, d: o)),
+            (lb.InputError, "is a function; say what it meets first", lambda: lb.map("near-benign", np.sqrt)),
+            (lb.InputError, "a scene is a name", lambda: lb.map(3)),
+            (lb.InputError, "no name and no camera", lambda: lb.scene(spheres=S)),
+            (lb.InputError, "no solids", lambda: lb.scene(camera={"kind": "pinhole"})),
+            (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5],
+             "look_at": [0, 0, 0], "width": 3}, spheres=[[0, 0, 0]])),
+            (lb.InputError, "fov_deg", lambda: lb.scene(camera={"kind": "pinhole", "eye": [0, 0, 5],
+             "look_at": [0, 0, 0]}, spheres=S)),
+            (lb.InputError, "pixel is (column, row)", lambda: lb.explain("sphere.press", "near-benign", 3)),
+            (lb.InputError, "700", lambda: lb.explain("sphere.press", "near-benign", (700, 3))),
+            (lb.InputError, "say what changes", lambda: lb.sweep(lb.scene("near-benign"), "sphere.press")),
+            (lb.InputError, "bits are from 0 to 53", lambda: lb.choose("near-benign", 60)),
+            (KeyError, "no sphere.press in f64", lambda: lb.map("near-benign", "sphere.press", "f32").pixels["sphere.press", "f64"]),
+            (AttributeError, "no column 'lost_bit'", lambda: lb.map("near-benign", "sphere.press", "f32").summary.lost_bit),
+        ):
+            with self.subTest(words):
+                self.hold(kind, words, ask)
+
+    def test_after_a_mistake_the_session_goes_on(self):
+        bad = form(lambda o, d: 1 // 0)
+        with self.assertRaises(ZeroDivisionError):
+            lb.map("near-benign", bad, "f32")
+        self.assertEqual(len(lb.map("near-benign", "sphere.press", "f32").summary), 1)
+
+    def test_interrupts(self):
+        program = textwrap.dedent("""
+            import sys, time
+            import lostbits as lb
+            s = lb.scene("near-benign", size=(4096, 4096))
+            print("begins", flush=True)
+            try:
+                lb.map(s, "sphere.*", progress=False)
+                print("ended by itself")
+            except KeyboardInterrupt:
+                print("interrupted", len(lb.map("near-benign", "sphere.press", "f32").summary), flush=True)
+        """)
+        started = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True,
+                                   env=dict(os.environ))
+        self.assertEqual(started.stdout.readline(), "begins\n")
+        time.sleep(1.5)
+        started.send_signal(signal.SIGINT)
+        asked = time.monotonic()
+        self.assertEqual(started.stdout.readline(), "interrupted 1\n")
+        waited = time.monotonic() - asked
+        started.stdout.close()
+        self.assertEqual(started.wait(), 0)
+        self.assertLess(waited, 20)  # a second on an idle machine; a busy one is not what is tested
+
+
+if __name__ == "__main__":
+    unittest.main()
