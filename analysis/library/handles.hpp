@@ -78,9 +78,9 @@ inline std::vector<std::string> words_of(const lostbits_words& words) {
 }
 
 /// How a call runs; all of it optional.
-class Running {
+class CallRun {
 public:
-    explicit Running(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(run_.threads) {}
+    explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(run_.threads) {}
     [[nodiscard]] intersect::process::StopToken stop() const {
         // The caller's byte is set by another thread of another language: what it writes is seen as a flag of ours.
         static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);

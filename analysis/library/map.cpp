@@ -13,7 +13,7 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& chosen, Running& running) {
+std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& chosen, CallRun& running) {
     const scene::file::Scene& scene = given.scene;
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
@@ -61,7 +61,7 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
         require(scene, "scene");
         require(result, "result");
         Choosing chosen(choice);
-        Running running(run);
+        CallRun running(run);
         auto found = map_of(*scene, chosen, running);
         for (ResultTable& table : found->tables) table.seal();
         *result = found.release();

@@ -62,7 +62,7 @@ std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape sha
     return solids;
 }
 
-GivenRays given(const lostbits_rays& rays, const Running& running) {
+GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers a ray; give both");
     std::vector<ArrayColumn> columns;
@@ -138,7 +138,7 @@ choice::Meets meets_of(const GivenRays& all) {
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, Running& running) {
+std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
     measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
     request.answered = all.dump->layout().has_answers();
@@ -209,7 +209,7 @@ void by_piece(GivenRays& all, std::size_t count, const std::function<void(std::u
     });
 }
 
-std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Choosing& chosen, Running& running) {
+std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
     chosen.keep_those_for(whose, meets_of(all));
     auto result = std::make_unique<lostbits_result>();
@@ -238,7 +238,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
     return result;
 }
 
-std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, Running& running) {
+std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays all = given(rays, running);
     const intersect::Info contract = contract_of_arrays(rays);
     auto result = std::make_unique<lostbits_result>();
@@ -289,7 +289,7 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
                    lostbits_result** result, lostbits_error* error) {
     return call(result, error, rays, [&] {
         Choosing chosen(choice, true);
-        Running running(run);
+        CallRun running(run);
         return judge_of(*rays, chosen, running);
     });
 }
@@ -298,7 +298,7 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
                      lostbits_result** result, lostbits_error* error) {
     return call(result, error, rays, [&] {
         Choosing chosen(choice);
-        Running running(run);
+        CallRun running(run);
         return answers_of_forms(*rays, chosen, running);
     });
 }
@@ -306,7 +306,7 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
 int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                    lostbits_error* error) {
     return call(result, error, rays, [&] {
-        Running running(run);
+        CallRun running(run);
         return truth_of_rays(*rays, running);
     });
 }

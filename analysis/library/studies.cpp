@@ -19,7 +19,7 @@ using measure::map::MapRow;
 namespace {
 
 std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Choosing& chosen,
-                                          Running& running) {
+                                          CallRun& running) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
@@ -71,7 +71,7 @@ struct WishWords {
 
 /// Whether anything meets the wish; the result says what.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const WishWords& wish, Choosing& chosen,
-                 Running& running) {
+                 CallRun& running) {
     if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits are from 0 to 53");
     if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays, from 0 to 1");
     measure::choice::ChoiceRequest request;
@@ -121,7 +121,7 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
         require(sweep, "sweep");
         require(result, "result");
         Choosing chosen(choice);
-        Running running(run);
+        CallRun running(run);
         const std::string folder = choice::data_folder(data ? data : "").string();
         if (is_text == 0)
             return hand_over(sweep_of(scene::sweep::find_sweep(sweep, folder), folder, chosen, running), result);
@@ -147,7 +147,7 @@ int lostbits_choose(const lostbits_scene* scene, double bits, double wrong, cons
         require(scene, "scene");
         require(result, "result");
         Choosing chosen(choice);
-        Running running(run);
+        CallRun running(run);
         auto found = std::make_unique<lostbits_result>();
         const bool meets = choose_into(*found, scene->scene, {bits, wrong, at}, chosen, running);
         return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
