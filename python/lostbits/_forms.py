@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._trace import Tape, Unfollowed, follow
+from ._follow import follow
+from ._trace import Tape, Unfollowed
 
 # Of lostbits_plugin.h: the shapes in their order, with how many numbers each key has.
 SHAPES: Dict[str, Tuple[Tuple[str, int], ...]] = {

@@ -12,7 +12,7 @@ import os
 import sys
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,11 +200,11 @@ def call(name: str, *arguments: Any) -> int:
     return code
 
 
-def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False, title: str = "",
-              position: int = -1) -> Tuple[int, Handle]:
+def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False,
+              title: str = "") -> Tuple[int, Handle]:
     """A call that measures: in a thread of its own, so that Ctrl-C ends it within a second and leaves nothing behind.
 
-    `arguments` are those before `run`; a `run` that is not wanted is left out with position=None.
+    `arguments` are those before `run`.
     """
     stop = c.c_ubyte(0)
     error, result, codes = ErrorText(), Handle("result"), []
@@ -359,5 +359,3 @@ def texts_of(result: Handle) -> List[str]:
         texts.append(text.decode())
     return texts
 
-
-CallFailed = Callable[[], Optional[BaseException]]

@@ -225,7 +225,8 @@ class Explanation:
         except ImportError:
             raise EnvironmentFault("pandas is not installed; .operations are the same rows without it") from None
         frame = pandas.DataFrame(self.operations)
-        frame["computed"] = [row["computed"]["decimal"] for row in self.operations]
+        frame["computed"] = [row["computed"]["decimal"] if isinstance(row["computed"], dict) else row["computed"]
+                             for row in self.operations]
         return frame
 
     def __repr__(self) -> str:

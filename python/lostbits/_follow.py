@@ -1,0 +1,103 @@
+"""One run of a function of numpy on arrays that write down what is done to them."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from typing import Any, Callable, Dict, Sequence, Tuple
+
+import numpy as np
+
+from ._sums import filled
+from ._trace import ALWAYS, NUMPY, PACKAGE, Tape, Traced, Unfollowed, here, traced, user_line
+
+_lock = threading.Lock()
+
+
+class _Creating:
+    """While it lives, this thread's np.full, np.zeros, np.ones and np.empty make arrays that can be followed."""
+
+    names = {"full": lambda shape, fill_value, *a, **o: filled(shape, fill_value),
+             "zeros": lambda shape, *a, **o: filled(shape, 0), "empty": lambda shape, *a, **o: filled(shape, 0),
+             "ones": lambda shape, *a, **o: filled(shape, 1)}
+
+    def __enter__(self) -> None:
+        _lock.acquire()
+        self.before = {name: getattr(np, name) for name in self.names}
+        me = threading.get_ident()
+        for name, make in self.names.items():
+            own = self.before[name]
+
+            def chosen(shape: Any, *a: Any, _make: Any = make, _own: Any = own, **o: Any) -> Any:
+                mine = threading.get_ident() == me and not user_line()[0] == "?" and _asked_by_user()
+                boolean = np.dtype(o.get("dtype") or (a[-1] if a and isinstance(a[-1], type) else float)) == bool
+                return _make(shape, *a, **o) if mine and not boolean else _own(shape, *a, **o)
+
+            setattr(np, name, chosen)
+
+    def __exit__(self, *_: Any) -> None:
+        for name, own in self.before.items():
+            setattr(np, name, own)
+        _lock.release()
+
+
+def _asked_by_user() -> bool:
+    return not sys._getframe(2).f_code.co_filename.startswith((PACKAGE, NUMPY))
+
+
+class _Names:
+    """Gives operations the names that the function's variables have."""
+
+    def __init__(self, written: Tape, file: str) -> None:
+        self.written, self.file = written, file
+        self.seen: Dict[Tuple[int, str], int] = {}
+
+    def __call__(self, frame: Any, event: str, _: Any) -> Any:
+        if frame.f_code.co_filename != self.file:
+            return None
+        if event in ("line", "return"):
+            for name, value in frame.f_locals.items():
+                if not isinstance(value, Traced) or value.size != 1 or value.dtype == bool:
+                    continue
+                node = int(value.nodes.reshape(-1)[0])
+                if self.seen.get((id(frame), name)) != node:
+                    self.seen[id(frame), name] = node
+                    self.written.labels.setdefault(node, name)
+        return self
+
+
+def follow(function: Callable[..., Any], counts: Sequence[int], dtype: Any, roots: str,
+           implicit: bool) -> Tuple[Tape, int, int]:
+    """The list of what `function(o, d, *keys)` does to one ray, the place of its decision and that of its t. `counts`:
+    how many numbers each key has."""
+    written = Tape(dtype, implicit)
+    before, tracer = getattr(here, "tape", None), sys.gettrace()
+    here.tape = written
+    try:
+        place, arguments = 0, []
+        for count in (3, 3, *counts):
+            nodes = [written.add("input", place + k) for k in range(count)]
+            place += count
+            value = np.linspace(0.25, 0.75, count).astype(dtype)[None]
+            arguments.append(Traced(value, np.array([nodes])) if count > 1 else Traced(value[:, 0], np.array(nodes)))
+        names = _Names(written, function.__code__.co_filename)
+        with _Creating():
+            sys.settrace(names)
+            try:
+                answer = function(*arguments)
+            finally:
+                sys.settrace(tracer)
+        if isinstance(answer, tuple):
+            raise Unfollowed(f"{function.__name__} returns several arrays; what returns t alone is followed")
+        answer = traced(answer, dtype)
+        if answer.shape != (1,):
+            raise Unfollowed(f"{function.__name__} returns an array of shape {answer.shape} for one ray")
+        t, valid = int(answer.nodes[0]), int(answer.valid[0])
+        zero = written.add("constant", value=0.0)
+        if roots == "near":
+            valid = written.both(valid, written.opposite(written.add("less", t, zero)))
+        if valid == ALWAYS:
+            valid = written.add("less_equal", zero, zero)
+        return written, valid, t
+    finally:
+        here.tape = before
