@@ -13,9 +13,11 @@ Begin with help(lb.map), help(lb.intersector) or docs/python.md.
 """
 
 from ._forms import Intersector, intersector
-from ._library import EnvironmentFault, Error, InputError, NothingSelected, Table, library
-from ._measure import Scene, ask, choose, explain, judge, map, scene, sweep, truth
+from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
+from ._measure import ask, choose, explain, judge, map, sweep, truth
 from ._results import Choice, Explanation, Judgement, Map, Sweep, Truths
+from ._scene import Scene, scene
+from ._tables import Table
 from ._trace import Unfollowed
 
 __version__: str = library.lostbits_version().decode()

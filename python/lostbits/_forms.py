@@ -23,8 +23,8 @@ SHAPES: Dict[str, Tuple[Tuple[str, int], ...]] = {
     "capsule": (("start", 3), ("end", 3), ("radius", 1)),
 }
 ROOTS = {"both": 0, "near": 1, "first": 2, "none": 3}
-_yes_no = {"hit": 0, "miss": 1, "exit": 2}
-_inside = {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64}
+YES_NO = {"hit": 0, "miss": 1, "exit": 2}
+INSIDE = {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64}
 _one_thread = 4
 
 
@@ -64,8 +64,8 @@ class Intersector:
             words.append(lib.FormWords(
                 self.name.encode(), None, None, list(SHAPES).index(shape), bits,
                 word(direction, {"any": 0, "unit": 1}, "direction"), word(roots, ROOTS, "roots"),
-                word(touching, {"hit": 0, "miss": 1}, "touching"), word(at_origin, _yes_no, "at_origin"),
-                word(inside, _inside, "inside") | _one_thread, None, run))
+                word(touching, {"hit": 0, "miss": 1}, "touching"), word(at_origin, YES_NO, "at_origin"),
+                word(inside, INSIDE, "inside") | _one_thread, None, run))
             self._kept.append(run)
         array = (lib.FormWords * 2)(*words)
         self.handle = lib.Handle("form")
@@ -199,11 +199,11 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
 
     The function is given whole batches: `o` and `d`, n x 3 (origins and directions, as the scene has them, or of length
     one with direction="unit"), and then an array for each key of the shape, n x 3 or n: sphere centre, radius; box lo,
-    hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; capsule start, end, radius. All are of the
-    type that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where it
-    misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near, far);
-    "none": booleans. touching, at_origin and inside say what is right in the cases that geometry leaves open, as in
-    docs/your-own-intersector.md.
+    hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; capsule start, end, radius. All are of
+    the type that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where
+    it misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near,
+    far); "none": booleans. touching, at_origin and inside say what is right in the cases that geometry leaves open, as
+    in docs/your-own-intersector.md.
 
     >>> @lb.intersector("sphere", roots="near")
     ... def mine(o, d, centre, radius): ...

@@ -8,7 +8,8 @@ from typing import Any, Dict, Iterator, List, Optional, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._library import EnvironmentFault, Table
+from ._library import EnvironmentFault
+from ._tables import Table
 from ._trace import Tape
 
 
@@ -190,7 +191,7 @@ class Sweep:
 
 
 class Explanation:
-    """What `explain` found. Printed, it is the text; `.operations` are rows of the operations, `.culprit` the name of the
+    """What `explain` found. Printed, it is the text; `.operations` are rows of the operations, `.culprit` the
     one to blame (None where none is), `.json` everything."""
 
     def __init__(self, text: str, found: Dict[str, Any], followed: Optional[Tape]) -> None:
@@ -213,7 +214,7 @@ class Explanation:
 
     @property
     def line(self) -> Optional[int]:
-        """The line of the function's file that did the culprit; None where there is none, or the form is not one's own."""
+        """The line of the function's file that did the culprit; None where there is none, or the form ships."""
         row = self._row()
         return None if row is None else row["line"]
 

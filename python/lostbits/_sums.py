@@ -12,7 +12,8 @@ from ._trace import Traced, elementwise, fail, known, tape, traced
 _orders: Dict[Any, Any] = {}
 _numbers = np.random.default_rng(1).random(1 << 14)
 _candidates: Dict[int, Dict[str, Callable[[Any, Any], Any]]] = {
-    3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]), "last pair first": lambda p, add: add(p[0], add(p[1], p[2])),
+    3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]), 
+        "last pair first": lambda p, add: add(p[0], add(p[1], p[2])),
         "ends first": lambda p, add: add(add(p[0], p[2]), p[1])},
     2: {"in order": lambda p, add: add(p[0], p[1])},
     4: {"in order": lambda p, add: add(add(add(p[0], p[1]), p[2]), p[3]),
@@ -28,8 +29,8 @@ def _random(shape: Tuple[int, ...], which: int = 0) -> Any:
 
 
 def _order(key: Any, terms: int, ask: Callable[[], Tuple[Any, List[Any]]]) -> Any:
-    """How numpy adds: the order that gives its very bits on random numbers. `ask()` returns what numpy makes of them and
-    the terms."""
+    """How numpy adds: the order that gives its very bits on random numbers. `ask()` returns what numpy makes of
+    them and the terms."""
     if key not in _orders:
         if terms == 1:
             return lambda p, add: p[0]
@@ -166,7 +167,8 @@ def _clip(a: Any, low: Any = None, high: Any = None, **_: Any) -> Traced:
 
 
 known.update({
-    "reduce": _reduce, np.matmul: lambda a, b: _product(np.matmul, a, b), np.einsum: _einsum, np.dot: lambda a, b: _product(np.dot, a, b), np.cross: _cross,
+    "reduce": _reduce, np.matmul: lambda a, b: _product(np.matmul, a, b), np.einsum: _einsum,
+    np.dot: lambda a, b: _product(np.dot, a, b), np.cross: _cross,
     np.inner: lambda a, b: _product(np.inner, a, b), np.linalg.norm: _norm, np.clip: _clip,
     np.sum: lambda a, axis=None, **o: _reduce(np.add, a, axis, **o),
     np.min: lambda a, axis=None, **o: _reduce(np.minimum, a, axis, **o),
@@ -180,7 +182,8 @@ known.update({
     np.full_like: lambda a, fill_value, **o: filled(o.get("shape") or a.shape, fill_value),
 })
 for _name in ("stack", "concatenate", "moveaxis", "transpose", "reshape", "squeeze", "expand_dims", "broadcast_to",
-              "copy", "swapaxes", "atleast_1d", "atleast_2d", "ravel", "take", "roll", "flip", "vstack", "column_stack"):
+              "copy", "swapaxes", "atleast_1d", "atleast_2d", "ravel", "take", "roll", "flip", "vstack",
+              "column_stack"):
     known[getattr(np, _name)] = _moved(getattr(np, _name))
 for _alias in ("amin", "amax"):
     known[getattr(np, _alias)] = known[getattr(np, _alias[1:])]

@@ -1,9 +1,9 @@
 """The operations of a numpy function, followed without changing it.
 
 The function runs once on arrays of one ray whose items also know which operation made them. What it does to them
-(arithmetic, sqrt, where, comparisons, sums, cross products, masks) is written down as a list that liblostbits.so runs in
-every arithmetic. A nan is not a number of the list: where an item is nan because the function wrote nan there, it is the
-decision of a miss.
+(arithmetic, sqrt, where, comparisons, sums, cross products, masks) is written down as a list that liblostbits.so runs
+in every arithmetic. A nan is not a number of the list: where an item is nan because the function wrote nan there, it is
+the decision of a miss.
 """
 
 from __future__ import annotations
@@ -158,7 +158,7 @@ class Traced(NDArrayOperatorsMixin):
     def astype(self, dtype: Any, *_: Any, **__: Any) -> "Traced":
         if np.dtype(dtype) != self.dtype:
             raise fail(f"astype({np.dtype(dtype)}): the arithmetic changes within the function, which is not followed")
-        return self.copy()
+        return self._like(np.copy)
 
     # ---- what numpy asks ----
 
@@ -177,7 +177,7 @@ class Traced(NDArrayOperatorsMixin):
         if out is None:
             return made
         if not isinstance(out, Traced):
-            raise fail("the result goes to a plain array (out=, or `a += b` with a plain a): it cannot be followed there")
+            raise fail("the result goes to a plain array (out=, or `a += b` with a plain a) and cannot be followed")
         out.value, out.nodes, out.valid = (np.broadcast_to(a, out.shape).copy()
                                            for a in (made.value, made.nodes, made.valid))
         return out

@@ -98,7 +98,8 @@ class Bits(unittest.TestCase):
         run("choose", "near-benign", "--bits", "16", "--quick", "-i", "sphere.un*", "-o", self.out)
         c = lb.choose("near-benign", 16, forms="sphere.un*", progress=False)
         worth = ("rays", "true_hits", "wrong", "kept_bits", "meets")
-        files = {(row["form"], row["format"]): row for row in rows_of(os.path.join(self.out, "near-benign", "choose.csv"))}
+        rows = rows_of(os.path.join(self.out, "near-benign", "choose.csv"))
+        files = {(row["form"], row["format"]): row for row in rows}
         self.assertEqual(len(files), len(c.candidates))
         for i, key in enumerate(zip(c.candidates["form"], c.candidates["format"])):
             for name in worth:

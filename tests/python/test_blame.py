@@ -91,8 +91,9 @@ class Blame(unittest.TestCase):
         for format in ("f32", "f64"):
             e = lb.explain(schoolbook, scene, (30, 30), format)  # its own bits are held to it on the scene's rays
             self.assertTrue(e.operations)
-        lb.explain(moller_trumbore, lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0],
-                                                     "width": 3}, triangles=[[-1, -1, 0, 1, -1, 0, 0, 1, 0]]), (120, 128))
+        camera = {"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}
+        triangles = lb.scene(camera=camera, triangles=[[-1, -1, 0, 1, -1, 0, 0, 1, 0]])
+        self.assertTrue(lb.explain(moller_trumbore, triangles, (120, 128)).operations)
 
     def test_every_width_and_exactly(self):
         o, d, spheres = lb.scene("near-benign", size=(64, 64)).arrays()

@@ -97,16 +97,18 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "a scene is a name", lambda: lb.map(3)),
             (lb.InputError, "no name and no camera", lambda: lb.scene(spheres=S)),
             (lb.InputError, "no solids", lambda: lb.scene(camera={"kind": "pinhole"})),
-            (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5],
-             "look_at": [0, 0, 0], "width": 3}, spheres=[[0, 0, 0]])),
+            (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera={
+                "kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}, spheres=[[0, 0, 0]])),
             (lb.InputError, "fov_deg", lambda: lb.scene(camera={"kind": "pinhole", "eye": [0, 0, 5],
              "look_at": [0, 0, 0]}, spheres=S)),
             (lb.InputError, "pixel is (column, row)", lambda: lb.explain("sphere.press", "near-benign", 3)),
             (lb.InputError, "700", lambda: lb.explain("sphere.press", "near-benign", (700, 3))),
             (lb.InputError, "say what changes", lambda: lb.sweep(lb.scene("near-benign"), "sphere.press")),
             (lb.InputError, "bits are from 0 to 53", lambda: lb.choose("near-benign", 60)),
-            (KeyError, "no sphere.press in f64", lambda: lb.map("near-benign", "sphere.press", "f32").pixels["sphere.press", "f64"]),
-            (AttributeError, "no column 'lost_bit'", lambda: lb.map("near-benign", "sphere.press", "f32").summary.lost_bit),
+            (KeyError, "no sphere.press in f64", 
+             lambda: lb.map("near-benign", "sphere.press", "f32").pixels["sphere.press", "f64"]),
+            (AttributeError, "no column 'lost_bit'",
+             lambda: lb.map("near-benign", "sphere.press", "f32").summary.lost_bit),
         ):
             with self.subTest(words):
                 self.hold(kind, words, ask)
