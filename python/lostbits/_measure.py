@@ -116,8 +116,8 @@ def sweep(of: Union[Scene, str], forms: Union[Form, Sequence[Form], None] = None
 
     `of`: a sweep that ships with lostbits, a path to one, its text; or a scene, with `along` the path of the number
     that changes ("sphere[0].radius"), several paths and the factor of each ({"camera.eye[2]": 2}), or "distance": the
-    one sphere of the scene moves away from the camera. The number goes from `start` (that of the scene, where the path
-    is one number) `to`, in `steps`, spacing "log2" or "linear". The result: `.samples`, `.onsets`, `.frame`, `.plot()`.
+    one sphere of the scene moves away from the camera. The number goes from `start` (of "distance":
+    what it is in the scene) `to`, in `steps`, spacing "log2" or "linear". The result: `.samples`, `.onsets`, `.frame`, `.plot()`.
     """
     own, names = forms_of(forms)
     folder = data.encode() if data else lib.data_folder()
