@@ -1,5 +1,7 @@
 """The code of docs/python.md runs, and says what the page says of it."""
 
+import contextlib
+import io
 import re
 import unittest
 from pathlib import Path
@@ -19,7 +21,8 @@ class Docs(unittest.TestCase):
         for k, block in enumerate(blocks):
             name = f"docs_python_{k}.py"
             linecache.cache[name] = (len(block), None, block.splitlines(True), name)
-            exec(compile(block, name, "exec"), space)
+            with contextlib.redirect_stdout(io.StringIO()):
+                exec(compile(block, name, "exec"), space)
         m, e = space["m"], space["e"]
         self.assertEqual(m.pixels["mine", "f32"].lost_bits.shape, (256, 256))
         self.assertEqual(list(m.frame["form"]), ["py.mine"] * 2 + ["sphere.unified"] * 2)
@@ -27,6 +30,28 @@ class Docs(unittest.TestCase):
         self.assertEqual(e.culprit, "dot(o - centre, d)")
         self.assertEqual(e.line, 8)
         self.assertEqual(len(e.frame), len(e.operations))
+
+    def test_the_notebook_runs_and_the_mend_mends(self):
+        import ast
+        import json
+        import linecache
+
+        notebook = json.loads((PAGE.parents[1] / "examples" / "notebook" / "first.ipynb").read_text(encoding="utf-8"))
+        space: dict = {}
+        shown = []
+        for k, cell in enumerate(cell for cell in notebook["cells"] if cell["cell_type"] == "code"):
+            text, name = "".join(cell["source"]), f"cell_{k}.py"
+            linecache.cache[name] = (len(text), None, text.splitlines(True), name)
+            tree = ast.parse(text)
+            last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+            with contextlib.redirect_stdout(io.StringIO()):
+                exec(compile(tree, name, "exec"), space)
+            if last is not None:
+                shown.append(eval(compile(ast.Expression(last.value), name, "eval"), space))
+        rows = space["m"].frame.set_index("form")
+        self.assertLess(rows.loc["py.mended", "lost_bits_p50"] + 2, rows.loc["py.mine", "lost_bits_p50"])
+        self.assertEqual(rows.loc["py.mended", "lost_bits_max"], rows.loc["sphere.unified", "lost_bits_max"])
+        self.assertTrue(shown[0]._repr_png_().startswith(b"\x89PNG"))
 
     def test_the_calls_of_the_table_are_there(self):
         import lostbits as lb

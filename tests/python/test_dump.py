@@ -15,7 +15,8 @@ class Dump(unittest.TestCase):
     def test_the_path_tracer(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "rays.npy")
-            told = subprocess.run([os.environ["LOSTBITS_TRACER"], path], check=True, capture_output=True, text=True).stdout
+            told = subprocess.run([os.environ["LOSTBITS_TRACER"], path], check=True, capture_output=True,
+                                  text=True).stdout
             rays = np.load(path)
             self.assertEqual(told, f"{len(rays)} rays\n")
             self.assertGreater(len(rays), 48 * 32 * 4)
