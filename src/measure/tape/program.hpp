@@ -1,0 +1,64 @@
+// A tape over columns of rays: what one ray was recorded to do, done to many, each operation in the format that the
+// tape says. A form whose operations are the same for every ray (`select` in place of `if`) is one program.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "number/tape.hpp"
+
+namespace lostbits::measure::tape {
+
+/// Two floats or two doubles, high and low (`number::wide::TwoWords`), as the format of a node.
+inline constexpr FloatFormat two_floats{48, -126, 127}, two_doubles{106, -1022, 1023};
+
+/// What a node is computed in.
+enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
+
+/// By its format. std::logic_error for one that a program has no arithmetic for.
+Word word_of(const FloatFormat& format);
+
+/// Where each result of a tape lies in columns, and what is done to them in which order.
+class Program {
+public:
+    /// Of what the outputs are computed from. std::logic_error for a node in a format without arithmetic here.
+    explicit Program(const Tape& tape);
+
+    /// As a kernel of the table (`Intersector::native32`, `native64`): answers are those of the tape's outputs, which
+    /// are in the format S, and its inputs are taken in the order of `input_names`. For several threads at once.
+    template <class S>
+    void run(const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
+             const intersect::table::HitBatch<S>& hits) const;
+
+    /// Operations that are done to each ray.
+    [[nodiscard]] std::size_t operations() const { return steps_.size(); }
+
+private:
+    struct Step {
+        TapeOp op;
+        Word word, from;  ///< of the result, and of the operands that are numbers
+        std::array<std::uint16_t, 3> operands;
+        std::uint16_t out;
+    };
+    struct Constant {
+        Word word;
+        double value;
+        std::uint16_t out;
+    };
+    struct Input {
+        std::size_t number;
+        std::uint16_t out;
+    };
+    struct Columns;
+
+    std::vector<Step> steps_;
+    std::vector<Constant> constants_;
+    std::vector<Input> inputs_;
+    std::size_t input_count_ = 0;
+    std::array<std::uint16_t, 3> columns_{};  ///< of floats, doubles and decisions
+    std::array<std::uint16_t, 4> outputs_{};  ///< hit, t, near, far
+};
+
+}  // namespace lostbits::measure::tape

@@ -1,0 +1,169 @@
+// A program over columns has the bits of the form that its tape was recorded of, and of the tape run node by node.
+#include "measure/tape/program.hpp"
+
+#include <cmath>
+#include <set>
+
+#include "catch.hpp"
+#include "measure/blame/operation_error.hpp"
+#include "measure/blame/operations.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "measure/rows.hpp"
+#include "measure/tape/tape_form.hpp"
+#include "number/oracle.hpp"
+
+namespace lostbits::test::test_program {
+
+using namespace lostbits::measure::tape;
+using intersect::table::Intersector;
+
+namespace {
+
+bool same_answer(const Hit<double>& a, const Hit<double>& b) {
+    return a.hit == b.hit && same_number(a.t, b.t) && same_number(a.near, b.near) && same_number(a.far, b.far);
+}
+
+/// Rays of a form, as many as a block and some more.
+std::vector<Setting> draw(const Intersector& form, const Format& format) {
+    Random random(41);
+    std::vector<Setting> all;
+    for (int i = 0; i < 150; ++i) all.push_back(draw_setting(random, form, format, i % 3 == 0 ? 1000 : 2));
+    return all;
+}
+
+/// One call over all the rays, to each its own solid.
+template <class S>
+std::vector<Hit<double>> in_columns(const Program& program, const std::vector<Setting>& settings) {
+    const std::size_t n = settings.size();
+    std::array<std::vector<S>, 9> x;
+    for (auto& column : x) column.resize(n);
+    std::vector<std::uint8_t> hit(n);
+    std::vector<Solid<S>> solids;
+    for (std::size_t i = 0; i < n; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            x[static_cast<std::size_t>(k)][i] = static_cast<S>(settings[i].ray.origin[k]);
+            x[static_cast<std::size_t>(3 + k)][i] = static_cast<S>(settings[i].ray.direction[k]);
+        }
+        solids.push_back(transformed(settings[i].solids.front(), [](double v) { return static_cast<S>(v); }));
+    }
+    program.run<S>({x[0], x[1], x[2], x[3], x[4], x[5]}, intersect::Target<S>(std::span<const Solid<S>>(solids)),
+                   {x[6], x[7], x[8], hit});
+    std::vector<Hit<double>> all;
+    for (std::size_t i = 0; i < n; ++i) all.push_back({hit[i] != 0, x[6][i], x[7][i], x[8][i]});
+    return all;
+}
+
+std::vector<Hit<double>> in_columns(const Format& format, const Program& program, const std::vector<Setting>& rays) {
+    return format.engine == Format::Engine::native32 ? in_columns<float>(program, rays)
+                                                     : in_columns<double>(program, rays);
+}
+
+/// A tape of float and double node by node, by the rounding that the emulated formats use.
+Hit<double> node_by_node(const Tape& tape, const Setting& s) {
+    namespace blame = measure::blame;
+    std::vector<double> inputs{s.ray.origin.x,    s.ray.origin.y,    s.ray.origin.z,
+                               s.ray.direction.x, s.ray.direction.y, s.ray.direction.z};
+    for (const double x : s.solids.front().used()) inputs.push_back(x);
+    inputs.push_back(HUGE_VAL);
+    std::vector<double> value(tape.nodes.size());
+    const auto at = [&](NodeId i) -> double& { return value[static_cast<std::size_t>(i)]; };
+    struct Judge {
+        const std::vector<double>& value;
+        const TapeNode& n;
+        [[nodiscard]] double of(std::size_t k) const { return value[static_cast<std::size_t>(n.operands[k])]; }
+        [[nodiscard]] bool less(std::size_t k, std::size_t l) const { return of(k) < of(l); }
+        [[nodiscard]] bool less_equal(std::size_t k, std::size_t l) const { return of(k) <= of(l); }
+        [[nodiscard]] bool holds(std::size_t k) const { return of(k) != 0; }
+    };
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const TapeNode& n = tape[i];
+        const Judge judge{value, n};
+        if (n.op == TapeOp::input) at(i) = inputs.at(static_cast<std::size_t>(n.operands[0]));
+        else if (n.op == TapeOp::constant) at(i) = n.value;
+        else if (is_decision(n.op)) at(i) = blame::holds(n.op, judge) ? 1 : 0;
+        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(blame::side_taken(n, judge));
+        else {
+            std::array<double, 3> operands{};
+            for (std::size_t k = 0; k < 3; ++k)
+                if (n.operands[k] != no_node) operands[k] = at(n.operands[k]);
+            at(i) = blame::result_of(n.op, operands, tape.format_of(i));
+        }
+    }
+    const auto [hit, t, near, far] = tape.outputs;
+    return {at(hit) != 0, at(t), at(near), at(far)};
+}
+
+}  // namespace
+
+TEST_CASE("a form's tape over columns has its bits, but of forms that decide by themselves which way they go",
+          "[tape]") {
+    std::set<std::string_view> others;
+    std::size_t same = 0;
+    for (const char* name : {"f32", "f64"}) {
+        const Format format = *find_format(name);
+        for (const Intersector& form : intersect::table::catalogue()) {
+            if (!form.exists_in(format) || !is_solid(form.shape)) continue;
+            const auto rays = draw(form, format);
+            const auto found = in_columns(format, Program(tape_of(form, format)), rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                if (same_answer(found[i], plain(form, format, rays[i]))) ++same;
+                else others.insert(form.info->name);
+            }
+        }
+    }
+    CAPTURE(others);
+    for (const std::string_view name : others) CHECK(name.ends_with(".filtered"));
+    CHECK(same > 15'000);
+}
+
+TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
+    const Format format = *find_format("f32");
+    Random random(7);
+    std::size_t changed = 0;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        if (!form.exists_in(format) || !is_solid(form.shape) || form.info->name.ends_with(".filtered")) continue;
+        const Tape tape = tape_of(form, format);
+        const auto rays = draw(form, format);
+        for (int k = 0; k < 4; ++k) {
+            std::vector<NodeId> wide;
+            for (const NodeId i : rounded_operations(tape))
+                if (random.unit() < 0.4) wide.push_back(i);
+            const Tape wider = widened(tape, wide, binary64);
+            const auto found = in_columns(format, Program(wider), rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                INFO(form.info->name << ", ray " << i);
+                REQUIRE(same_answer(found[i], node_by_node(wider, rays[i])));
+                if (!same_answer(found[i], plain(form, format, rays[i]))) ++changed;
+            }
+        }
+    }
+    CHECK(changed > 5'000);
+}
+
+TEST_CASE("with every operation in double a form keeps all bits of float but one; none wider is the form", "[tape]") {
+    const Format format = *find_format("f32");
+    const Intersector& form = testing::form_named("sphere.half_b");
+    const Tape tape = tape_of(form, format);
+    const auto all = rounded_operations(tape);
+    const auto rays = draw(form, format);
+    const auto none = in_columns(format, Program(widened(tape, {}, binary64)), rays);
+    for (const bool two_words : {false, true}) {
+        const auto wide = in_columns(format, Program(widened(tape, all, wider_than(binary32, two_words))), rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            CHECK(same_answer(none[i], plain(form, format, rays[i])));
+            const auto in_double = plain(form, *find_format("f64"), rays[i]);
+            CHECK(wide[i].hit == in_double.hit);
+            if (!in_double.hit) continue;
+            CHECK(std::fabs(wide[i].t - in_double.t) <= 0x1p-23 * std::fabs(in_double.t));
+        }
+    }
+}
+
+TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
+    const Format format = *find_format("f32");
+    CHECK_THROWS_WITH(tape_of(testing::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
+    CHECK_THROWS_WITH(tape_of(testing::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
+    CHECK_THROWS(word_of(bfloat16));
+}
+
+}  // namespace lostbits::test::test_program
