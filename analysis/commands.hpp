@@ -42,7 +42,7 @@ inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 /// Each adds a command to the program, which keeps a reference to the options of every command.
 using AddCommand = void(const shell::Command& program, const Common& common);
 AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
-    add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
+    add_mend, add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
 
 /// Standard output, for a command that answers a pipe; what else is printed goes to standard error from then on.
 /// EnvironmentError, which begins with `command`.

@@ -135,8 +135,8 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     common.stop = common.doors.stop = shell::stop_by_signal();
     add_common(program, common);
     add_doors(program, common.doors);
-    for (const auto add :
-         {add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map})
+    for (const auto add : {add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge,
+                           add_list, add_map, add_mend})
         add(program, common);
     shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {

@@ -1,0 +1,144 @@
+#include "measure/mend/mend.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <optional>
+
+#include "analysis/choice/select.hpp"
+#include "analysis/choice/timed.hpp"
+#include "commands.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/mend/mend_files.hpp"
+
+namespace lostbits::analysis {
+
+using measure::mend::MendRequest;
+using output::mend::MendResult;
+
+namespace {
+
+struct MendOptions {
+    choice::SceneChoice scene;
+    std::string scene_name, form, format = "f32", wider = "double", at = "max", out, emit;
+    double bits = 0, wrong = 0;
+};
+
+measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scene) {
+    const auto forms = choice::select_forms({o.form});
+    const auto formats = choice::select_timed_formats({o.format});
+    if (forms.size() != 1 || formats.size() != 1)
+        throw InputError(fmt::format("-i {}, -f {}: one form in one format is mended; name one", o.form, o.format));
+    if (!forms.front()->exists_in(formats.front()))
+        throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
+                                     choice::formats_of(*forms.front())));
+    if (!scene.meets(forms.front()->shapes()))
+        throw NothingSelected(
+            fmt::format("{} is no form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
+    return {.form = forms.front(), .format = formats.front()};
+}
+
+/// All forms of the catalogue for the same solids and format, the most accurate first.
+void add_catalogue(MendResult& result) {
+    const MendRequest& request = result.request;
+    measure::choice::ChoiceRequest all{.scene = request.scene, .wish = request.wish};
+    all.limit = request.limit;
+    for (const auto& form : intersect::table::catalogue())
+        if (form.shape == request.row.form->shape && form.exists_in(request.row.format))
+            all.rows.push_back({&form, request.row.format});
+    const auto worth = measure::choice::worth_of(all);
+    std::vector<std::size_t> order(worth.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order,
+                             [&](auto a, auto b) { return measure::mend::is_more_accurate(worth[a], worth[b]); });
+    for (const std::size_t k : order) {
+        result.catalogue.push_back(all.rows[k]);
+        result.catalogue_worth.push_back(worth[k]);
+    }
+}
+
+/// How far the mended form holds.
+void add_rooms(MendResult& result) {
+    const MendRequest& request = result.request;
+    const auto& set = result.mended.set;
+    if (!set || set->operations.empty()) return;
+    const measure::tape::TapeForm form(*request.row.form, request.row.format,
+                                       with_wider(result.mended, set->operations), "mended", "");
+    measure::choice::ChoiceRequest asked{.scene = request.scene, .wish = request.wish};
+    asked.limit = request.limit;
+    result.rooms = rooms_of(asked, {.form = &form.row(), .format = request.row.format});
+}
+
+std::string command_of(const MendOptions& o) {
+    using output::blame::shell_word;
+    std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.scene_name),
+                                    shell_word(o.form), o.format, o.bits);
+    if (o.wrong != 0) words += fmt::format(" --wrong {:.12g}", o.wrong);
+    if (o.at != "max") words += " --at " + o.at;
+    if (o.wider != "double") words += " --wider " + o.wider;
+    if (!o.scene.size.empty()) words += " --size " + o.scene.size;
+    if (!o.scene.variant.empty()) words += " --variant " + o.scene.variant;
+    for (const std::string& change : o.scene.set) words += " --set " + shell_word(change);
+    return words;
+}
+
+Exit run(const MendOptions& o, const Common& common) {
+    if (!o.out.empty()) require_folder(o.out);
+    choice::SceneChoice named = o.scene;
+    named.names = {o.scene_name};
+    const auto scene = choice::load_one_scene(named, choice::data_folder(common.data));
+    MendRequest request{.scene = &scene, .row = row_of(o, scene), .two_words = o.wider == "two-words"};
+    request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
+    request.limit.stop = common.stop;
+    const choice::ThreadLimit limit(common.threads);
+    std::unique_ptr<output::file::ResultFolder> owner;
+    std::optional<output::mend::MendFiles> files;
+    if (!o.out.empty()) {
+        const auto folder = std::filesystem::path(o.out) / scene.id;
+        owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
+        files.emplace(folder);
+    }
+    std::optional<output::file::AtomicFile> header;
+    if (!o.emit.empty()) header.emplace(o.emit);
+    const measure::mend::Mended mended = mend(request);
+    MendResult result{.request = request, .mended = mended, .catalogue = {}, .catalogue_worth = {}};
+    add_catalogue(result);
+    add_rooms(result);
+    if (header) {
+        header->write(emitted(result, o.emit, command_of(o)));
+        header->commit();
+    }
+    if (files) files->finish(result);
+    fmt::print("{}", output::mend::in_words(result));
+    if (files && !common.quiet) fmt::print("{}\n", (files->folder() / "mend.csv").string());
+    return mended.set ? Exit::done : Exit::answer_is_no;
+}
+
+}  // namespace
+
+void add_mend(const shell::Command& program, const Common& common) {
+    auto command = program.add_command(
+        "mend", "The fewest operations of a form that must be done wider so that it meets a wish on a scene");
+    const auto o = std::make_shared<MendOptions>();
+    o->scene.stop = common.stop;
+    command.add("SCENE", o->scene_name, "A scene file, or a name in data/scenes").required();
+    command.add("-i,--intersector", o->form, "The form that is to be mended").required();
+    command.add("-f,--format", o->format, "f32 (default) or f64");
+    command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
+    command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
+                shell::number_from(0, 1));
+    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99, p99.9, max: every one (default)");
+    command.add("--wider", o->wider,
+                "What operations are done in: double (default; of f64 two doubles), or two words of the format",
+                shell::one_of({"double", "two-words"}));
+    choice::add_changes(command, o->scene, "sphere[0].radius=10");
+    command.add("--emit", o->emit, "Also write the mended form as a header of C++, NAME.hpp");
+    command.add("-o,--out", o->out, "Folder for the results");
+    command.runs([o, &common] { return run(*o, common); });
+}
+
+}  // namespace lostbits::analysis

@@ -1,0 +1,34 @@
+// A tape as the C++ of a form: what a person changes in a function, and what the catalogue takes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "number/tape.hpp"
+
+namespace lostbits::output::mend {
+
+/// The statements of `intersect`, a line each, over T, the number of the form, and W, the wider one, with `wide(x)` and
+/// `narrow(x)` for the ways between; the last is the return. Operations have the source's names where it names them.
+/// Nothing but conversions and types differs between the lines of a tape and of the same with wider operations.
+std::vector<std::string> statements(const Tape& tape, const intersect::table::Intersector& form);
+
+/// What is to be said in a form's file.
+struct FormWords {
+    std::string name;  ///< `shape.form`
+    std::string title, source;
+    std::string comment;     ///< what stands at the head, a line each
+    bool two_words = false;  ///< W is two numbers of T, not the next wider one
+};
+
+/// `half_b_mended` as `HalfBMended`.
+std::string type_name(const std::string& form);
+
+/// A header that holds the form, for the catalogue or for a library of lostbits_form.hpp.
+std::string form_header(const Tape& tape, const intersect::table::Intersector& like, const FormWords& words);
+
+/// Lines that differ, as a diff has them: `- old`, `+ new`, in the order of the new text.
+std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after);
+
+}  // namespace lostbits::output::mend

@@ -1,0 +1,28 @@
+// The files of a mended form: mend.csv (the form, the same with wider operations, the catalogue), minimal.csv (each of
+// the operations, and what is left without it), mend.txt, mended.hpp and datapackage.json.
+#pragma once
+
+#include <filesystem>
+
+#include "output/file/csv.hpp"
+#include "output/mend/mend_text.hpp"
+
+namespace lostbits::output::mend {
+
+/// Opened before the work, named when it is whole.
+class MendFiles {
+public:
+    explicit MendFiles(const std::filesystem::path& folder);
+    void finish(const MendResult& result);
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+
+private:
+    std::filesystem::path folder_;
+    file::CsvWriter forms_, minimal_;
+};
+
+/// The mended form as a header of that file's name, `NAME.hpp`; `command` is what made it. InputError where no
+/// operation is wider.
+std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
+
+}  // namespace lostbits::output::mend
