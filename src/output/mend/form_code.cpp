@@ -83,8 +83,10 @@ private:
                 ++place;
                 name = !n.label.empty() ? identifier(n.label) : of_inputs(n);
                 if (name.empty()) name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", place);
+                const std::string base = name;
+                const char* const between = std::isdigit(static_cast<unsigned char>(base.back())) != 0 ? "_" : "";
                 for (int again = 2; !used.insert(name).second; ++again)
-                    name = fmt::format("{}_{}", identifier(n.label), again);
+                    name = fmt::format("{}{}{}", base, between, again);
             }
             names_.push_back(std::move(name));
         }

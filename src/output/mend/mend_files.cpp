@@ -111,7 +111,7 @@ std::string emitted(const MendResult& r, const std::filesystem::path& file, cons
                         own, m.set ? "it meets the wish as it is" : "with all of them wider it fails the wish, too"));
     const std::string wider = name_of_wider(m.wider);
     FormWords words{
-        .name = fmt::format("{}.{}", row_of(r.request.row.form->shape).name, stem),
+        .name = "mended." + stem,
         .title = fmt::format("{}, {} of its {} operations in {}", own, m.set->operations.size(), m.operations, wider),
         .source = command,
         .comment = fmt::format("// {} with {} of its {} operations in {}, the smallest set that was found for\n"

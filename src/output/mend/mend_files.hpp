@@ -1,5 +1,5 @@
 // The files of a mended form: mend.csv (the form, the same with wider operations, the catalogue), minimal.csv (each of
-// the operations, and what is left without it), mend.txt, mended.hpp and datapackage.json.
+// the operations, and what is left without it), mend.txt and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,8 @@ private:
     file::CsvWriter forms_, minimal_;
 };
 
-/// The mended form as a header of that file's name, `NAME.hpp`; `command` is what made it. InputError where no
-/// operation is wider.
+/// The mended form as a header of that file's name: `NAME.hpp` holds `mended.NAME`. `command` is what made it.
+/// InputError where no operation is wider.
 std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
 
 }  // namespace lostbits::output::mend

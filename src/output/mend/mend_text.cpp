@@ -56,7 +56,6 @@ std::string room_in_words(const Room& room, const MendResult& r) {
 
 /// The names of what is wider, each operation by that of the statement that it is part of, in order.
 std::string names_of(const MendResult& r) {
-    const TapeText text = text_of(r);
     const Tape& tape = r.mended.tape;
     std::vector<std::string> names;
     std::set<std::string> seen;
@@ -67,7 +66,7 @@ std::string names_of(const MendResult& r) {
             const auto& operands = tape[k].operands;
             if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
         }
-        const std::string name = tape[named].label.empty() ? "what follows" : text.name(named);
+        const std::string name = std::string(tape[named].label.empty() ? "what follows" : tape[named].label);
         if (seen.insert(name).second) names.push_back(name);
     }
     return fmt::format("{}", fmt::join(names, ", "));
@@ -94,11 +93,12 @@ std::string set_in_words(const MendResult& r) {
     text += fmt::format(
         "  Nothing can be taken from it: with any one of the {} as it was the wish fails, at best with {}.\n", n,
         in_words(*best, wish));
-    if (m.set->none_of > 0)
-        text +=
-            fmt::format("  No {} {} it: every set was tried.\n",
-                        m.set->none_of == 1 ? "one operation alone" : fmt::format("set of {} or fewer", m.set->none_of),
-                        m.set->none_of + 1 == n ? "does" : "does");
+    if (m.set->none_of > 0) {
+        const std::string sets =
+            m.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", m.set->none_of);
+        text += fmt::format("  {} does it, every one was tried{}.\n", sets,
+                            m.set->none_of + 1 == n ? ": it is one of the smallest" : "");
+    }
     text += fmt::format("  On {}x{} other pixels, on which nothing was searched: {}; as it was: {}.\n", m.apart.width,
                         m.apart.height, in_words(m.apart_worth, wish), in_words(m.own_apart, wish));
     if (!m.apart_worth.meets(wish))

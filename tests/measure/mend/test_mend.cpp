@@ -1,0 +1,146 @@
+// Which operations must be wider: the set meets the wish, nothing can be taken from it, and what was not searched
+// tells.
+#include "measure/mend/mend.hpp"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "output/mend/form_code.hpp"
+#include "output/mend/mend_text.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test::test_mend {
+
+using namespace lostbits::measure::mend;
+using scene::file::Scene;
+namespace tape = measure::tape;
+
+namespace {
+
+Scene scene_named(const char* name, int size) {
+    scene::file::LoadOptions options;
+    options.size = {{size, size}};
+    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
+}
+
+MendRequest request_of(const Scene& scene, const char* form, double bits) {
+    MendRequest request{.scene = &scene, .row = testing::row(form, "f32")};
+    request.wish = {.bits = bits, .wrong = 0, .quantile = 1};
+    return request;
+}
+
+bool same(const Worth& a, const Worth& b) {
+    return a.wrong == b.wrong && a.hits == b.hits && a.rays == b.rays &&
+           (a.kept_bits == b.kept_bits || (std::isnan(a.kept_bits) && std::isnan(b.kept_bits)));
+}
+
+}  // namespace
+
+TEST_CASE("the set meets the wish, and without any of its operations fails it, when measured again", "[mend]") {
+    for (const auto& [name, form, bits] :
+         {std::tuple("rtg-fig-7-3-4100-oblique", "sphere.half_b", 16.0),
+          std::tuple("near-benign", "sphere.schoolbook", 20.0), std::tuple("cylinder-far", "cylinder.crossed", 12.0),
+          std::tuple("triangle-far", "triangle.undivided", 12.0), std::tuple("box-slabs", "box.baseline", 10.0)}) {
+        INFO(name << ", " << form);
+        const Scene scene = scene_named(name, 40);
+        const MendRequest request = request_of(scene, form, bits);
+        const Mended m = mend(request, 200);
+        CHECK_FALSE(m.own.meets(request.wish));
+        REQUIRE(m.set);
+        const auto& set = m.set->operations;
+        REQUIRE_FALSE(set.empty());
+        CHECK(set.size() < m.operations);
+        CHECK(m.set->worth.meets(request.wish));
+        REQUIRE(m.set->without.size() == set.size());
+        Judge judge(request, scene);
+        CHECK(same(judge.worth_of({with_wider(m, set)}).front(), m.set->worth));
+        for (std::size_t k = 0; k < set.size(); ++k) {
+            std::vector<NodeId> fewer = set;
+            fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+            const Worth there = judge.worth_of({with_wider(m, fewer)}).front();
+            CHECK(same(there, m.set->without[k]));
+            CHECK_FALSE(there.meets(request.wish));
+        }
+        CHECK((m.apart.width != scene.width && m.apart_worth.rays != m.own.rays));
+    }
+}
+
+TEST_CASE("a set of three operations is one of the smallest where all of two were tried", "[mend]") {
+    const Scene scene = scene_named("box-slabs", 40);
+    const MendRequest request = request_of(scene, "box.baseline", 10);
+    const Mended m = mend(request, 200);
+    REQUIRE(m.set);
+    CHECK(m.set->none_of + 1 == m.set->operations.size());
+    const auto all = tape::rounded_operations(m.tape);
+    std::vector<Tape> fewer;
+    for (const NodeId a : all)
+        for (const NodeId b : all)
+            if (a <= b && m.set->operations.size() > 2) fewer.push_back(with_wider(m, {a, b}));
+    Judge judge(request, scene);
+    for (const Worth& worth : judge.worth_of(fewer)) CHECK_FALSE(worth.meets(request.wish));
+}
+
+TEST_CASE("the search is the same for any number of threads", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    const MendRequest request = request_of(scene, "sphere.half_b", 16);
+    std::vector<NodeId> found[2];
+    for (const std::size_t threads : {1, 2}) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        found[threads - 1] = mend(request, 40).set.value().operations;
+    }
+    CHECK(found[0] == found[1]);
+}
+
+TEST_CASE("a form that is enough has nothing to be wider, and one that double does not help has no set", "[mend]") {
+    const Scene scene = scene_named("near-benign", 32);
+    const MendRequest easy = request_of(scene, "sphere.half_b", 5);
+    const Mended enough = mend(easy);
+    REQUIRE(enough.set);
+    CHECK(enough.set->operations.empty());
+    // Its contract is a direction of length one, which a rounded direction is not.
+    const Scene far = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    const MendRequest hard = request_of(far, "sphere.pythagoras", 16);
+    const Mended none = mend(hard);
+    CHECK_FALSE(none.set);
+    CHECK(output::mend::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_worth = {}})
+              .find("does not meet the wish") != std::string::npos);
+}
+
+TEST_CASE("two floats do what double does here", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    MendRequest request = request_of(scene, "sphere.half_b", 16);
+    request.two_words = true;
+    const Mended m = mend(request, 1);
+    CHECK(m.wider == tape::two_floats);
+    CHECK(m.all.kept_bits > 23);
+    CHECK(m.set.value().worth.meets(request.wish));
+}
+
+TEST_CASE("a form that decides by itself how far it goes is refused", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    const MendRequest request = request_of(scene, "sphere.filtered", 16);
+    CHECK_THROWS_WITH(mend(request), Catch::Contains("decides by itself"));
+}
+
+TEST_CASE("only what is wider, and what takes of it, changes in the code", "[mend]") {
+    const auto& form = testing::form_named("sphere.half_b");
+    const Tape tape = tape::tape_of(form, *find_format("f32"));
+    const auto before = output::mend::statements(tape, form);
+    CHECK(output::mend::changed_lines(before, before).empty());
+    const auto named = std::ranges::find(tape.nodes, std::string_view("disc"), &TapeNode::label);
+    REQUIRE(named != tape.nodes.end());
+    const auto disc = static_cast<NodeId>(named - tape.nodes.begin());
+    const auto after = output::mend::statements(tape::widened(tape, {disc}, binary64), form);
+    CHECK(after.size() == before.size());
+    const auto lines = output::mend::changed_lines(before, after);
+    REQUIRE(lines.size() == 6);
+    CHECK(lines[0] == "- const T disc = named(\"disc\", square(h) - a*c);");
+    CHECK(lines[1] == "+ const W disc = named(\"disc\", wide(square(h)) - wide(a*c));");
+    CHECK(lines[3].find("sqrt(narrow(disc))") != std::string::npos);
+    CHECK(lines[5].find("(disc < W(0))") != std::string::npos);
+}
+
+}  // namespace lostbits::test::test_mend
