@@ -9,12 +9,12 @@
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/timed.hpp"
+#include "analysis/report/report_parts.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/speed/timing.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
-#include "report_parts.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/claim/report_file.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -22,6 +22,10 @@
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis {
+
+using report::ChoiceWork;
+using report::MapWork;
+using report::SweepWork;
 
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
@@ -211,10 +215,10 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
     for (const std::string& word : o.choices) {
         auto timed = timed_rows(o);
-        work.choices.push_back(choice_of(word, o.size, {timed, words_of(o), true}, data, o.stop));
+        work.choices.push_back(report::choice_of(word, o.size, {timed, words_of(o), true}, data, o.stop));
     }
-    work.offsets =
-        offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size, data, o.stop);
+    work.offsets = report::offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size,
+                                         data, o.stop);
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -265,7 +269,7 @@ Exit run(const ReportOptions& o, const Common& common) {
         report.results = measure::claim::measure_claims(
             work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds});
     for (const scene::file::Scene& scene : work.offsets) {
-        if (auto part = offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
+        if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
     if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
@@ -273,7 +277,7 @@ Exit run(const ReportOptions& o, const Common& common) {
         for (const ShapeRow& solid : shape_rows) {
             const Shape shape = solid.shape;
             const auto rows = choice::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
-            if (!rows.empty()) report.trades.push_back(trade_part(shape, rows, common.stop));
+            if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
         }
     }
     progress.finish();

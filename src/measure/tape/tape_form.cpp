@@ -92,7 +92,7 @@ private:
 template <class S>
 void run_program(void* own, const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
                  const intersect::table::HitBatch<S>& hits) {
-    static_cast<const Program*>(own)->run<S>(rays, target, hits);
+    static_cast<const TapeProgram*>(own)->run<S>(rays, target, hits);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "intersect/table/table.hpp"
-#include "measure/tape/program.hpp"
+#include "measure/tape/tape_program.hpp"
 
 namespace lostbits::measure::tape {
 
@@ -36,10 +36,10 @@ public:
 
     /// Valid as long as this is.
     [[nodiscard]] const intersect::table::Intersector& row() const { return row_; }
-    [[nodiscard]] const Program& program() const { return program_; }
+    [[nodiscard]] const TapeProgram& program() const { return program_; }
 
 private:
-    Program program_;
+    TapeProgram program_;
     std::string name_, title_;
     intersect::Info info_;
     intersect::table::Intersector row_;

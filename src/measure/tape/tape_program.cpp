@@ -1,4 +1,4 @@
-#include "measure/tape/program.hpp"
+#include "measure/tape/tape_program.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -67,7 +67,7 @@ Word word_of(const FloatFormat& format) {
 }
 
 /// The memory of one run.
-struct Program::Columns {
+struct TapeProgram::Columns {
     std::unique_ptr<float[]> floats;
     std::unique_ptr<double[]> doubles;
     std::unique_ptr<std::uint8_t[]> decisions;
@@ -230,7 +230,7 @@ std::vector<NodeId> last_uses(const Tape& tape) {
 
 }  // namespace
 
-Program::Program(const Tape& tape) {
+TapeProgram::TapeProgram(const Tape& tape) {
     const std::vector<NodeId> last = last_uses(tape);
     const auto word = [&](NodeId i) { return is_decision(tape[i].op) ? Word::decision : word_of(tape.format_of(i)); };
     Places places;
@@ -269,7 +269,7 @@ Program::Program(const Tape& tape) {
 }
 
 template <class S>
-void Program::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
+void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
     const std::array six{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     Columns columns(columns_);
     for (const Constant& c : constants_)
@@ -304,7 +304,7 @@ void Program::run(const RayBatch<S>& rays, const Target<S>& target, const HitBat
     }
 }
 
-template void Program::run(const RayBatch<float>&, const Target<float>&, const HitBatch<float>&) const;
-template void Program::run(const RayBatch<double>&, const Target<double>&, const HitBatch<double>&) const;
+template void TapeProgram::run(const RayBatch<float>&, const Target<float>&, const HitBatch<float>&) const;
+template void TapeProgram::run(const RayBatch<double>&, const Target<double>&, const HitBatch<double>&) const;
 
 }  // namespace lostbits::measure::tape

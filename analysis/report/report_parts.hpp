@@ -14,7 +14,7 @@
 #include "output/page/page.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::report {
 
 using intersect::process::StopToken;
 
@@ -61,4 +61,4 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
 /// Short measurements of the rows of one shape.
 output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, StopToken stop);
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::report

@@ -21,10 +21,10 @@ enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
 Word word_of(const FloatFormat& format);
 
 /// Where each result of a tape lies in columns, and what is done to them in which order.
-class Program {
+class TapeProgram {
 public:
     /// Of what the outputs are computed from. std::logic_error for a node in a format without arithmetic here.
-    explicit Program(const Tape& tape);
+    explicit TapeProgram(const Tape& tape);
 
     /// As a kernel of the table (`Intersector::native32`, `native64`): answers are those of the tape's outputs, which
     /// are in the format S, and its inputs are taken in the order of `input_names`. For several threads at once.

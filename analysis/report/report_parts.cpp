@@ -1,4 +1,4 @@
-#include "report_parts.hpp"
+#include "analysis/report/report_parts.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -26,7 +26,7 @@
 #include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/case_file.hpp"
 
-namespace lostbits::analysis {
+namespace lostbits::analysis::report {
 
 using measure::map::MapRow;
 using measure::map::MapSink;
@@ -308,4 +308,4 @@ output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows,
     return part;
 }
 
-}  // namespace lostbits::analysis
+}  // namespace lostbits::analysis::report

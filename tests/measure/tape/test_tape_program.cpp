@@ -1,5 +1,5 @@
 // A program over columns has the bits of the form that its tape was recorded of, and of the tape run node by node.
-#include "measure/tape/program.hpp"
+#include "measure/tape/tape_program.hpp"
 
 #include <cmath>
 #include <set>
@@ -12,7 +12,7 @@
 #include "measure/tape/tape_form.hpp"
 #include "number/oracle.hpp"
 
-namespace lostbits::test::test_program {
+namespace lostbits::test::test_tape_program {
 
 using namespace lostbits::measure::tape;
 using intersect::table::Intersector;
@@ -33,7 +33,7 @@ std::vector<Setting> draw(const Intersector& form, const Format& format) {
 
 /// One call over all the rays, to each its own solid.
 template <class S>
-std::vector<Hit<double>> in_columns(const Program& program, const std::vector<Setting>& settings) {
+std::vector<Hit<double>> in_columns(const TapeProgram& program, const std::vector<Setting>& settings) {
     const std::size_t n = settings.size();
     std::array<std::vector<S>, 9> x;
     for (auto& column : x) column.resize(n);
@@ -53,7 +53,8 @@ std::vector<Hit<double>> in_columns(const Program& program, const std::vector<Se
     return all;
 }
 
-std::vector<Hit<double>> in_columns(const Format& format, const Program& program, const std::vector<Setting>& rays) {
+std::vector<Hit<double>> in_columns(const Format& format, const TapeProgram& program,
+                                    const std::vector<Setting>& rays) {
     return format.engine == Format::Engine::native32 ? in_columns<float>(program, rays)
                                                      : in_columns<double>(program, rays);
 }
@@ -104,7 +105,7 @@ TEST_CASE("a form's tape over columns has its bits, but of forms that decide by 
         for (const Intersector& form : intersect::table::catalogue()) {
             if (!form.exists_in(format) || !is_solid(form.shape)) continue;
             const auto rays = draw(form, format);
-            const auto found = in_columns(format, Program(tape_of(form, format)), rays);
+            const auto found = in_columns(format, TapeProgram(tape_of(form, format)), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 if (same_answer(found[i], plain(form, format, rays[i]))) ++same;
                 else others.insert(form.info->name);
@@ -129,7 +130,7 @@ TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
             for (const NodeId i : rounded_operations(tape))
                 if (random.unit() < 0.4) wide.push_back(i);
             const Tape wider = widened(tape, wide, binary64);
-            const auto found = in_columns(format, Program(wider), rays);
+            const auto found = in_columns(format, TapeProgram(wider), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 INFO(form.info->name << ", ray " << i);
                 REQUIRE(same_answer(found[i], node_by_node(wider, rays[i])));
@@ -146,9 +147,9 @@ TEST_CASE("with every operation in double a form keeps all bits of float but one
     const Tape tape = tape_of(form, format);
     const auto all = rounded_operations(tape);
     const auto rays = draw(form, format);
-    const auto none = in_columns(format, Program(widened(tape, {}, binary64)), rays);
+    const auto none = in_columns(format, TapeProgram(widened(tape, {}, binary64)), rays);
     for (const bool two_words : {false, true}) {
-        const auto wide = in_columns(format, Program(widened(tape, all, wider_than(binary32, two_words))), rays);
+        const auto wide = in_columns(format, TapeProgram(widened(tape, all, wider_than(binary32, two_words))), rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             CHECK(same_answer(none[i], plain(form, format, rays[i])));
             const auto in_double = plain(form, *find_format("f64"), rays[i]);
@@ -166,4 +167,4 @@ TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
     CHECK_THROWS(word_of(bfloat16));
 }
 
-}  // namespace lostbits::test::test_program
+}  // namespace lostbits::test::test_tape_program
