@@ -110,7 +110,7 @@ struct TapeProgram::Columns {
     template <class N>
     void fill(std::uint16_t k, const N& x) const {
         const auto out = column<N>(k);
-        for (std::size_t i = 0; i < together; ++i) out.store(i, x);
+        for (std::size_t i = 0; i < rays; ++i) out.store(i, x);
     }
 
     /// out[i] = f(a[i], …) for the rays at hand. Each ray's operands are read before its result is written, so a result
@@ -272,6 +272,8 @@ template <class S>
 void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
     const std::array six{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     Columns columns(columns_);
+    // A ray and one of many solids come alone: what is the same for all rays is filled in no farther than they go.
+    columns.rays = std::min(together, rays.size());
     for (const Constant& c : constants_)
         Columns::with_number(c.word, [&]<class N>() { columns.fill(c.out, from_double<N>(c.value)); });
     const bool one_solid = target.solids.size() == 1;
