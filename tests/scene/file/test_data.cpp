@@ -90,7 +90,7 @@ bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
         return Real(length(Vec<Real>(p - k * v)) - c.base_radius - k * (c.top_radius - c.base_radius));
     };
     if (high < low) return false;
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 60; ++i) {
         const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
         if (off(a) < off(b)) high = b;
         else low = a;
@@ -98,8 +98,15 @@ bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
     return off(low) <= 0;
 }
 
+/// By the point of the ray between the caps that is nearest to the axis.
 bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
-    return hits(ray, Cone<Real>{c.base, c.top, c.radius, c.radius});
+    const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;
+    const Real v2 = dot(v, v), one = -dot(v, f) / dot(v, d), other = (v2 - dot(v, f)) / dot(v, d);
+    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
+    const Real low = max(min(one, other), Real(0)), high = max(one, other);
+    if (high < low) return false;
+    const Real t = min(max(Real(-dot(from, across) / dot(across, across)), low), high);
+    return length(Vec<Real>(from + t * across)) <= c.radius;
 }
 
 /// By both points of the line at the radius from the axis.
