@@ -122,8 +122,8 @@ double by_mpfi(const TruthSet& set) {
     double sum = 0;
     for (std::size_t i = 0; i < ray_count; ++i) {
         const auto e =
-            measure::truth::enclose<Interval>(measure::truth::lift_ray<Interval>(set.ray(i)),
-                                              measure::truth::lift_solid<Interval>(Solid<double>(set.sphere)));
+            measure::truth::enclose<Interval>(lift_ray<Interval>(set.ray(i)),
+                                              lift_solid<Interval>(Solid<double>(set.sphere)));
         if (e.hit.is_yes()) sum += mpfr_get_d(e.t.lower(), MPFR_RNDN);
     }
     return sum;

@@ -128,7 +128,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
                    .source = sweep.source,
                    .rows = keys_of(work.rows)};
     if (sweep.axes.size() == 2) {
-        const output::sweep::Plane plane(request, steps);
+        const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
         part.axes = {plane.x, plane.y};
         part.json = output::page::plane_json(request, steps);

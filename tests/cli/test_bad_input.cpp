@@ -75,7 +75,7 @@ TEST_CASE("bad words on the command line: exit code and what was meant") {
     const Case cases[] = {
         {"map " + scene + " -i sphere.schoolbok" + out, 2, "sphere.schoolbook"},
         {"map " + scene + " -i 'box.*'" + out, 4, "sphere.*"},
-        {"map " + scene + " -i 'cone.*'" + out, 4, "list forms"},
+        {"map " + scene + " -i 'prism.*'" + out, 4, "list forms"},
         {"map " + scene + " -f f23" + out, 2, "f32"},
         {"map " + scene + " -f p1" + out, 2, "pN"},
         {"map " + scene + " -f p54" + out, 2, "pN"},

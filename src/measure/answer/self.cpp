@@ -24,11 +24,11 @@ std::optional<Certified> without_rounding(const intersect::table::Intersector& f
                                           const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
     const intersect::LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
-    if (settle(form.ball(truth::lift_ray<Ball>(ray), quick.get()), answer)) return answer;
+    if (settle(form.ball(lift_ray<Ball>(ray), quick.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
         const intersect::LiftedTarget<Interval> lifted(target, [](double x) { return Interval(x); });
-        if (settle(form.interval(truth::lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
+        if (settle(form.interval(lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
     }
     return std::nullopt;
 }

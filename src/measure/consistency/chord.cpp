@@ -11,7 +11,7 @@ namespace {
 
 template <class E>
 std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
-    return with_span(truth::lift_ray<E>(ray), truth::lift_solid<E>(solid),
+    return with_span(lift_ray<E>(ray), lift_solid<E>(solid),
                      [](const auto& span) { return ends_of(span); });
 }
 
@@ -31,7 +31,7 @@ template <class E>
 std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
     const auto forth = chord_of<E>(ends.forth, ends.solid), back = chord_of<E>(ends.back, ends.solid);
     if (!forth || !back) return std::nullopt;
-    const E size = distances ? length(truth::lift_vec<E>(ends.forth.direction)) : E(1);
+    const E size = distances ? length(lift_vec<E>(ends.forth.direction)) : E(1);
     ChordError most;
     const auto take = [&](const E& exact, double one, double other) {
         const E sum = E(one) + E(other);

@@ -29,7 +29,7 @@ Vec<double> as_doubles(const Vec<T>& v) {
 /// The sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
 std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
     return truth::by_rising_precision([&]<class E>() {
-        return truth::side_of<E>(truth::lift_ray<E>(ray), truth::lift_solid<E>(sphere), E(m), truth::Length::parameter);
+        return truth::side_of<E>(lift_ray<E>(ray), lift_solid<E>(sphere), E(m), truth::Length::parameter);
     });
 }
 

@@ -35,11 +35,11 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
         const double point[] = {p.x, p.y, p.z};
         const auto number = [&solid](int k) { return solid.numbers[static_cast<std::size_t>(k)]; };
         if (double quick; columns::find_residual<S>(point, number, quick)) return quick;
-        const Ball ball = truth::lift_solid<Ball>(solid).template as<S>().off_surface(truth::lift_vec<Ball>(p));
+        const Ball ball = lift_solid<Ball>(solid).template as<S>().off_surface(lift_vec<Ball>(p));
         if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
         const Interval::Precision precision(8192);
         const Interval exact =
-            truth::lift_solid<Interval>(solid).template as<S>().off_surface(truth::lift_vec<Interval>(p));
+            lift_solid<Interval>(solid).template as<S>().off_surface(lift_vec<Interval>(p));
         return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
     });
 }

@@ -69,9 +69,9 @@ std::optional<Meeting> enclosed(const S& s) {
 
 template <class E>
 std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
-    Ray<E> from = truth::lift_ray<E>(line.ray);
+    Ray<E> from = lift_ray<E>(line.ray);
     if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
-    return with_span(from, truth::lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
+    return with_span(from, lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
 }
 
 /// What `find` finds: every sign is told by some precision, most by a running error.
@@ -128,8 +128,8 @@ Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {
     if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, solid).inside;
     return escalate([&]<class E>() {
-        const Vec<E> from = truth::lift_vec<E>(a), to = truth::lift_vec<E>(b);
-        return with_span(Ray<E>{from, to - from}, truth::lift_solid<E>(solid),
+        const Vec<E> from = lift_vec<E>(a), to = lift_vec<E>(b);
+        return with_span(Ray<E>{from, to - from}, lift_solid<E>(solid),
                          [](const auto& span) { return passes<E>(span); });
     });
 }

@@ -121,8 +121,8 @@ public:
 private:
     template <class E>
     bool surface(std::size_t i, std::size_t object, TruePixel& out) const {
-        const Ray<E> ray = truth::lift_ray<E>(rays_[i]);
-        const Sphere<E> sphere = truth::lift_solid<E>(solids_[object]).sphere();
+        const Ray<E> ray = lift_ray<E>(rays_[i]);
+        const Sphere<E> sphere = lift_solid<E>(solids_[object]).sphere();
         const truth::Enclosed<E> e = truth::enclose<E>(ray, sphere);
         if (!e.hit.is_yes()) return false;
         const Vec<E> p = point_at<E>(ray, e.t), n = normal_at<E>(p, sphere);
@@ -133,7 +133,7 @@ private:
         Vec<E> l(E(0), E(0), E(0)), v = l;
         Tri shadowed = Tri::no;
         if (has_light_) {
-            const Vec<E> light = truth::lift_vec<E>(look_.light);
+            const Vec<E> light = lift_vec<E>(look_.light);
             l = unit_of<E>(light - p);
             v = unit_of<E>(ray.origin - p);
             const Tri faces = dot(n, l) > E(0);
@@ -143,7 +143,7 @@ private:
                 settled &= settle(faces.is_unknown() ? Tri(Tri::unknown) : shadowed, out.shadow);
             }
         }
-        const Paint<E> paint = lifted(look_.paints[object], truth::lift<E, S>);
+        const Paint<E> paint = lifted(look_.paints[object], lift<E, S>);
         for (const auto& [stage, rule] : rules_)
             settled &= settle(shade<E>(paint, rule, shadowed, {n, l, v}), out.colours[stage]);
         return settled;
@@ -154,11 +154,11 @@ private:
         bool settled = true;
         Tri shadowed = Tri::no;
         if (casts_ && !points_.empty()) {
-            shadowed = in_shadow<E>(truth::lift_vec<E>(points_[i]), truth::lift_vec<E>(look_.light), solids_.size());
+            shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(look_.light), solids_.size());
             settled &= settle(shadowed, out.shadow);
         }
-        const Vec<E> full = truth::lift_vec<E>(look_.background);
-        const E factor = truth::lift<E>(look_.shadow_on_background);
+        const Vec<E> full = lift_vec<E>(look_.background);
+        const E factor = lift<E>(look_.shadow_on_background);
         for (const auto& [stage, rule] : rules_) {
             Vec<E> colour = full;
             for (int k = 0; rule.shadows && k < 3; ++k) colour[k] = select(shadowed, factor * full[k], full[k]);
@@ -171,7 +171,7 @@ private:
     Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t own) const {
         Tri shadowed = Tri::no;
         for (std::size_t s = 0; s < solids_.size() && !shadowed.is_yes(); ++s) {
-            if (s != own) shadowed = shadowed || blocks<E>(truth::lift_solid<E>(solids_[s]).sphere(), p, light);
+            if (s != own) shadowed = shadowed || blocks<E>(lift_solid<E>(solids_[s]).sphere(), p, light);
         }
         return shadowed;
     }

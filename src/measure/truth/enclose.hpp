@@ -11,9 +11,9 @@
 #include "geometry/joined_span.hpp"
 #include "geometry/wall_span.hpp"
 #include "intersect/info.hpp"
-#include "measure/truth/lift.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
+#include "shapes/lift.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::truth {

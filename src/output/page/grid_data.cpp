@@ -30,7 +30,7 @@ Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values
 }  // namespace
 
 Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
-    const sweep::Plane plane(request, steps);
+    const sweep::SweepGrid plane(request, steps);
     const std::size_t columns = plane.x.size();
     const auto& axes = request.sweep->axes;
     Json json{{"id", request.sweep->id},

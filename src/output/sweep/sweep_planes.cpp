@@ -56,7 +56,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 }
 
 void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-               const Plane& plane, std::size_t r) {
+               const SweepGrid& plane, std::size_t r) {
     const MapRow& row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
@@ -85,7 +85,7 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
 
 }  // namespace
 
-Plane::Plane(const SweepRequest& request, const std::vector<SweepStep>& steps)
+SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps)
     : x(request.sweep->axes[0].values),
       y(request.sweep->axes[1].values),
       steps_(steps),
@@ -95,7 +95,7 @@ Plane::Plane(const SweepRequest& request, const std::vector<SweepStep>& steps)
     if (y_falls_) std::ranges::reverse(y);
 }
 
-const MapSummary& Plane::at(std::size_t row, std::size_t column, std::size_t line) const {
+const MapSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t line) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
     return steps_[i * y.size() + j].rows[row];
 }
@@ -106,7 +106,7 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     const MapRow& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
                       excess = measure::metric::place_of(request.metrics, "excess_bits");
-    const Plane plane(request, steps);
+    const SweepGrid plane(request, steps);
     plot::PlanePlotSpec spec{
         .title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
         .subtitle = {request.sweep->title},
@@ -148,7 +148,7 @@ void write_plane(ImageBackend& backend, const std::filesystem::path& folder, con
                  const std::vector<SweepStep>& steps, std::size_t row) {
     const std::string stem = map::row_name(request.rows[row]);
     write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
-    write_exr(backend, folder / (stem + ".exr"), request, Plane(request, steps), row);
+    write_exr(backend, folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
 }
 
 }  // namespace lostbits::output::sweep

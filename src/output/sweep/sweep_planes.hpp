@@ -16,9 +16,9 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 double wrong_share(const measure::map::MapSummary& s);
 
 /// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second.
-class Plane {
+class SweepGrid {
 public:
-    Plane(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
+    SweepGrid(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
     /// The numbers of one row of the request.
     [[nodiscard]] const measure::map::MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;

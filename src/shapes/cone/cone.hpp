@@ -111,11 +111,12 @@ struct Cone {
         return {along * v.x + aside * w.x, along * v.y + aside * w.y, along * v.z + aside * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The same with its error: as of the cylinder, with some ten roundings more of the place along the side.
+    /// The same with its error: as of the cylinder, with two roundings more of the place along the side, which moves
+    /// the point along the surface but for what the radius there is rounded by.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
-        const T size = length(Vec<T>(p - base)) + unit() + length(axis());
+        const T size = length(Vec<T>(p - base)) + unit();
         BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(32) * size + gamma_bound<T>(3) * abs(base[i]);
+        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(18) * size + gamma_bound<T>(3) * abs(base[i]);
         return b;
     }
 

@@ -17,7 +17,8 @@ struct HalfSpace {
                                       .touching = "a ray along its plane",
                                       .point = "a normal of 0",
                                       .places = "points and normals"};
-    static constexpr std::array<Key, 2> keys{{{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
+    static constexpr std::array<Key, 2> keys{
+        {{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
 
     template <class Numbers>
     static constexpr HalfSpace of(const Numbers& number) {
@@ -51,10 +52,7 @@ struct HalfSpace {
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return off_surface(p); }
     [[nodiscard]] bool may_hold(const Vec<T>&) const { return true; }
-    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const {
-        const T size = length(normal);
-        return (T(1) / size) * normal;
-    }
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const { return (T(1) / length(normal)) * normal; }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {
         BoundedPoint<T> b{p, p};

@@ -23,7 +23,7 @@ struct CrossedConeAxis {
         const T a = named("a", v2 * square(n) - square(sigma)), h = named("h", v2 * dot(m, n) - rho * sigma);
         const T c = named("c", v2 * square(m) - square(rho)), disc = named("disc", square(h) - a * c);
         return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_without_division<T>(cone, ray, low, across), across);
+                                         caps_without_division<T>(cone, ray, low, across));
     }
 };
 

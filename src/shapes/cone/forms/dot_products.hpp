@@ -25,7 +25,7 @@ struct FromAxisProducts {
         const T c = named("c", square(f) - square(low) / v2 - square(r));
         const T disc = named("disc", square(h) - a * c);
         return first_of_side_and_caps<T>(disc < T(0), sphere::plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_by_points<T>(cone, ray, low, across, v2), across);
+                                         caps_by_points<T>(cone, ray, low, across, v2));
     }
 };
 

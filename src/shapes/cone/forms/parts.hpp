@@ -38,9 +38,8 @@ CapsPassed<T> caps_without_division(const Cone<T>& cone, const Ray<T>& ray, cons
 /// root where the polynomial falls (`near`) or rises (`far`), if that lies between the planes. A NaN is no root between
 /// them.
 template <Number T>
-Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side, const CapsPassed<T>& caps,
-                              const T& across) {
-    const auto up = across > T(0);
+Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side, const CapsPassed<T>& caps) {
+    const auto up = caps.base < caps.top;
     const T low = select(up, caps.base, caps.top), high = select(up, caps.top, caps.base);
     const auto in_low = (up && caps.in_base) || (!up && caps.in_top);
     const auto in_high = (up && caps.in_top) || (!up && caps.in_base);

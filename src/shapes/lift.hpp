@@ -1,15 +1,15 @@
-// Stored numbers as numbers of an enclosure.
+// Stored rays and solids as numbers of an enclosure.
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "geometry/ray.hpp"
-#include "measure/truth/missing.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "shapes/solid.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits {
 
 template <class E, class S>
 E lift(const S& x) {
@@ -48,10 +48,10 @@ inline double low_word_of(double) { return 0; }
 inline double word_of(const Real& x) { return x.convert_to<double>(); }
 inline double low_word_of(const Real& x) {
     const double hi = word_of(x);
-    if (!std::isfinite(hi)) return missing;
+    if (!std::isfinite(hi)) return std::numeric_limits<double>::quiet_NaN();
     const Real rest = x - Real(hi);
     if (rest == 0) return 0;
-    return std::fabs(hi) < 0x1p-800 ? missing : rest.convert_to<double>();
+    return std::fabs(hi) < 0x1p-800 ? std::numeric_limits<double>::quiet_NaN() : rest.convert_to<double>();
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits
