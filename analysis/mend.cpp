@@ -7,6 +7,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <regex>
 
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/timed.hpp"
@@ -86,6 +87,15 @@ std::string command_of(const MendOptions& o) {
     return words;
 }
 
+/// The name of the form, and of its struct, is that of the file.
+void require_header_name(const std::filesystem::path& path) {
+    static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
+    if (path.extension() != ".hpp" || !std::regex_match(path.stem().string(), name))
+        throw InputError("--emit " + path.string() +
+                         ": the form is called as the file; write a word of letters, digits "
+                         "and _, and .hpp, as in half_b_mended.hpp");
+}
+
 Exit run(const MendOptions& o, const Common& common) {
     if (!o.out.empty()) require_folder(o.out);
     choice::SceneChoice named = o.scene;
@@ -102,6 +112,7 @@ Exit run(const MendOptions& o, const Common& common) {
         owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
         files.emplace(folder);
     }
+    if (!o.emit.empty()) require_header_name(o.emit);
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
     const measure::mend::Mended mended = mend(request);

@@ -21,6 +21,10 @@ SHAPES: Dict[str, Tuple[Tuple[str, int], ...]] = {
     "ellipsoid": (("centre", 3), ("radii", 3)),
     "cylinder": (("base", 3), ("top", 3), ("radius", 1)),
     "capsule": (("start", 3), ("end", 3), ("radius", 1)),
+    "tube": (("bottom", 3), ("top", 3), ("radius", 1)),
+    "cone": (("base", 3), ("top", 3), ("base_radius", 1), ("top_radius", 1)),
+    "disc": (("centre", 3), ("normal", 3), ("outer_radius", 1), ("inner_radius", 1)),
+    "plane": (("through", 3), ("normal", 3)),
 }
 ROOTS = {"both": 0, "near": 1, "first": 2, "none": 3}
 YES_NO = {"hit": 0, "miss": 1, "exit": 2}

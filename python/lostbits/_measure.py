@@ -162,7 +162,8 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: Option
         bases, name = [float(x) for x in eye], "distance"
     paths = {along: 1.0} if isinstance(along, str) else dict(along)
     if start is None:
-        raise lib.InputError("sweep: say where it begins, as in start=1")
+        raise lib.InputError(f"sweep: along={along!r} is a number of the scene, and says nothing of where it begins; "
+                             "write start=1, or along=\"distance\"")
     lines = ['schema = "lostbits-sweep/1"', f"title = {toml_text(f'{on.name} along {name}')}", 'source = "-"',
              f"scene = {toml_text(path)}",
              "[[axis]]", f"name = {toml_text(name)}", 'unit = "world"', f"spacing = {toml_text(spacing)}",

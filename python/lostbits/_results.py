@@ -34,7 +34,7 @@ class ByRow:
         for name in (f"{form}.{key[1]}", f"py.{form}.{key[1]}"):
             if name in self._tables:
                 return self._tables[name]
-        raise KeyError(f"no {form} in {key[1]}; there are {', '.join(self._tables)}")
+        raise KeyError(f"no {form} in {key[1]}; there are {', '.join(map(str, self))}")
 
     def __iter__(self) -> Iterator[Tuple[str, str]]:
         for name in self._tables:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 import json
+import os
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -56,7 +57,10 @@ class Scene(HasScene):
 
 
 def _where(size: Optional[Tuple[int, int]], changes: Sequence[str], data: Optional[str]) -> lib.Where:
-    width, height = size or (0, 0)
+    try:
+        width, height = (int(n) for n in size or (0, 0))
+    except (TypeError, ValueError):
+        raise lib.InputError(f"scene: size is {size!r}; write width and height, as in size=(48, 48)") from None
     texts = lib.words(list(changes))
     made = lib.Where(data.encode() if data else lib.data_folder(), width, height, texts)
     made.kept = texts
@@ -86,15 +90,18 @@ def scene(name: Optional[str] = None, *, camera: Optional[Mapping[str, Any]] = N
 
     Without a name: `camera` as in docs/files.md, {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0],
     "fov_deg": 40}, and solids: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi), `triangles` n x 9,
-    `ellipsoids` n x 6, `cylinders` n x 7, `capsules` n x 7, or `mesh` = (vertices n x 3, faces m x 3), which
-    `transform` (4 x 4, or 3 x 4) moves, in float64. Solids are doubles; with inputs="shared" they are rounded once to
+    `ellipsoids` n x 6, `cylinders`, `capsules` and `tubes` n x 7, `cones` and `discs` n x 8, `planes` n x 6, or `mesh` =
+    (vertices n x 3, faces m x 3), which `transform` (4 x 4, or 3 x 4) moves, in float64. Solids are doubles; with inputs="shared" they are rounded once to
     float32, so that every format gets the same numbers, with "own" each format rounds them itself.
     """
     plurals = {("boxes" if shape == "box" else shape + "s"): shape for shape in SHAPES}
     for key in solids:
         word(key, plurals, "a solid's name")
     handle = lib.Handle("scene")
+    if name is not None and not isinstance(name, (str, os.PathLike)):
+        raise lib.InputError(f"scene: {name!r} is no name; write that of a scene, a path, or the text of a scene file")
     if name is not None:
+        name = os.fspath(name)
         if camera is not None or mesh is not None or solids:
             raise lib.InputError("scene: has a name, and solids or a camera of its own; write one or the other")
         is_text = "\n" in name

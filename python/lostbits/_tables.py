@@ -78,7 +78,8 @@ class Table:
     def _no(self, column: str) -> str:
         names = list(self.__dict__.get("columns", {}))
         near = difflib.get_close_matches(column, names, 3) or names[:8]
-        return f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}"
+        return (f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}. Columns of a metric are there "
+                "where it was asked for, as in metrics=[\"lost_bits\", \"culprit\"]")
 
     def __dir__(self) -> List[str]:
         return [*super().__dir__(), *self.columns]

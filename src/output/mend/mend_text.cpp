@@ -91,13 +91,14 @@ std::string set_in_words(const MendResult& r) {
     for (const std::string& line : changed_lines(r)) text += fmt::format("    {}\n", line);
     const auto best = std::ranges::min_element(m.set->without, measure::mend::is_more_accurate);
     text += fmt::format(
-        "  Nothing can be taken from it: with any one of the {} as it was the wish fails, at best with {}.\n", n,
-        in_words(*best, wish));
+        "  Nothing can be taken from it: with any one of the {} as it was the wish fails; the best of these {} has "
+        "{}.\n",
+        n, n, in_words(*best, wish));
     if (m.set->none_of > 0) {
         const std::string sets =
             m.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", m.set->none_of);
         text += fmt::format("  {} does it, every one was tried{}.\n", sets,
-                            m.set->none_of + 1 == n ? ": it is one of the smallest" : "");
+                            m.set->none_of + 1 == n ? ": it is one of the smallest" : "; between, others may do");
     }
     text += fmt::format("  On {}x{} other pixels, on which nothing was searched: {}; as it was: {}.\n", m.apart.width,
                         m.apart.height, in_words(m.apart_worth, wish), in_words(m.own_apart, wish));
