@@ -26,16 +26,16 @@ struct HalfBMended {
         const T o_minus_centre_y = o.y - sphere.centre.y;
         const T o_minus_centre_x = o.x - sphere.centre.x;
         const W a = named("a", square(wide(d.x)) + square(wide(d.y)) + square(wide(d.z)));
-        const W s12 = wide(o_minus_centre_x)*wide(d.x) + wide(o_minus_centre_y)*wide(d.y);
-        const W h = named("h", s12 + wide(o_minus_centre_z)*wide(d.z));
+        const W s12 = wide(o_minus_centre_x) * wide(d.x) + wide(o_minus_centre_y) * wide(d.y);
+        const W h = named("h", s12 + wide(o_minus_centre_z) * wide(d.z));
         const W s18 = square(wide(o_minus_centre_x)) + square(wide(o_minus_centre_y));
         const W c = named("c", s18 + square(wide(o_minus_centre_z)) - wide(square(sphere.radius)));
-        const W disc = named("disc", square(h) - a*c);
+        const W disc = named("disc", square(h) - a * c);
         const T s24 = sqrt(narrow(disc));
-        const T s27 = (narrow(-h) - s24)/narrow(a);
-        const T s30 = (narrow(-h) + s24)/narrow(a);
+        const T s27 = (narrow(-h) - s24) / narrow(a);
+        const T s30 = (narrow(-h) + s24) / narrow(a);
         const T t = named("t", select(s27 < T(0), s30, s27));
-        return {not ((disc < W(0)) or (t < T(0))), t, s27, s30};
+        return {not((disc < W(0)) or (t < T(0))), t, s27, s30};
     }
 };
 

@@ -121,9 +121,8 @@ double by_mpfi(const TruthSet& set) {
     const Interval::Precision precision(192);
     double sum = 0;
     for (std::size_t i = 0; i < ray_count; ++i) {
-        const auto e =
-            measure::truth::enclose<Interval>(lift_ray<Interval>(set.ray(i)),
-                                              lift_solid<Interval>(Solid<double>(set.sphere)));
+        const auto e = measure::truth::enclose<Interval>(lift_ray<Interval>(set.ray(i)),
+                                                         lift_solid<Interval>(Solid<double>(set.sphere)));
         if (e.hit.is_yes()) sum += mpfr_get_d(e.t.lower(), MPFR_RNDN);
     }
     return sum;

@@ -11,8 +11,7 @@ namespace {
 
 template <class E>
 std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
-    return with_span(lift_ray<E>(ray), lift_solid<E>(solid),
-                     [](const auto& span) { return ends_of(span); });
+    return with_span(lift_ray<E>(ray), lift_solid<E>(solid), [](const auto& span) { return ends_of(span); });
 }
 
 /// A number as a double that is off by no more than `error`.

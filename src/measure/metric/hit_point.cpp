@@ -38,8 +38,7 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
         const Ball ball = lift_solid<Ball>(solid).template as<S>().off_surface(lift_vec<Ball>(p));
         if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
         const Interval::Precision precision(8192);
-        const Interval exact =
-            lift_solid<Interval>(solid).template as<S>().off_surface(lift_vec<Interval>(p));
+        const Interval exact = lift_solid<Interval>(solid).template as<S>().off_surface(lift_vec<Interval>(p));
         return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
     });
 }

@@ -141,7 +141,8 @@ TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
     CHECK(changed > 5'000);
 }
 
-TEST_CASE("with every operation in double a form keeps all bits of float but one, and with none wider is the form", "[tape]") {
+TEST_CASE("all in double a form keeps all bits of float but one, and with no operation wider it is the form",
+          "[tape]") {
     const Format format = *find_format("f32");
     const Intersector& form = testing::form_named("sphere.half_b");
     const Tape tape = tape_of(form, format);

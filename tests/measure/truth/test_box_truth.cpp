@@ -141,11 +141,10 @@ std::string contradiction(const Question& q, intersect::Touching convention, Tal
     const Span& want = convention == intersect::Touching::hit ? q.closed : q.open;
     for (const long bits : {6, 20, 53, 120}) {
         const Interval::Precision precision(bits);
-        const Box<Interval> box{lift_vec<Interval>(s.box.lo),
-                                lift_vec<Interval>(s.box.hi)};
+        const Box<Interval> box{lift_vec<Interval>(s.box.lo), lift_vec<Interval>(s.box.hi)};
         const auto range = measure::truth::range_over<Interval>(s.range());
-        const auto e = measure::truth::enclose(box.span(lift_ray<Interval>(s.ray)),
-                                               range ? &*range : nullptr, convention);
+        const auto e =
+            measure::truth::enclose(box.span(lift_ray<Interval>(s.ray)), range ? &*range : nullptr, convention);
         ++tally.asked_low;
         tally.decided_low += !e.hit.is_unknown();
         const std::string at = " at " + std::to_string(bits) + " bits";
