@@ -8,17 +8,10 @@
 #include <optional>
 
 #include "intersect/exact.hpp"
-#include "measure/seeded.hpp"
+#include "intersect/sampled_rays.hpp"
 #include "shapes/capsule/capsule.hpp"
 
 namespace lostbits::test {
-
-using testing::Seeded;
-
-struct CapsuleSample {
-    Ray<double> ray;
-    Capsule<double> capsule;
-};
 
 /// The square of the distance from o + t d to the segment, less r²: a t² + 2 h t + c of the axis where the place along
 /// it, low + t rate, is between 0 and size, and of an end beyond.
@@ -35,6 +28,7 @@ struct CapsuleAnswer {
         return place < 0 ? start.at(t) : place > size ? end.at(t) : side.at(t);
     }
     [[nodiscard]] bool holds(const Rational& t) const { return at(t) <= 0; }
+    [[nodiscard]] bool is_within(const Rational& t) const { return at(t) < 0; }
     /// Where it is least for from ≤ t ≤ to: at the least of a parabola, or at an end of one.
     [[nodiscard]] Rational nearest(const std::optional<Rational>& from, const std::optional<Rational>& to = {}) const {
         std::array<std::optional<Rational>, 7> places;
@@ -60,49 +54,52 @@ struct CapsuleAnswer {
         const Rational before = t - e > 0 ? nearest(Rational(0), Rational(t - e)) : Rational(0);
         return (at(before) > 0 || before == t - e) && holds(nearest(Rational(t - e), Rational(t + e)));
     }
+    /// Whether no equality is near: a tangent, the origin on the surface, a line beside the axis.
+    [[nodiscard]] bool is_clear() const {
+        const auto is_near = [](const Rational& x) { return abs(x) * (1 << 20) < 1; };
+        bool clear = !is_near(at(nearest(Rational(0)))) && !is_near(at(0)) && !is_near(side.a);
+        for (const auto* p : {&start, &side, &end})
+            clear = clear && abs(Rational(p->h * p->h - p->a * p->c)) * (1 << 20) > p->h * p->h;
+        return clear;
+    }
 };
 
-inline CapsuleAnswer answer_of(const CapsuleSample& s) {
+inline CapsuleAnswer answer_of(const Sample<Capsule>& s) {
     CapsuleAnswer x;
     Rational ff = 0, fd = 0, dd = 0, vf = 0, vd = 0, vv = 0, gg = 0, gd = 0;
     for (int i = 0; i < 3; ++i) {
-        const Rational v = Rational(s.capsule.end[i]) - Rational(s.capsule.start[i]), d(s.ray.direction[i]);
-        const Rational f = Rational(s.ray.origin[i]) - Rational(s.capsule.start[i]), g = f - v;
+        const Rational v = Rational(s.solid.end[i]) - Rational(s.solid.start[i]), d(s.ray.direction[i]);
+        const Rational f = Rational(s.ray.origin[i]) - Rational(s.solid.start[i]), g = f - v;
         ff += f * f, fd += f * d, dd += d * d, vf += v * f, vd += v * d, vv += v * v, gg += g * g, gd += g * d;
     }
-    const Rational r2 = Rational(s.capsule.radius) * Rational(s.capsule.radius);
+    const Rational r2 = Rational(s.solid.radius) * Rational(s.solid.radius);
     x.start = {dd, fd, ff - r2}, x.end = {dd, gd, gg - r2};
     x.side = {dd - vd * vd / vv, fd - vf * vd / vv, ff - vf * vf / vv - r2};
     x.low = vf, x.rate = vd, x.size = vv;
     return x;
 }
 
-struct CapsuleRays {
-    const char* name;
-    CapsuleSample (*make)(Seeded&);
-};
-
 /// Along z, of whole numbers, with a radius that 3, 4 and 5 divide into a point of the circle.
-inline CapsuleSample upright_capsule(Seeded& rng) {
+inline Sample<Capsule> upright_capsule(Seeded& rng) {
     const auto whole = [&](int low, int high) { return static_cast<double>(rng.integer(low, high)); };
     const double x = whole(-50, 50), y = whole(-50, 50), z = whole(-50, 50), r = 5 * whole(1, 20),
                  height = whole(1, 99);
     return {{{}, {}}, {{x, y, z}, {x, y, z + height}, r}};
 }
 
-inline const CapsuleRays capsule_rays[] = {
+inline const SampledRays<Capsule> capsule_rays[] = {
     {"random",
      [](Seeded& rng) {
-         CapsuleSample s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.05, 1)}};
+         Sample<Capsule> s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.05, 1)}};
          const double u = rng.uniform(-0.5, 1.5);
          const Vec<double> aside = rng.vec(-0.7, 0.7);
-         s.ray.direction = s.capsule.start + u * (s.capsule.end - s.capsule.start) + aside - s.ray.origin;
+         s.ray.direction = s.solid.start + u * (s.solid.end - s.solid.start) + aside - s.ray.origin;
          return s;
      }},
     {"beside the axis",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         const auto& c = s.capsule;
+         Sample<Capsule> s = upright_capsule(rng);
+         const auto& c = s.solid;
          const double scale = rng.coin() ? 1 : rng.uniform(0, 1.5);
          s.ray.origin = {c.start.x + scale * 0.6 * c.radius, c.start.y + scale * 0.8 * c.radius,
                          c.start.z + static_cast<double>(rng.integer(-200, 200))};
@@ -111,8 +108,8 @@ inline const CapsuleRays capsule_rays[] = {
      }},
     {"tangent",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         const auto& c = s.capsule;
+         Sample<Capsule> s = upright_capsule(rng);
+         const auto& c = s.solid;
          s.ray.direction = {0, static_cast<double>(rng.integer(1, 4)), static_cast<double>(rng.integer(-4, 4))};
          const Vec<double> at(c.start.x + rng.sign() * c.radius, c.start.y,
                               c.start.z + static_cast<double>(rng.integer(-5, 60)));
@@ -121,8 +118,8 @@ inline const CapsuleRays capsule_rays[] = {
      }},
     {"tangent at an end",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         const auto& c = s.capsule;
+         Sample<Capsule> s = upright_capsule(rng);
+         const auto& c = s.solid;
          const bool low = rng.coin();
          s.ray.origin = {c.start.x - 300, c.start.y + 0.6 * c.radius,
                          low ? c.start.z - 0.8 * c.radius : c.end.z + 0.8 * c.radius};
@@ -131,8 +128,8 @@ inline const CapsuleRays capsule_rays[] = {
      }},
     {"through a seam",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         const auto& c = s.capsule;
+         Sample<Capsule> s = upright_capsule(rng);
+         const auto& c = s.solid;
          const Vec<double> at(c.start.x + 0.6 * c.radius, c.start.y - 0.8 * c.radius, rng.coin() ? c.start.z : c.end.z);
          for (int i = 0; i < 3; ++i) s.ray.direction[i] = static_cast<double>(rng.integer(-9, 9));
          s.ray.origin = at - static_cast<double>(rng.integer(-2, 30)) * s.ray.direction;
@@ -140,8 +137,8 @@ inline const CapsuleRays capsule_rays[] = {
      }},
     {"across",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         const auto& c = s.capsule;
+         Sample<Capsule> s = upright_capsule(rng);
+         const auto& c = s.solid;
          s.ray.origin = {c.start.x + static_cast<double>(rng.integer(-150, 150)), c.start.y - 200,
                          c.start.z + static_cast<double>(rng.integer(-120, 200))};
          s.ray.direction = {0, 1, 0};
@@ -149,69 +146,54 @@ inline const CapsuleRays capsule_rays[] = {
      }},
     {"from inside",
      [](Seeded& rng) {
-         CapsuleSample s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 1)}};
+         Sample<Capsule> s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 1)}};
          const Vec<double> aside = rng.vec(-0.2, 0.2);
-         s.ray.origin = s.capsule.start + rng.uniform(-0.2, 1.2) * (s.capsule.end - s.capsule.start) + aside;
+         s.ray.origin = s.solid.start + rng.uniform(-0.2, 1.2) * (s.solid.end - s.solid.start) + aside;
          return s;
      }},
     {"nearly beside the axis",
      [](Seeded& rng) {
-         CapsuleSample s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)}};
-         const Vec<double> v = s.capsule.end - s.capsule.start, aside = rng.vec(-0.8, 0.8), off = rng.vec(-1, 1);
-         s.ray = {s.capsule.start - 3.0 * v + aside, v + 0x1p-20 * off};
+         Sample<Capsule> s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)}};
+         const Vec<double> v = s.solid.end - s.solid.start, aside = rng.vec(-0.8, 0.8), off = rng.vec(-1, 1);
+         s.ray = {s.solid.start - 3.0 * v + aside, v + 0x1p-20 * off};
          return s;
      }},
     {"thin",
      [](Seeded& rng) {
-         CapsuleSample s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 0x1p-20}};
+         Sample<Capsule> s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 0x1p-20}};
          const Vec<double> aside = 0x1p-20 * rng.vec(-1.5, 1.5);
-         s.ray.direction = 0.5 * (s.capsule.start + s.capsule.end) + aside - s.ray.origin;
+         s.ray.direction = 0.5 * (s.solid.start + s.solid.end) + aside - s.ray.origin;
          return s;
      }},
     {"far away",
      [](Seeded& rng) {
-         CapsuleSample s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)}};
+         Sample<Capsule> s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)}};
          const Vec<double> aside = rng.vec(-1, 1);
-         s.ray.origin = s.capsule.start + aside - 0x1p20 * s.ray.direction;
+         s.ray.origin = s.solid.start + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
     {"tiny",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         s.ray = {s.capsule.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.capsule.start, &s.capsule.end}) *p = 0x1p-140 * *p;
-         s.capsule.radius *= 0x1p-140;
+         Sample<Capsule> s = upright_capsule(rng);
+         s.ray = {s.solid.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.start, &s.solid.end}) *p = 0x1p-140 * *p;
+         s.solid.radius *= 0x1p-140;
          return s;
      }},
     {"huge",
      [](Seeded& rng) {
-         CapsuleSample s = upright_capsule(rng);
-         s.ray = {s.capsule.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.capsule.start, &s.capsule.end}) *p = 0x1p110 * *p;
-         s.capsule.radius *= 0x1p110;
+         Sample<Capsule> s = upright_capsule(rng);
+         s.ray = {s.solid.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.start, &s.solid.end}) *p = 0x1p110 * *p;
+         s.solid.radius *= 0x1p110;
          return s;
      }},
 };
 
-/// Every number rounded to binary32: those of constructed rays are short, and stay.
-inline CapsuleSample in_floats(CapsuleSample s) {
-    for (Vec<double>* const p : {&s.ray.origin, &s.ray.direction, &s.capsule.start, &s.capsule.end})
-        *p = testing::stored(*p, binary32);
-    s.capsule.radius = testing::stored(s.capsule.radius, binary32);
-    return s;
-}
-
-/// `visit(family, sample)` of each family so many times; what has no axis or no direction is left out.
+/// `visit(family, sample)` of each family so many times.
 template <class Visit>
 void for_each_capsule(int each, const Visit& visit) {
-    for (const CapsuleRays& family : capsule_rays) {
-        Seeded rng(0x7a9);
-        for (int i = 0; i < each; ++i) {
-            const CapsuleSample s = in_floats(family.make(rng));
-            if (s.ray.direction == Vec<double>(0, 0, 0) || s.capsule.start == s.capsule.end) continue;
-            visit(family, s);
-        }
-    }
+    for_each_sample(capsule_rays, 0x7a9, each, visit);
 }
 
 }  // namespace lostbits::test

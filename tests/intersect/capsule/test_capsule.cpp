@@ -1,144 +1,56 @@
 // The truth of capsules against fractions, alone and in packs; every form when nothing is rounded; and what a
 // capsule says of itself.
-#include <map>
 #include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/capsule/capsule_rays.hpp"
-#include "intersect/catalogue.hpp"
-#include "intersect/certified_root.hpp"
 #include "intersect/packs_and_alone.hpp"
+#include "intersect/solid_checks.hpp"
 
 namespace lostbits::test::test_capsule {
 
-using intersect::AtOrigin;
-using intersect::Touching;
-using intersect::capsule::CapsuleForms;
-using measure::truth::find_truth;
-using measure::truth::Truth;
-
-namespace {
-
-using test::lifted;  // beside that of the shape
-
-template <class T>
-Capsule<T> lifted(const Capsule<double>& c) {
-    return {lifted<T>(c.start), lifted<T>(c.end), static_cast<T>(c.radius)};
-}
-
-}  // namespace
-
 TEST_CASE("the truth of a capsule is what fractions say", "[truth][capsule]") {
-    std::map<std::string, int> hits, touches, from_it, exact;
-    for_each_capsule(static_cast<int>(draws(1500)), [&](const CapsuleRays& family, const CapsuleSample& s) {
-        INFO(family.name);
-        CAPTURE(s.ray.origin.x, s.ray.origin.y, s.ray.origin.z, s.ray.direction.x, s.ray.direction.y,
-                s.ray.direction.z);
-        const CapsuleAnswer right = answer_of(s);
-        const Truth closed = find_truth(s.ray, Solid<double>(s.capsule));
-        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
-        hits[family.name] += right.meets(), exact[family.name] += closed.bits > 106;
-        if (!right.meets()) return;
-        const bool on_surface = right.at(0) == 0;
-        REQUIRE(closed.touches == !right.goes_through());
-        REQUIRE(closed.on_surface == on_surface);
-        touches[family.name] += closed.touches, from_it[family.name] += on_surface;
-        REQUIRE(encloses_first(closed.t, right));
-        const Truth open = find_truth(s.ray, Solid<double>(s.capsule), {}, Touching::miss);
-        REQUIRE(open.is_hit() == right.goes_through());
-        if (!on_surface) return;
-        // Whoever passes over its origin meets the other end, if it lies ahead.
-        const Truth passed = find_truth(s.ray, Solid<double>(s.capsule), {}, AtOrigin::miss);
-        const Rational ahead = power_of_two(-60);
-        if (right.goes_through()) REQUIRE(passed.is_hit() == (right.at(ahead) < 0));
+    TruthTally truth;
+    for_each_capsule(static_cast<int>(draws(1500)), [&](const SampledRays<Capsule>& family, const Sample<Capsule>& s) {
+        truth.hold(family.name, s, answer_of(s));
     });
-    for (const CapsuleRays& family : capsule_rays) {
-        INFO(family.name << ": hits " << hits[family.name] << ", touches " << touches[family.name] << ", from it "
-                         << from_it[family.name] << ", by intervals " << exact[family.name]);
-        CHECK(hits[family.name] > 20);
-    }
-    CHECK(touches["beside the axis"] > 20);
-    CHECK(touches["tangent"] > 20);
-    CHECK(touches["tangent at an end"] > 100);
-    CHECK(from_it["through a seam"] > 0);
-    CHECK(exact["random"] == 0);
+    truth.check_hits(capsule_rays);
+    CHECK(truth.touches["beside the axis"] > 20);
+    CHECK(truth.touches["tangent"] > 20);
+    CHECK(truth.touches["tangent at an end"] > 100);
+    CHECK(truth.from_it["through a seam"] > 0);
+    CHECK(truth.exact["random"] == 0);
 }
 
 TEST_CASE("packs say of capsules what the truth of each ray says", "[truth][capsule]") {
     std::vector<RayAndSolid> asked;
-    for_each_capsule(static_cast<int>(draws(1500)), [&](const CapsuleRays&, const CapsuleSample& s) {
-        asked.push_back({s.ray, s.capsule});
+    for_each_capsule(static_cast<int>(draws(1500)), [&](const SampledRays<Capsule>&, const Sample<Capsule>& s) {
+        asked.push_back({s.ray, s.solid});
     });
     check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("every capsule form solves the problem when nothing is rounded", "[intersect][capsule][formula]") {
-    struct Tally {
-        long asked = 0, hits = 0, wrong = 0;
-        std::string first = "none";  ///< of the families, in which it is wrong
-    };
-    std::array<Tally, CapsuleForms::size> tallies{};
-    const Rational off = power_of_two(-150);
-    for_each_capsule(static_cast<int>(draws(1000)), [&](const CapsuleRays& family, const CapsuleSample& s) {
-        const CapsuleAnswer right = answer_of(s);
-        // Clear of every equality: tangents, the origin on the surface, a line beside the axis.
-        const Rational least = right.at(right.nearest(Rational(0)));
-        if (abs(least) * (1 << 20) < 1 || abs(right.at(0)) * (1 << 20) < 1 || right.side.a * (1 << 20) < 1) return;
-        bool clear = true;
-        for (const auto* p : {&right.start, &right.side, &right.end})
-            clear = clear && abs(Rational(p->h * p->h - p->a * p->c)) * (1 << 20) > p->h * p->h;
-        if (!clear) return;
-        std::size_t form = 0;
-        CapsuleForms::for_each([&]<class Form>() {
-            Tally& tally = tallies[form++];
-            if (Form::info.roots == intersect::Roots::near_only && right.at(0) < 0) return;
-            Ray<Real> ray{lifted<Real>(s.ray.origin), lifted<Real>(s.ray.direction)};
-            const Real size = Form::info.direction == intersect::Direction::unit ? length(ray.direction) : Real(1);
-            ray.direction = Vec<Real>(ray.direction.x / size, ray.direction.y / size, ray.direction.z / size);
-            const Hit<Real> h = Form::intersect(ray, lifted<Real>(s.capsule));
-            const Rational t = h.hit ? rational_from(Real(h.t / size)) : Rational(0);
-            const bool good = h.hit == right.meets() && (!h.hit || right.is_first(t, off * abs(t)));
-            ++tally.asked, tally.hits += h.hit;
-            if (!good && tally.wrong++ == 0) tally.first = family.name;
-        });
+    UnroundedForms<intersect::capsule::CapsuleForms> forms;
+    for_each_capsule(static_cast<int>(draws(1000)), [&](const SampledRays<Capsule>& family, const Sample<Capsule>& s) {
+        const auto right = answer_of(s);
+        forms.ask(family.name, s, right, right.is_within(0));
     });
-    std::size_t form = 0;
-    CapsuleForms::for_each([&]<class Form>() {
-        const Tally& t = tallies[form++];
-        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits << ", wrong first in " << t.first);
-        CHECK(t.wrong == 0);
-        CHECK(t.asked > 150);
-        CHECK(t.hits > t.asked / 5);
-        CHECK(t.hits < t.asked);
-    });
+    forms.check(150);
 }
 
 TEST_CASE("a capsule's distance, normal and nearest point belong together", "[capsule]") {
     Seeded rng(0x7a7);
-    const Real tolerance = ldexp(Real(1), -200);
     int inside = 0;
     for (int i = 0; i < 500; ++i) {
-        const Capsule<double> plain{rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)};
-        const Capsule<Real> c = lifted<Real>(plain);
+        const Capsule<double> c{rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)};
         const Vec<double> q = rng.vec(-2, 2);
-        const Vec<Real> p = lifted<Real>(q);
-        const Ray<Real> ray{p, p};
-        const Vec<Real> on = c.projected(ray, p);
-        const Real d = c.distance(p);
-        REQUIRE(abs(c.distance(on)) <= tolerance);
-        REQUIRE(abs(c.off_surface(on)) * c.unit() <= tolerance);
-        REQUIRE(abs(Real(abs(d) - length(Vec<Real>(p - on)))) <= tolerance);
-        REQUIRE(abs(c.off_surface(p)) * c.unit() <= abs(d) + tolerance);
-        const Vec<Real> n = c.outward_normal(ray, on);
-        REQUIRE(abs(Real(length(n) - Real(1))) <= tolerance);
-        REQUIRE(c.distance(on + ldexp(Real(1), -20) * n) > 0);
-        REQUIRE(c.distance(on - ldexp(Real(1), -20) * n) < 0);
-        REQUIRE((d < 0) == plain.may_hold(q));
-        inside += d < 0;
+        inside += check_nearest_of_solid(c, q, false);
         const Vec<Real> u = lifted<Real>(Vec<double>(rng.unit(), 0.5, 0.5));
-        REQUIRE(c.distance(c.point_at(u)) <= tolerance);
+        const Capsule<Real> exact = in_real(c);
+        REQUIRE(exact.distance(exact.point_at(u)) <= ldexp(Real(1), -200));
     }
     CHECK(inside > 5);
 }
@@ -149,19 +61,10 @@ TEST_CASE("the point of a ray put onto a capsule lies within its bound", "[capsu
     for (int i = 0; i < 4000; ++i) {
         const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
         const Vec<double> place = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
-        const Capsule<float> c = lifted<float>(Capsule<double>{place, place + v, scale * rng.uniform(0.01, 1)});
-        const Vec<float> p = lifted<float>(place + rng.unit() * v + w);
-        const auto exact = [](const Vec<float>& x) { return Vec<Real>(Real(x.x), Real(x.y), Real(x.z)); };
-        const Capsule<Real> same{exact(c.start), exact(c.end), Real(c.radius)};
-        if (c.start == c.end) continue;
-        // Put back by what rounding moved it: a point near the surface, as hits are.
-        const Vec<Real> on = same.projected(Ray<Real>{exact(p), exact(p)}, exact(p));
-        const Vec<float> near(static_cast<float>(on.x), static_cast<float>(on.y), static_cast<float>(on.z));
-        const BoundedPoint<float> b = c.bounded_point(Ray<float>{near, {1, 0, 0}}, 0, near);
-        double beyond = 0, allowed = 0;
-        for (int k = 0; k < 3; ++k) allowed += static_cast<double>(b.delta[k]) * static_cast<double>(b.delta[k]);
-        beyond = static_cast<double>(abs(same.distance(exact(b.p))));
-        largest = std::max(largest, beyond / std::sqrt(allowed));
+        const Capsule<double> c{place, place + v, scale * rng.uniform(0.01, 1)};
+        const Vec<double> at = place + rng.unit() * v + w;
+        if (testing::stored(c.start, binary32) == testing::stored(c.end, binary32)) continue;
+        largest = std::max(largest, share_of_bound(c, at));
     }
     CHECK(largest < 1);
     CHECK(largest > 0.01);

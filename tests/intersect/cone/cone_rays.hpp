@@ -2,30 +2,18 @@
 #pragma once
 
 #include "intersect/cone/capped_answer.hpp"
-#include "measure/seeded.hpp"
+#include "intersect/sampled_rays.hpp"
 #include "shapes/cone/cone.hpp"
 
 namespace lostbits::test {
 
-using testing::Seeded;
-
-struct ConeSample {
-    Ray<double> ray;
-    Cone<double> cone;
-};
-
-inline CappedAnswer answer_of(const ConeSample& s) {
-    return capped_answer(s.ray, s.cone.base, s.cone.top, s.cone.base_radius, s.cone.top_radius);
+inline CappedAnswer answer_of(const Sample<Cone>& s) {
+    return capped_answer(s.ray, s.solid.base, s.solid.top, s.solid.base_radius, s.solid.top_radius);
 }
-
-struct ConeRays {
-    const char* name;
-    ConeSample (*make)(Seeded&);
-};
 
 /// Along z, of whole numbers: the radius falls by 3 for each 4 of height, so that sides are directions of whole
 /// numbers.
-inline ConeSample upright_cone(Seeded& rng) {
+inline Sample<Cone> upright_cone(Seeded& rng) {
     const auto whole = [&](int low, int high) { return static_cast<double>(rng.integer(low, high)); };
     const double x = whole(-50, 50), y = whole(-50, 50), z = whole(-50, 50), steps = whole(1, 20);
     const double top = rng.coin() ? 0 : 5 * whole(1, 20);
@@ -37,65 +25,65 @@ inline Vec<double> on_side(const Cone<double>& c, double k, double x, double y) 
     return {c.base.x + x * r, c.base.y + y * r, c.base.z + share * (c.top.z - c.base.z)};
 }
 
-inline const ConeRays cone_rays[] = {
+inline const SampledRays<Cone> cone_rays[] = {
     {"random",
      [](Seeded& rng) {
-         ConeSample s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.05, 1), 0}};
-         if (rng.coin()) s.cone.top_radius = rng.uniform(0, 1.5);
+         Sample<Cone> s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.05, 1), 0}};
+         if (rng.coin()) s.solid.top_radius = rng.uniform(0, 1.5);
          const double u = rng.uniform(-0.1, 1.1);
          const Vec<double> aside = rng.vec(-0.7, 0.7);
-         s.ray.direction = s.cone.base + u * (s.cone.top - s.cone.base) + aside - s.ray.origin;
+         s.ray.direction = s.solid.base + u * (s.solid.top - s.solid.base) + aside - s.ray.origin;
          return s;
      }},
     {"steep",
      [](Seeded& rng) {
-         ConeSample s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 2), rng.uniform(0, 1)}};
-         const Vec<double> v = s.cone.top - s.cone.base, aside = rng.vec(-1.5, 1.5), off = rng.vec(-0.3, 0.3);
-         s.ray = {s.cone.base - rng.uniform(-3, 3) * v + aside, rng.sign() * v + off};
+         Sample<Cone> s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 2), rng.uniform(0, 1)}};
+         const Vec<double> v = s.solid.top - s.solid.base, aside = rng.vec(-1.5, 1.5), off = rng.vec(-0.3, 0.3);
+         s.ray = {s.solid.base - rng.uniform(-3, 3) * v + aside, rng.sign() * v + off};
          return s;
      }},
     {"beside the side",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
+         Sample<Cone> s = upright_cone(rng);
          const double shift = rng.coin() ? 0 : static_cast<double>(rng.integer(-30, 30));
          s.ray.direction = {-3.0, 0, 4.0};
-         const Vec<double> at =
-             on_side(s.cone, 0, 1, 0) + Vec<double>(shift, rng.coin() ? 0 : static_cast<double>(rng.integer(-9, 9)), 0);
+         const Vec<double> at = on_side(s.solid, 0, 1, 0) +
+                                Vec<double>(shift, rng.coin() ? 0 : static_cast<double>(rng.integer(-9, 9)), 0);
          s.ray.origin = at - static_cast<double>(rng.integer(-10, 30)) * s.ray.direction;
          if (rng.coin()) s.ray.direction = -s.ray.direction;
          return s;
      }},
     {"tangent",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
+         Sample<Cone> s = upright_cone(rng);
          // In the plane that touches along a side: across it, and along it.
          const Vec<double> side(-3, 0, 4), across(0, 1, 0);
          const double along = static_cast<double>(rng.integer(-3, 3));
          s.ray.direction = along * side + static_cast<double>(rng.integer(1, 5)) * across;
-         const Vec<double> at = on_side(s.cone, static_cast<double>(rng.integer(-3, 23)), 1, 0);
+         const Vec<double> at = on_side(s.solid, static_cast<double>(rng.integer(-3, 23)), 1, 0);
          s.ray.origin = at - static_cast<double>(rng.integer(-3, 30)) * s.ray.direction;
          return s;
      }},
     {"through the apex",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         s.cone.base_radius -= s.cone.top_radius, s.cone.top_radius = 0;
+         Sample<Cone> s = upright_cone(rng);
+         s.solid.base_radius -= s.solid.top_radius, s.solid.top_radius = 0;
          for (int i = 0; i < 3; ++i) s.ray.direction[i] = static_cast<double>(rng.integer(-9, 9));
-         s.ray.origin = s.cone.top - static_cast<double>(rng.integer(-9, 30)) * s.ray.direction;
+         s.ray.origin = s.solid.top - static_cast<double>(rng.integer(-9, 30)) * s.ray.direction;
          return s;
      }},
     {"through a rim",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         const Vec<double> at = on_side(s.cone, rng.coin() ? 0 : 20, 0.6 * rng.sign(), 0.8 * rng.sign());
+         Sample<Cone> s = upright_cone(rng);
+         const Vec<double> at = on_side(s.solid, rng.coin() ? 0 : 20, 0.6 * rng.sign(), 0.8 * rng.sign());
          for (int i = 0; i < 3; ++i) s.ray.direction[i] = static_cast<double>(rng.integer(-9, 9));
          s.ray.origin = at - static_cast<double>(rng.integer(-2, 30)) * s.ray.direction;
          return s;
      }},
     {"in a cap",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         const auto& c = s.cone;
+         Sample<Cone> s = upright_cone(rng);
+         const auto& c = s.solid;
          s.ray.origin = {c.base.x + static_cast<double>(rng.integer(-150, 150)), c.base.y - (rng.coin() ? 500 : 1),
                          rng.coin() ? c.base.z : c.top.z + static_cast<double>(rng.integer(-1, 1))};
          s.ray.direction = {0, 1, 0};
@@ -103,77 +91,62 @@ inline const ConeRays cone_rays[] = {
      }},
     {"from the surface",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         s.ray.origin = on_side(s.cone, static_cast<double>(rng.integer(0, 20)), 0.6 * rng.sign(), 0.8 * rng.sign());
-         if (rng.integer(0, 2) == 0) s.ray.origin = s.cone.base;
+         Sample<Cone> s = upright_cone(rng);
+         s.ray.origin = on_side(s.solid, static_cast<double>(rng.integer(0, 20)), 0.6 * rng.sign(), 0.8 * rng.sign());
+         if (rng.integer(0, 2) == 0) s.ray.origin = s.solid.base;
          s.ray.direction = rng.vec(-1, 1);
          return s;
      }},
     {"from inside",
      [](Seeded& rng) {
-         ConeSample s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 1), rng.uniform(0, 1)}};
+         Sample<Cone> s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.5, 1), rng.uniform(0, 1)}};
          const Vec<double> aside = rng.vec(-0.1, 0.1);
-         s.ray.origin = 0.5 * (s.cone.base + s.cone.top) + aside;
+         s.ray.origin = 0.5 * (s.solid.base + s.solid.top) + aside;
          return s;
      }},
     {"flat",
      [](Seeded& rng) {
          const Vec<double> at = rng.vec(-1, 1), v = 0x1p-16 * rng.vec(-1, 1), aside = rng.vec(-0.6, 0.6);
-         ConeSample s{{rng.vec(-4, 4), {}}, {at, at + v, rng.uniform(0.3, 1), 0}};
+         Sample<Cone> s{{rng.vec(-4, 4), {}}, {at, at + v, rng.uniform(0.3, 1), 0}};
          s.ray.direction = at + aside - s.ray.origin;
          return s;
      }},
     {"a needle",
      [](Seeded& rng) {
-         ConeSample s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 0x1p-16, 0}};
+         Sample<Cone> s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 0x1p-16, 0}};
          const Vec<double> aside = 0x1p-16 * rng.vec(-1, 1);
-         s.ray.direction = s.cone.base + 0.25 * (s.cone.top - s.cone.base) + aside - s.ray.origin;
+         s.ray.direction = s.solid.base + 0.25 * (s.solid.top - s.solid.base) + aside - s.ray.origin;
          return s;
      }},
     {"far away",
      [](Seeded& rng) {
-         ConeSample s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1), 0}};
+         Sample<Cone> s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1), 0}};
          const Vec<double> aside = rng.vec(-1, 1);
-         s.ray.origin = s.cone.base + aside - 0x1p20 * s.ray.direction;
+         s.ray.origin = s.solid.base + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
     {"tiny",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         s.ray = {s.cone.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.cone.base, &s.cone.top}) *p = 0x1p-140 * *p;
-         s.cone.base_radius *= 0x1p-140, s.cone.top_radius *= 0x1p-140;
+         Sample<Cone> s = upright_cone(rng);
+         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p-140 * *p;
+         s.solid.base_radius *= 0x1p-140, s.solid.top_radius *= 0x1p-140;
          return s;
      }},
     {"huge",
      [](Seeded& rng) {
-         ConeSample s = upright_cone(rng);
-         s.ray = {s.cone.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.cone.base, &s.cone.top}) *p = 0x1p110 * *p;
-         s.cone.base_radius *= 0x1p110, s.cone.top_radius *= 0x1p110;
+         Sample<Cone> s = upright_cone(rng);
+         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p110 * *p;
+         s.solid.base_radius *= 0x1p110, s.solid.top_radius *= 0x1p110;
          return s;
      }},
 };
 
-/// Every number rounded to binary32: those of constructed rays are short, and stay.
-inline ConeSample in_floats(ConeSample s) {
-    for (Vec<double>* const p : {&s.ray.origin, &s.ray.direction, &s.cone.base, &s.cone.top})
-        *p = testing::stored(*p, binary32);
-    for (double* const r : {&s.cone.base_radius, &s.cone.top_radius}) *r = testing::stored(*r, binary32);
-    return s;
-}
-
-/// `visit(family, sample)` of each family so many times; what has no height or no direction is left out.
+/// `visit(family, sample)` of each family so many times.
 template <class Visit>
 void for_each_cone(int each, const Visit& visit) {
-    for (const ConeRays& family : cone_rays) {
-        Seeded rng(0xc09e);
-        for (int i = 0; i < each; ++i) {
-            const ConeSample s = in_floats(family.make(rng));
-            if (s.ray.direction == Vec<double>(0, 0, 0) || s.cone.base == s.cone.top) continue;
-            visit(family, s);
-        }
-    }
+    for_each_sample(cone_rays, 0xc09e, each, visit);
 }
 
 }  // namespace lostbits::test

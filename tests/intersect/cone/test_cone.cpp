@@ -1,6 +1,5 @@
 // The truth of cones against fractions, alone and in packs; every form when nothing is rounded; and what a cone says of
 // itself.
-#include <map>
 #include <string>
 #include <vector>
 
@@ -12,62 +11,37 @@
 
 namespace lostbits::test::test_cone {
 
-using intersect::AtOrigin;
-using intersect::Touching;
-using measure::truth::find_truth;
-using measure::truth::Truth;
-
 TEST_CASE("the truth of a cone is what fractions say", "[truth][cone]") {
-    std::map<std::string, int> hits, touches, from_it, exact, opens;
-    for_each_cone(static_cast<int>(draws(1500)), [&](const ConeRays& family, const ConeSample& s) {
-        INFO(family.name);
-        CAPTURE(s.ray.origin.x, s.ray.origin.y, s.ray.origin.z, s.ray.direction.x, s.ray.direction.y, s.ray.direction.z,
-                s.cone.base.x, s.cone.base.y, s.cone.base.z, s.cone.top.x, s.cone.top.y, s.cone.top.z,
-                s.cone.base_radius, s.cone.top_radius);
+    TruthTally truth;
+    int steep = 0;
+    for_each_cone(static_cast<int>(draws(1500)), [&](const SampledRays<Cone>& family, const Sample<Cone>& s) {
         const CappedAnswer right = answer_of(s);
-        const Truth closed = find_truth(s.ray, Solid<double>(s.cone));
-        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
-        hits[family.name] += right.meets(), exact[family.name] += closed.bits > 106, opens[family.name] += right.a < 0;
-        if (!right.meets()) return;
-        const bool on_surface = right.holds(0) && !right.is_within(0);
-        REQUIRE(closed.touches == !right.goes_through());
-        REQUIRE(closed.on_surface == on_surface);
-        touches[family.name] += closed.touches, from_it[family.name] += on_surface;
-        REQUIRE(encloses_first(closed.t, right));
-        const Truth open = find_truth(s.ray, Solid<double>(s.cone), {}, Touching::miss);
-        REQUIRE(open.is_hit() == right.goes_through());
-        if (!on_surface) return;
-        // Whoever passes over its origin meets the other end, if it lies ahead.
-        const Truth passed = find_truth(s.ray, Solid<double>(s.cone), {}, AtOrigin::miss);
-        if (right.goes_through()) REQUIRE(passed.is_hit() == right.is_within(power_of_two(-60)));
+        truth.hold(family.name, s, right);
+        steep += right.a < 0;
     });
-    for (const ConeRays& family : cone_rays) {
-        INFO(family.name << ": hits " << hits[family.name] << ", touches " << touches[family.name] << ", from it "
-                         << from_it[family.name] << ", by intervals " << exact[family.name]);
-        CHECK(hits[family.name] > 20);
-    }
+    truth.check_hits(cone_rays);
     for (const char* const touching : {"beside the side", "tangent", "through the apex", "through a rim", "in a cap"}) {
         INFO(touching);
-        CHECK(touches[touching] > 20);
+        CHECK(truth.touches[touching] > 20);
     }
-    CHECK(from_it["from the surface"] > 50);
-    CHECK(opens["steep"] > 60);
-    CHECK(exact["random"] == 0);
+    CHECK(truth.from_it["from the surface"] > 50);
+    CHECK(steep > 60);
+    CHECK(truth.exact["random"] == 0);
 }
 
 TEST_CASE("packs say of cones what the truth of each ray says", "[truth][cone]") {
     std::vector<RayAndSolid> asked;
-    for_each_cone(static_cast<int>(draws(1500)), [&](const ConeRays&, const ConeSample& s) {
-        asked.push_back({s.ray, s.cone});
+    for_each_cone(static_cast<int>(draws(1500)), [&](const SampledRays<Cone>&, const Sample<Cone>& s) {
+        asked.push_back({s.ray, s.solid});
     });
     check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("every cone form solves the problem when nothing is rounded", "[intersect][cone][formula]") {
     UnroundedForms<intersect::cone::ConeForms> forms;
-    for_each_cone(static_cast<int>(draws(1000)), [&](const ConeRays& family, const ConeSample& s) {
+    for_each_cone(static_cast<int>(draws(1000)), [&](const SampledRays<Cone>& family, const Sample<Cone>& s) {
         const CappedAnswer right = answer_of(s);
-        forms.ask(family.name, s.ray, in_real(s.cone), right, right.is_within(0));
+        forms.ask(family.name, s, right, right.is_within(0));
     });
     forms.check(150);
 }

@@ -7,8 +7,8 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/packs_and_alone.hpp"
+#include "intersect/sampled_rays.hpp"
 #include "intersect/solid_checks.hpp"
-#include "measure/seeded.hpp"
 #include "shapes/disc/disc.hpp"
 #include "shapes/plane/plane.hpp"
 
@@ -18,14 +18,8 @@ using intersect::AtOrigin;
 using intersect::Touching;
 using measure::truth::find_truth;
 using measure::truth::Truth;
-using testing::Seeded;
 
 namespace {
-
-struct DiscSample {
-    Ray<double> ray;
-    Disc<double> disc;
-};
 
 /// The plane by its equation, the point on it, and how far from the centre that is.
 struct FlatAnswer {
@@ -63,105 +57,90 @@ FlatAnswer flat_answer(const Ray<double>& ray, const Vec<double>& at, const Vec<
     return answer;
 }
 
-struct DiscRays {
-    const char* name;
-    DiscSample (*make)(Seeded&);
-};
-
 /// In the plane z = a whole number, of whole radii that 3, 4 and 5 divide.
-DiscSample level_disc(Seeded& rng) {
+Sample<Disc> level_disc(Seeded& rng) {
     const auto whole = [&](int low, int high) { return static_cast<double>(rng.integer(low, high)); };
     const double inner = 5 * whole(0, 9);
     return {{{}, {}},
             {{whole(-50, 50), whole(-50, 50), whole(-50, 50)}, {0, 0, whole(1, 9)}, inner + 5 * whole(1, 9), inner}};
 }
 
-const DiscRays disc_rays[] = {
+const SampledRays<Disc> disc_rays[] = {
     {"random",
      [](Seeded& rng) {
-         DiscSample s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.3, 1), 0}};
-         if (rng.coin()) s.disc.inner_radius = rng.unit() * s.disc.outer_radius;
+         Sample<Disc> s{{rng.vec(-4, 4), {}}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.3, 1), 0}};
+         if (rng.coin()) s.solid.inner_radius = rng.unit() * s.solid.outer_radius;
          const Vec<double> aside = rng.vec(-0.7, 0.7);
-         s.ray.direction = s.disc.centre + aside - s.ray.origin;
+         s.ray.direction = s.solid.centre + aside - s.ray.origin;
          return s;
      }},
     {"through a rim",
      [](Seeded& rng) {
-         DiscSample s = level_disc(rng);
-         const double r = rng.coin() ? s.disc.outer_radius : s.disc.inner_radius;
+         Sample<Disc> s = level_disc(rng);
+         const double r = rng.coin() ? s.solid.outer_radius : s.solid.inner_radius;
          for (int i = 0; i < 3; ++i) s.ray.direction[i] = static_cast<double>(rng.integer(-9, 9));
-         s.ray.origin = s.disc.centre + Vec<double>(0.6 * rng.sign() * r, 0.8 * rng.sign() * r, 0) -
+         s.ray.origin = s.solid.centre + Vec<double>(0.6 * rng.sign() * r, 0.8 * rng.sign() * r, 0) -
                         static_cast<double>(rng.integer(-2, 30)) * s.ray.direction;
          return s;
      }},
     {"in its plane",
      [](Seeded& rng) {
-         DiscSample s = level_disc(rng);
-         s.ray = {s.disc.centre - Vec<double>(static_cast<double>(rng.integer(-99, 99)), 200, 0), {0, 1, 0}};
+         Sample<Disc> s = level_disc(rng);
+         s.ray = {s.solid.centre - Vec<double>(static_cast<double>(rng.integer(-99, 99)), 200, 0), {0, 1, 0}};
          return s;
      }},
     {"nearly in its plane",
      [](Seeded& rng) {
-         DiscSample s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 1, 0}};
-         const AcrossAxis<double> across(s.disc.normal);
+         Sample<Disc> s{{{}, {}}, {rng.vec(-1, 1), rng.vec(-1, 1), 1, 0}};
+         const AcrossAxis<double> across(s.solid.normal);
          const Vec<double> off = 0x1p-18 * rng.vec(-1, 1);
          s.ray.direction = across.side + off;
-         const Vec<double> at = s.disc.centre + rng.uniform(-1.2, 1.2) * across.other;
+         const Vec<double> at = s.solid.centre + rng.uniform(-1.2, 1.2) * across.other;
          s.ray.origin = at - rng.uniform(-2, 8) * s.ray.direction;
          return s;
      }},
     {"from the surface",
      [](Seeded& rng) {
-         DiscSample s = level_disc(rng);
-         s.disc.inner_radius = rng.coin() ? 0 : s.disc.inner_radius;
-         s.ray = {s.disc.centre + Vec<double>(0.6 * s.disc.outer_radius, 0, 0), rng.vec(-1, 1)};
+         Sample<Disc> s = level_disc(rng);
+         s.solid.inner_radius = rng.coin() ? 0 : s.solid.inner_radius;
+         s.ray = {s.solid.centre + Vec<double>(0.6 * s.solid.outer_radius, 0, 0), rng.vec(-1, 1)};
          return s;
      }},
     {"far away",
      [](Seeded& rng) {
-         DiscSample s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.3, 1), 0}};
+         Sample<Disc> s{{{}, rng.vec(-1, 1)}, {rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.3, 1), 0}};
          const Vec<double> aside = rng.vec(-0.7, 0.7);
-         s.ray.origin = s.disc.centre + aside - 0x1p20 * s.ray.direction;
+         s.ray.origin = s.solid.centre + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
     {"tiny",
      [](Seeded& rng) {
-         DiscSample s = level_disc(rng);
-         s.ray = {s.disc.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.disc.centre}) *p = 0x1p-140 * *p;
-         s.disc.outer_radius *= 0x1p-140, s.disc.inner_radius *= 0x1p-140;
+         Sample<Disc> s = level_disc(rng);
+         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p-140 * *p;
+         s.solid.outer_radius *= 0x1p-140, s.solid.inner_radius *= 0x1p-140;
          return s;
      }},
     {"huge",
      [](Seeded& rng) {
-         DiscSample s = level_disc(rng);
-         s.ray = {s.disc.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.disc.centre}) *p = 0x1p110 * *p;
-         s.disc.outer_radius *= 0x1p110, s.disc.inner_radius *= 0x1p110;
+         Sample<Disc> s = level_disc(rng);
+         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
+         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p110 * *p;
+         s.solid.outer_radius *= 0x1p110, s.solid.inner_radius *= 0x1p110;
          return s;
      }},
 };
 
-/// `visit(family, sample)` of each family so many times, every number rounded to binary32.
 template <class Visit>
 void for_each_disc(int each, const Visit& visit) {
-    for (const DiscRays& family : disc_rays) {
-        Seeded rng(0xd15c);
-        for (int i = 0; i < each; ++i) {
-            DiscSample s = family.make(rng);
-            for (Vec<double>* const p : {&s.ray.origin, &s.ray.direction, &s.disc.centre, &s.disc.normal})
-                *p = testing::stored(*p, binary32);
-            for (double* const r : {&s.disc.outer_radius, &s.disc.inner_radius}) *r = testing::stored(*r, binary32);
-            if (s.ray.direction != Vec<double>(0, 0, 0) && s.disc.inner_radius < s.disc.outer_radius) visit(family, s);
-        }
-    }
+    for_each_sample(disc_rays, 0xd15c, each, visit);
 }
 
-FlatAnswer answer_of(const DiscSample& s) {
-    return flat_answer(s.ray, s.disc.centre, s.disc.normal, s.disc.outer_radius, s.disc.inner_radius);
+FlatAnswer answer_of(const Sample<Disc>& s) {
+    return flat_answer(s.ray, s.solid.centre, s.solid.normal, s.solid.outer_radius, s.solid.inner_radius);
 }
 Plane<double> plane_of(const Disc<double>& d) { return {d.centre, d.normal}; }
-FlatAnswer answer_of_plane(const DiscSample& s) { return flat_answer(s.ray, s.disc.centre, s.disc.normal, 0, 0); }
+FlatAnswer answer_of_plane(const Sample<Disc>& s) { return flat_answer(s.ray, s.solid.centre, s.solid.normal, 0, 0); }
 
 void check_truth(const Ray<double>& ray, const Solid<double>& solid, const FlatAnswer& right) {
     const Truth closed = find_truth(ray, solid);
@@ -178,17 +157,17 @@ void check_truth(const Ray<double>& ray, const Solid<double>& solid, const FlatA
 
 TEST_CASE("the truth of a disc and of its plane is what fractions say", "[truth][disc]") {
     std::map<std::string, int> hits, rims, from_it;
-    for_each_disc(static_cast<int>(draws(1500)), [&](const DiscRays& family, const DiscSample& s) {
+    for_each_disc(static_cast<int>(draws(1500)), [&](const SampledRays<Disc>& family, const Sample<Disc>& s) {
         INFO(family.name);
         CAPTURE(s.ray.origin.x, s.ray.origin.y, s.ray.origin.z, s.ray.direction.x, s.ray.direction.y,
                 s.ray.direction.z);
         const FlatAnswer right = answer_of(s);
-        check_truth(s.ray, s.disc, right);
-        check_truth(s.ray, plane_of(s.disc), answer_of_plane(s));
+        check_truth(s.ray, s.solid, right);
+        check_truth(s.ray, plane_of(s.solid), answer_of_plane(s));
         hits[family.name] += right.meets(), rims[family.name] += right.meets() && right.on_rim();
         from_it[family.name] += right.meets() && right.t == 0;
     });
-    for (const DiscRays& family : disc_rays) {
+    for (const SampledRays<Disc>& family : disc_rays) {
         INFO(family.name << ": hits " << hits[family.name] << ", rims " << rims[family.name]);
         CHECK((hits[family.name] > 20) == (std::string_view(family.name) != "in its plane"));
     }
@@ -198,8 +177,8 @@ TEST_CASE("the truth of a disc and of its plane is what fractions say", "[truth]
 
 TEST_CASE("packs say of discs and planes what the truth of each ray says", "[truth][disc]") {
     std::vector<RayAndSolid> discs, planes;
-    for_each_disc(static_cast<int>(draws(1500)), [&](const DiscRays&, const DiscSample& s) {
-        discs.push_back({s.ray, s.disc}), planes.push_back({s.ray, plane_of(s.disc)});
+    for_each_disc(static_cast<int>(draws(1500)), [&](const SampledRays<Disc>&, const Sample<Disc>& s) {
+        discs.push_back({s.ray, s.solid}), planes.push_back({s.ray, plane_of(s.solid)});
     });
     check_packs_against_each_alone(discs);
     check_packs_against_each_alone(planes);
@@ -208,12 +187,12 @@ TEST_CASE("packs say of discs and planes what the truth of each ray says", "[tru
 TEST_CASE("every disc and plane form solves the problem when nothing is rounded", "[intersect][disc][formula]") {
     UnroundedForms<intersect::disc::DiscForms> discs;
     UnroundedForms<intersect::plane::PlaneForms> planes;
-    for_each_disc(static_cast<int>(draws(1000)), [&](const DiscRays& family, const DiscSample& s) {
-        discs.ask(family.name, s.ray, in_real(s.disc), answer_of(s), false);
+    for_each_disc(static_cast<int>(draws(1000)), [&](const SampledRays<Disc>& family, const Sample<Disc>& s) {
+        discs.ask(family.name, s, answer_of(s), false);
         // A form may take what is nearly in the plane for parallel, or near the origin for there: by 2^-23, it says.
         const FlatAnswer plane = answer_of_plane(s);
         if (plane.t * plane.t * square(Vec<double>(s.ray.direction)) > 1 && std::string_view(family.name) == "random")
-            planes.ask(family.name, s.ray, in_real(plane_of(s.disc)), plane, false);
+            planes.ask(family.name, Sample<Plane>{s.ray, plane_of(s.solid)}, plane, false);
     });
     discs.check(150);
     planes.check(60);

@@ -7,16 +7,14 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/catalogue.hpp"
-#include "intersect/certified_root.hpp"
 #include "intersect/ellipsoid/ellipsoid_rays.hpp"
 #include "intersect/packs_and_alone.hpp"
+#include "intersect/solid_checks.hpp"
 
 namespace lostbits::test::test_ellipsoid {
 
 using intersect::AtOrigin;
 using intersect::Touching;
-using intersect::ellipsoid::EllipsoidForms;
 using measure::truth::find_truth;
 using measure::truth::Truth;
 
@@ -29,33 +27,29 @@ Ellipsoid<T> lifted(const Ellipsoid<double>& e) {
     return {lifted<T>(e.centre), lifted<T>(e.radii)};
 }
 
-template <class Form, class T>
-Hit<T> ask(const EllipsoidSample& s) {
-    return Form::intersect(Ray<T>{lifted<T>(s.ray.origin), lifted<T>(s.ray.direction)}, lifted<T>(s.ellipsoid));
-}
-
 }  // namespace
 
 TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]") {
     std::map<std::string, int> hits, touches, from_it, exact;
-    for_each_ellipsoid(static_cast<int>(draws(2000)), [&](const EllipsoidRays& family, const EllipsoidSample& s) {
-        INFO(family.name);
-        const EllipsoidAnswer right = answer_of(s);
-        const Truth closed = find_truth(s.ray, Solid<double>(s.ellipsoid));
-        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
-        hits[family.name] += right.meets(), exact[family.name] += closed.bits > 106;
-        if (!right.meets()) return;
-        REQUIRE(closed.touches == right.touches());
-        REQUIRE(closed.on_surface == (right.c == 0));
-        touches[family.name] += right.touches(), from_it[family.name] += right.c == 0;
-        REQUIRE(find_truth(s.ray, Solid<double>(s.ellipsoid), {}, Touching::miss).is_hit() == !right.touches());
-        REQUIRE(encloses_first(closed.t, right));
-        if (right.c == 0) {
-            const Truth passed = find_truth(s.ray, Solid<double>(s.ellipsoid), {}, AtOrigin::miss);
-            REQUIRE(passed.is_hit() == (right.h < 0));
-        }
-    });
-    for (const EllipsoidRays& family : ellipsoid_rays) {
+    for_each_ellipsoid(
+        static_cast<int>(draws(2000)), [&](const SampledRays<Ellipsoid>& family, const Sample<Ellipsoid>& s) {
+            INFO(family.name);
+            const EllipsoidAnswer right = answer_of(s);
+            const Truth closed = find_truth(s.ray, Solid<double>(s.solid));
+            REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
+            hits[family.name] += right.meets(), exact[family.name] += closed.bits > 106;
+            if (!right.meets()) return;
+            REQUIRE(closed.touches == right.touches());
+            REQUIRE(closed.on_surface == (right.c == 0));
+            touches[family.name] += right.touches(), from_it[family.name] += right.c == 0;
+            REQUIRE(find_truth(s.ray, Solid<double>(s.solid), {}, Touching::miss).is_hit() == !right.touches());
+            REQUIRE(encloses_first(closed.t, right));
+            if (right.c == 0) {
+                const Truth passed = find_truth(s.ray, Solid<double>(s.solid), {}, AtOrigin::miss);
+                REQUIRE(passed.is_hit() == (right.h < 0));
+            }
+        });
+    for (const SampledRays<Ellipsoid>& family : ellipsoid_rays) {
         INFO(family.name << ": hits " << hits[family.name] << ", by intervals " << exact[family.name]);
         CHECK(hits[family.name] > 20);
     }
@@ -66,42 +60,20 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
 
 TEST_CASE("packs say of ellipsoids what the truth of each ray says", "[truth][ellipsoid]") {
     std::vector<RayAndSolid> asked;
-    for_each_ellipsoid(static_cast<int>(draws(1500)), [&](const EllipsoidRays&, const EllipsoidSample& s) {
-        asked.push_back({s.ray, s.ellipsoid});
+    for_each_ellipsoid(static_cast<int>(draws(1500)), [&](const SampledRays<Ellipsoid>&, const Sample<Ellipsoid>& s) {
+        asked.push_back({s.ray, s.solid});
     });
     check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[intersect][ellipsoid][formula]") {
-    struct Tally {
-        long asked = 0, hits = 0, wrong = 0;
-    };
-    std::array<Tally, EllipsoidForms::size> tallies{};
-    const Rational off = power_of_two(-180);
-    for_each_ellipsoid(static_cast<int>(draws(1000)), [&](const EllipsoidRays& family, const EllipsoidSample& s) {
-        const EllipsoidAnswer right = answer_of(s);
-        if (!right.is_clear()) return;
-        std::size_t form = 0;
-        EllipsoidForms::for_each([&]<class Form>() {
-            Tally& tally = tallies[form++];
-            if (Form::info.roots == intersect::Roots::near_only && right.c < 0) return;
-            const Hit<Real> h = ask<Form, Real>(s);
-            const bool good =
-                h.hit == right.meets() && (!h.hit || right.is_first(rational_from(h.t), off * abs(rational_from(h.t))));
-            ++tally.asked, tally.hits += h.hit;
-            if (!good && tally.wrong++ == 0)
-                UNSCOPED_INFO(Form::info.name << ", " << family.name << ": hit " << h.hit << " t " << h.t);
-        });
-    });
-    std::size_t form = 0;
-    EllipsoidForms::for_each([&]<class Form>() {
-        const Tally& t = tallies[form++];
-        INFO(Form::info.name << ": asked " << t.asked << ", hits " << t.hits);
-        CHECK(t.wrong == 0);
-        CHECK(t.asked > 200);
-        CHECK(t.hits > t.asked / 5);
-        CHECK(t.hits < t.asked);
-    });
+    UnroundedForms<intersect::ellipsoid::EllipsoidForms> forms(-180);
+    for_each_ellipsoid(static_cast<int>(draws(1000)),
+                       [&](const SampledRays<Ellipsoid>& family, const Sample<Ellipsoid>& s) {
+                           const EllipsoidAnswer right = answer_of(s);
+                           forms.ask(family.name, s, right, right.c < 0);
+                       });
+    forms.check(200);
 }
 
 TEST_CASE("an ellipsoid with equal radii is the sphere", "[ellipsoid]") {

@@ -60,26 +60,27 @@ Tube<double> opened(const Cylinder<double>& c) { return {c.base, c.top, c.radius
 
 TEST_CASE("the truth of a tube is what fractions say", "[truth][tube]") {
     std::map<std::string, int> hits, touches, from_it, through_an_end;
-    for_each_cylinder(static_cast<int>(draws(1500)), [&](const CylinderRays& family, const CylinderSample& s) {
-        INFO(family.name);
-        CAPTURE(s.ray.origin.x, s.ray.origin.y, s.ray.origin.z, s.ray.direction.x, s.ray.direction.y,
-                s.ray.direction.z);
-        const WallAnswer right{answer_of(s)};
-        const Solid<double> tube(opened(s.cylinder));
-        const Truth closed = find_truth(s.ray, tube);
-        REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
-        hits[family.name] += right.meets(), through_an_end[family.name] += right.solid.meets() && !right.meets();
-        if (!right.meets()) return;
-        const bool on_surface = right.meets(0, Rational(0));
-        REQUIRE(closed.on_surface == on_surface);
-        touches[family.name] += closed.touches, from_it[family.name] += on_surface;
-        REQUIRE(encloses_first(closed.t, right));
-        if (!on_surface) return;
-        // Whoever passes over its origin meets the other side, if it lies ahead. The way there is no shorter than
-        // 2^-40: the rays are short numbers.
-        const Truth passed = find_truth(s.ray, tube, {}, AtOrigin::miss);
-        REQUIRE(passed.is_hit() == right.meets(power_of_two(-40)));
-    });
+    for_each_cylinder(
+        static_cast<int>(draws(1500)), [&](const SampledRays<Cylinder>& family, const Sample<Cylinder>& s) {
+            INFO(family.name);
+            CAPTURE(s.ray.origin.x, s.ray.origin.y, s.ray.origin.z, s.ray.direction.x, s.ray.direction.y,
+                    s.ray.direction.z);
+            const WallAnswer right{answer_of(s)};
+            const Solid<double> tube(opened(s.solid));
+            const Truth closed = find_truth(s.ray, tube);
+            REQUIRE(closed.decision == (right.meets() ? Truth::Decision::hit : Truth::Decision::miss));
+            hits[family.name] += right.meets(), through_an_end[family.name] += right.solid.meets() && !right.meets();
+            if (!right.meets()) return;
+            const bool on_surface = right.meets(0, Rational(0));
+            REQUIRE(closed.on_surface == on_surface);
+            touches[family.name] += closed.touches, from_it[family.name] += on_surface;
+            REQUIRE(encloses_first(closed.t, right));
+            if (!on_surface) return;
+            // Whoever passes over its origin meets the other side, if it lies ahead. The way there is no shorter than
+            // 2^-40: the rays are short numbers.
+            const Truth passed = find_truth(s.ray, tube, {}, AtOrigin::miss);
+            REQUIRE(passed.is_hit() == right.meets(power_of_two(-40)));
+        });
     for (const char* const family : {"random", "tangent", "through a rim", "from inside", "thin", "far away"}) {
         INFO(family << ": hits " << hits[family] << ", touches " << touches[family]);
         CHECK(hits[family] > 20);
@@ -93,17 +94,18 @@ TEST_CASE("the truth of a tube is what fractions say", "[truth][tube]") {
 
 TEST_CASE("packs say of tubes what the truth of each ray says", "[truth][tube]") {
     std::vector<RayAndSolid> asked;
-    for_each_cylinder(static_cast<int>(draws(1500)), [&](const CylinderRays&, const CylinderSample& s) {
-        asked.push_back({s.ray, opened(s.cylinder)});
+    for_each_cylinder(static_cast<int>(draws(1500)), [&](const SampledRays<Cylinder>&, const Sample<Cylinder>& s) {
+        asked.push_back({s.ray, opened(s.solid)});
     });
     check_packs_against_each_alone(asked);
 }
 
 TEST_CASE("every tube form solves the problem when nothing is rounded", "[intersect][tube][formula]") {
     UnroundedForms<intersect::tube::TubeForms> forms;
-    for_each_cylinder(static_cast<int>(draws(1000)), [&](const CylinderRays& family, const CylinderSample& s) {
-        forms.ask(family.name, s.ray, in_real(opened(s.cylinder)), WallAnswer{answer_of(s)}, false);
-    });
+    for_each_cylinder(static_cast<int>(draws(1000)),
+                      [&](const SampledRays<Cylinder>& family, const Sample<Cylinder>& s) {
+                          forms.ask(family.name, Sample<Tube>{s.ray, opened(s.solid)}, WallAnswer{answer_of(s)}, false);
+                      });
     forms.check(150);
 }
 
