@@ -121,13 +121,10 @@ std::optional<Shape> shape_given(const RayFileWords& o, const std::optional<scen
 
 std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::optional<scene::file::Scene>& scene,
                                         const Format& format) {
+    if (scene) return scene::rays::stored_solids(*scene, format.shape);
     std::vector<Solid<double>> solids;
     for (const Shape shape : o.solids.shapes())
         for (const std::string& text : o.solids.of(shape)) solids.push_back(solid_of(text, shape, format));
-    if (!scene) return solids;
-    // As a map of the scene has them.
-    if (scene->inputs == scene::file::Inputs::shared) return scene::rays::shared_solids(*scene);
-    for (const Solid<Real>& solid : scene->solids()) solids.push_back(scene::rays::round_solid(solid, format.shape));
     return solids;
 }
 

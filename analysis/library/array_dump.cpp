@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "number/error.hpp"
-#include "number/rounded.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -47,16 +46,10 @@ double number_at(const ArrayColumn& column, std::size_t i) {
     return x;
 }
 
-double as_stored(double x, const Format& format) {
-    if (format.engine == Format::Engine::native64 || !std::isfinite(x)) return x;
-    if (format.engine == Format::Engine::native32) return static_cast<float>(x);
-    return rounding::to_format(x, 0, format.shape);
-}
-
 }  // namespace
 
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format) {
-    return as_stored(number_at(column, i), format);
+    return scene::dump::number_in(number_at(column, i), format);
 }
 
 ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
@@ -84,7 +77,7 @@ Chunk ArrayDump::decode(const Records& records) const {
     ChunkWriter writer(layout_, terms(), records.count, chunk);
     for (std::size_t i = records.first; i < records.first + records.count; ++i) {
         for (std::size_t c = 0; c < columns_.size(); ++c) {
-            const double x = number_at(columns_[c], i), stored = as_stored(x, format());
+            const double x = number_at(columns_[c], i), stored = scene::dump::number_in(x, format());
             if (std::isinf(stored) && !std::isinf(x))
                 throw InputError(fmt::format("{}: ray {}: {} is {}, larger than the largest number of {}", name(), i,
                                              columns_[c].name, x, format().name));

@@ -66,6 +66,13 @@ int guarded(lostbits_error* error, const Act& act) {
     }
 }
 
+/// What was found becomes the caller's.
+inline Exit hand_over(std::unique_ptr<lostbits_result> found, lostbits_result** result, Exit exit = Exit::done) {
+    for (ResultTable& table : found->tables) table.seal();
+    *result = found.release();
+    return exit;
+}
+
 /// InputError where an argument that must be there is NULL.
 inline void require(const void* argument, const char* name) {
     if (argument == nullptr) throw InputError(std::string(name) + " is NULL; give one");

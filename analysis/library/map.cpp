@@ -62,9 +62,6 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
         require(result, "result");
         Choosing chosen(choice);
         CallRun running(run);
-        auto found = map_of(*scene, chosen, running);
-        for (ResultTable& table : found->tables) table.seal();
-        *result = found.release();
-        return Exit::done;
+        return hand_over(map_of(*scene, chosen, running), result);
     });
 }

@@ -94,11 +94,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
-        const scene::file::Scene& scene = rays.scene->scene;
-        if (scene.inputs == scene::file::Inputs::shared) made.solids = scene::rays::shared_solids(scene);
-        else
-            for (const Solid<Real>& solid : scene.solids())
-                made.solids.push_back(scene::rays::round_solid(solid, format.shape));
+        made.solids = scene::rays::stored_solids(rays.scene->scene, format.shape);
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
@@ -271,10 +267,7 @@ int call(lostbits_result** result, lostbits_error* error, const lostbits_rays* r
     return guarded(error, [&] {
         require(rays, "rays");
         require(result, "result");
-        auto found = find();
-        for (ResultTable& table : found->tables) table.seal();
-        *result = found.release();
-        return Exit::done;
+        return hand_over(find(), result);
     });
 }
 

@@ -92,10 +92,7 @@ void add_rays(const Scene& scene, lostbits_result& result) {
 }
 
 void add_solids(const Scene& scene, lostbits_result& result) {
-    std::vector<Solid<double>> solids;
-    if (scene.inputs == scene::file::Inputs::shared) solids = scene::rays::shared_solids(scene);
-    else
-        for (const Solid<Real>& solid : scene.solids()) solids.push_back(scene::rays::round_solid(solid, binary64));
+    const std::vector<Solid<double>> solids = scene::rays::stored_solids(scene, binary64);
     for (const Shape shape : scene.shapes()) {
         std::vector<output::file::Column> columns;
         for (const std::string& name : number_names(shape))
@@ -207,9 +204,7 @@ int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, l
         auto found = std::make_unique<lostbits_result>();
         add_rays(scene->scene, *found);
         add_solids(scene->scene, *found);
-        for (ResultTable& table : found->tables) table.seal();
-        *result = found.release();
-        return Exit::done;
+        return hand_over(std::move(found), result);
     });
 }
 

@@ -100,12 +100,6 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     return found.meets.has_value();
 }
 
-Exit hand_over(std::unique_ptr<lostbits_result> found, lostbits_result** result, Exit exit = Exit::done) {
-    for (ResultTable& table : found->tables) table.seal();
-    *result = found.release();
-    return exit;
-}
-
 }  // namespace
 }  // namespace lostbits::analysis::library
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "number/error.hpp"
-#include "number/rounded.hpp"
 
 namespace lostbits::scene::dump {
 
@@ -22,15 +21,6 @@ Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns
         if (format && (!widest || format->shape.precision > widest->shape.precision)) widest = format;
     }
     return widest.value_or(*find_format("f64"));
-}
-
-double to_format(double x, const Format& format) {
-    switch (format.engine) {
-        case Format::Engine::native32: return static_cast<float>(x);
-        case Format::Engine::native64: return x;
-        case Format::Engine::rounded: break;
-    }
-    return std::isfinite(x) ? rounding::to_format(x, 0, format.shape) : x;
 }
 
 }  // namespace
@@ -175,7 +165,7 @@ Chunk BinaryDump::decode(const Records& records) const {
                 chunk.kept.push_back(reader.type.text(reader.at));
             } else {
                 const auto [value, exact] = reader.type.read(reader.at);
-                const double stored = to_format(value, format());
+                const double stored = number_in(value, format());
                 if (std::isinf(stored) && !std::isinf(value))
                     throw InputError(
                         fmt::format("{}: record {}: {} is {}, larger than the largest number of {}; name the "

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "number/error.hpp"
 #include "number/rounded.hpp"
@@ -14,6 +15,16 @@
 #include "shapes/number_names.hpp"
 
 namespace lostbits::scene::dump {
+
+double number_in(double x, const Format& format) {
+    if (!std::isfinite(x)) return x;
+    switch (format.engine) {
+        case Format::Engine::native32: return static_cast<float>(x);
+        case Format::Engine::native64: return x;
+        case Format::Engine::rounded: break;
+    }
+    return rounding::to_format(x, 0, format.shape);
+}
 
 void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
     terms_.format = options.format.value_or(own);

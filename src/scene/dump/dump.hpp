@@ -41,6 +41,9 @@ struct Records {
     std::string bytes;
 };
 
+/// A number of a file as a format has it: rounded once. What is not finite stays.
+double number_in(double x, const Format& format);
+
 /// One file. Everything it throws is an InputError that names the file and the place, or an EnvironmentError.
 class Dump {
 public:

@@ -100,6 +100,13 @@ std::vector<Solid<double>> shared_solids(const Scene& scene) {
     return all;
 }
 
+std::vector<Solid<double>> stored_solids(const Scene& scene, const FloatFormat& f) {
+    if (scene.inputs == file::Inputs::shared) return shared_solids(scene);
+    std::vector<Solid<double>> all;
+    for (const Solid<Real>& solid : scene.solids()) all.push_back(round_solid(solid, f));
+    return all;
+}
+
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
     return transformed(spec, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }

@@ -96,6 +96,10 @@ std::vector<Solid<double>> shared_solids(const file::Scene& scene);
 Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
 Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);
 
+/// The solids of a scene as a map has them: those of all formats where inputs are shared, else each number rounded
+/// once to F.
+std::vector<Solid<double>> stored_solids(const file::Scene& scene, const FloatFormat& f);
+
 /// What a form in format F is given, whatever the scene's `inputs`: shared inputs rounded to binary32 and then, where
 /// F is narrower, to F; own inputs rounded once to F.
 RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& f);
