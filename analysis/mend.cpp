@@ -31,7 +31,9 @@ struct MendOptions {
 
 measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scene) {
     const auto forms = choice::select_forms({o.form});
-    const auto formats = choice::select_timed_formats({o.format});
+    const auto formats = choice::select_formats({o.format});
+    if (std::ranges::any_of(formats, choice::is_emulated))
+        throw InputError(fmt::format("-f {}: operations are made wider in f32 and f64; name one of them", o.format));
     if (forms.size() != 1 || formats.size() != 1)
         throw InputError(fmt::format("-i {}, -f {}: one form in one format is mended; name one", o.form, o.format));
     if (!forms.front()->exists_in(formats.front()))
@@ -97,6 +99,7 @@ void require_header_name(const std::filesystem::path& path) {
 }
 
 Exit run(const MendOptions& o, const Common& common) {
+    if (!o.emit.empty()) require_header_name(o.emit);
     if (!o.out.empty()) require_folder(o.out);
     choice::SceneChoice named = o.scene;
     named.names = {o.scene_name};
@@ -112,7 +115,6 @@ Exit run(const MendOptions& o, const Common& common) {
         owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
         files.emplace(folder);
     }
-    if (!o.emit.empty()) require_header_name(o.emit);
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
     const measure::mend::Mended mended = mend(request);

@@ -186,12 +186,11 @@ std::string info_of(const intersect::Info& like, const FormWords& words) {
     const auto add = [&](bool differs, const std::string& line) {
         if (differs) text += "        " + line + ",\n";
     };
-    constexpr std::array<std::string_view, 3> at_origin{"hit", "miss", "exit"};
     add(like.direction == Direction::unit, ".direction = Direction::unit");
     add(like.roots != Roots::both, ".roots = Roots::" + words_of(like.roots));
     add(like.touching == Touching::miss, ".touching = Touching::miss");
     add(like.at_origin != AtOrigin::hit,
-        fmt::format(".at_origin = AtOrigin::{}", at_origin[static_cast<std::size_t>(like.at_origin)]));
+        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(like.at_origin)]));
     add(true, ".formats = Formats::binary32_only");
     add(like.inside != Inside::usual,
         fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(like.inside)]));
