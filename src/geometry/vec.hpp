@@ -6,6 +6,7 @@
 #error "define GLM_FORCE_XYZW_ONLY for every file: glm::vec holds non-trivial numbers only then"
 #endif
 #include <glm/vec3.hpp>
+#include <string_view>
 
 #include "number/concept.hpp"
 
@@ -36,6 +37,13 @@ Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
 template <Number T>
 T length(const Vec<T>& a) {
     return sqrt(square(a));
+}
+
+/// Each component is called that.
+template <Number T>
+const Vec<T>& named(std::string_view label, const Vec<T>& v) {
+    named(label, v.x), named(label, v.y), named(label, v.z);
+    return v;
 }
 
 /// Two vectors across v and across each other, of length one. v must not be 0.

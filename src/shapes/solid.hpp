@@ -18,6 +18,7 @@
 // clang-format on
 #include "shapes/list.hpp"
 #include "shapes/on_one_line.hpp"
+#include "shapes/placement.hpp"
 
 namespace lostbits {
 
@@ -143,7 +144,7 @@ inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     return std::nullopt;
 }
 
-/// Some of the shapes; of one shape that alone.
+/// Some of the shapes, of one shape that alone, and whether solids stand under matrices.
 class Shapes {
 public:
     constexpr Shapes() = default;
@@ -154,7 +155,17 @@ public:
 
     [[nodiscard]] constexpr bool has(Shape one) const { return (bits_ & Shapes(one).bits_) != 0; }
     /// Whether they are more than one.
-    [[nodiscard]] constexpr bool are_several() const { return (bits_ & (bits_ - 1)) != 0; }
+    [[nodiscard]] constexpr bool are_several() const {
+        const unsigned shapes = bits_ & ~placed_bit;
+        return (shapes & (shapes - 1)) != 0;
+    }
+    /// The same under matrices, or as they are.
+    [[nodiscard]] constexpr Shapes placed(bool under_matrix = true) const {
+        Shapes all = *this;
+        all.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;
+        return all;
+    }
+    [[nodiscard]] constexpr bool are_placed() const { return (bits_ & placed_bit) != 0; }
     constexpr Shapes& operator|=(Shapes other) {
         bits_ |= other.bits_;
         return *this;
@@ -162,16 +173,19 @@ public:
     friend constexpr bool operator==(Shapes, Shapes) = default;
 
 private:
+    static constexpr unsigned placed_bit = 1U << 31;
     unsigned bits_ = 0;
 };
 
 inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
 
-/// A shape and its numbers in storage type S; what lies beyond those of the shape is zero.
+/// A shape and its numbers in storage type S; what lies beyond those of the shape is zero. Under a matrix it stands
+/// in the world where that takes it; else it is there as its numbers say.
 template <class S>
 struct Solid {
     Shape shape = shape_rows.front().shape;
     std::array<S, most_numbers> numbers = zeros();
+    std::optional<Placement<S>> placed = {};
 
     Solid() = default;
     explicit Solid(Shape of) : shape(of) {}
@@ -181,6 +195,7 @@ struct Solid {
         solid.each([&](const S& x) { numbers[k++] = x; });
     }
 
+    /// The numbers of the shape, without those of its matrix.
     [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
     [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
 
@@ -216,16 +231,41 @@ decltype(auto) visit(const Solid<S>& solid, const Act& act) {
     return Solids::visit(solid, act);
 }
 
-/// `act` on where the ray's line is inside of the solid.
-template <class S, class Act>
-auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
-    return visit(solid, [&](const auto& shape) { return act(shape.span(ray)); });
+/// A solid k > 0 times as large about the origin, without its matrix.
+template <class S>
+Solid<S> scaled(const Solid<S>& solid, const S& k) {
+    Solid<S> larger(solid.shape);
+    std::size_t i = 0;
+    for (const Key& key : row_of(solid.shape).keys)
+        for (const std::size_t end = i + key.count(); i < end; ++i)
+            larger.numbers[i] = key.kind == Key::Kind::direction ? solid.numbers[i] : k * solid.numbers[i];
+    return larger;
 }
 
-/// The centre and the radius of a ball that holds it.
+/// `act` on where the ray's line is inside of the solid. Distances are those of the world.
+template <class S, class Act>
+auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
+    if (!solid.placed) return visit(solid, [&](const auto& shape) { return act(shape.span(ray)); });
+    const InObject<S> in = in_object(ray, *solid.placed);
+    const Solid<S> object = scaled(solid, in.scale);
+    return visit(object, [&](const auto& shape) {
+        auto span = shape.span(in.ray);
+        span.d2 = square(ray.direction);
+        return act(span);
+    });
+}
+
+/// The centre and the radius of a ball that holds it. Of a solid under a stored matrix |A p| ≤ ‖A‖ |p| with Frobenius'
+/// norm; ask for none of one under a stored inverse.
 template <class S>
 auto ball_around(const Solid<S>& solid) {
-    return visit(solid, [](const auto& shape) { return shape.ball_around(); });
+    auto ball = visit(solid, [](const auto& shape) { return shape.ball_around(); });
+    if (solid.placed) {
+        const Affine<S> m = solid.placed->map();
+        ball.centre = m.point(ball.centre);
+        ball.radius = sqrt(square(m.rows[0]) + square(m.rows[1]) + square(m.rows[2])) * ball.radius;
+    }
+    return ball;
 }
 
 /// A solid of this shape around a point, as far as `half` from it on each axis.
@@ -236,11 +276,12 @@ Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {
     return made;
 }
 
-/// Each number through `lift`, in order.
+/// Each number through `lift`, in order; those of its matrix come last.
 template <class S, class Lift>
 auto transformed(const Solid<S>& from, Lift lift) {
     Solid<std::decay_t<std::invoke_result_t<Lift, const S&>>> to(from.shape);
     for (std::size_t i = 0; i < from.used().size(); ++i) to.numbers[i] = lift(from.numbers[i]);
+    if (from.placed) to.placed = transformed(*from.placed, lift);
     return to;
 }
 

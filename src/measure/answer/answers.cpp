@@ -38,7 +38,7 @@ template <class S, class Kernel>
 void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
     const auto same = [solids = in.solids.listed()](std::size_t a, std::size_t b) {
-        return std::ranges::equal(solids[a].used(), solids[b].used());
+        return std::ranges::equal(solids[a].used(), solids[b].used()) && solids[a].placed == solids[b].placed;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;

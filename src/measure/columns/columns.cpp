@@ -156,10 +156,10 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const RawKernels* const run = kernels_of(intersect::simd::current_isa());
     const Solid<double> first = points.solids[0];
     const Shape shape = first.shape;
-    const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape; };
+    const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape && !s.placed; };
     const bool same = std::ranges::all_of(points.solids.listed(), same_shape) &&
                       (!points.solids.flake() || shape == scene::sphere::Sphereflake::shape) &&
-                      (!points.solids.mesh() || shape == scene::triangle::Mesh::shape);
+                      (!points.solids.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
     void (*const residuals)(RawResiduals&) = run ? run->residuals[static_cast<std::size_t>(shape)] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !same) {
         leave_all(answers, {out}, left);

@@ -17,13 +17,32 @@ float below(double x) {
 }
 float above(double x) { return -below(-x); }
 
-/// The box of a solid that is the hull of its corners, else of the ball around it. Nothing where it is not finite or
-/// round.
+double frobenius(const std::array<Vec<double>, 3>& m) {
+    double sum = 0;
+    for (const Vec<double>& v : m) sum += v.x * v.x + v.y * v.y + v.z * v.z;
+    return std::sqrt(sum);
+}
+
+/// How large the numbers are that make a point of the world of one of the solid, |A| |p| + |τ|, and κ = ‖A‖ ‖A⁻¹‖.
+struct Spread {
+    double size = 0, condition = 1;
+
+    explicit Spread(const Solid<double>& solid) {
+        if (!solid.placed) return;
+        const Affine<double> m = solid.placed->map();
+        for (const double x : solid.used()) size = std::max(size, std::fabs(x));
+        size = frobenius(m.rows) * 1.75 * size + std::sqrt(dot(m.shift, m.shift));
+        condition = frobenius(m.rows) * frobenius(m.adjugate()) / std::fabs(m.determinant());
+    }
+};
+
+/// The box of a solid that is the hull of its corners, else, and under a matrix, of the ball around it. Nothing where
+/// it is not finite, round, or under a stored inverse.
 std::optional<std::array<float, 6>> box_of(const Solid<double>& solid) {
     const ShapeRow& row = row_of(solid.shape);
-    if (row.round) return std::nullopt;
+    if ((row.round && !solid.placed) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
     Vec<double> lo, hi;
-    if (row.edges) {
+    if (row.edges && !solid.placed) {
         lo = hi = solid.point(0);
         for (std::size_t k = 3; k < row.numbers; k += 3)
             for (int i = 0; i < 3; ++i)
@@ -51,17 +70,26 @@ std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, co
     if (solids.size() == 0 || !std::isfinite(bounds.origin) || !(bounds.least_direction > 0)) return nullptr;
     std::vector<Corners> boxes;
     boxes.reserve(solids.size());
-    double reach = 0;
+    double reach = 0, condition = 1;
     for (std::size_t i = 0; i < solids.size(); ++i) {
-        const auto box = box_of(solids[i]);
+        const Solid<double> solid = solids[i];
+        const auto box = box_of(solid);
         if (!box) return nullptr;
+        const Spread spread(solid);
+        reach = std::max(reach, spread.size), condition = std::max(condition, spread.condition);
         boxes.push_back(*box);
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
     std::shared_ptr<BoxTree> tree(new BoxTree);
+    // Under a matrix a rounded inverse is off by κu of itself, and what it is off by in the space of the solid becomes
+    // κ times as much in the world.
+    double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
+    if (condition > 1 && format) {
+        rounding *= 2 * condition * condition;
+        if (!(rounding < 0x1p-5)) return nullptr;
+    }
     // |(x, y, z)| ≤ √3 max |x|.
-    tree->margin_ = (0x1p-40 + (format ? std::min(std::ldexp(8.0, -format->precision), 0x1p-5) : 0)) *
-                    (bounds.origin + 1.75 * reach);
+    tree->margin_ = (0x1p-40 + std::min(rounding, 0x1p-5)) * (bounds.origin + 1.75 * reach);
     tree->order_.resize(boxes.size());
     std::iota(tree->order_.begin(), tree->order_.end(), 0U);
     tree->nodes_.reserve(boxes.size());

@@ -30,7 +30,8 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
     double reach = 0;
     for (std::size_t i = 0; i < solids.size(); ++i) {
         const Solid<double> solid = solids[i];
-        if (!row_of(solid.shape).round) return std::nullopt;  // the bound is of forms for round solids
+        // The bound is of forms for round solids, in the space of the rays.
+        if (!row_of(solid.shape).round || solid.placed) return std::nullopt;
         const auto s = ball_around(solid);
         const double one = size_of(s.centre) + s.radius;
         if (!(s.radius > 0) || !std::isfinite(one)) return std::nullopt;
@@ -233,7 +234,7 @@ void SphereIndex::candidates(const Ray<double>& ray, std::vector<std::uint32_t>&
 }
 
 bool may_start_in(const Ray<double>& ray, const Solid<double>& solid) {
-    return visit(solid, [&ray](const auto& shape) { return shape.may_hold(ray.origin); });
+    return solid.placed || visit(solid, [&ray](const auto& shape) { return shape.may_hold(ray.origin); });
 }
 
 }  // namespace lostbits::measure::culling

@@ -30,15 +30,23 @@ Vec<double> hit_point(const Sample& s) {
 
 namespace {
 
+/// How far a point of the world is off the surface; under a matrix in the space of the solid.
+template <class E, template <class> class S>
+E off_surface(const Vec<double>& p, const Solid<double>& solid) {
+    const Solid<E> lifted = lift_solid<E>(solid);
+    const Vec<E> point = lift_vec<E>(p);
+    return lifted.template as<S>().off_surface(lifted.placed ? point_in_object(point, *lifted.placed) : point);
+}
+
 double residual_of(const Vec<double>& p, const Solid<double>& solid) {
     return visit(solid, [&]<template <class> class S>(const S<double>&) {
         const double point[] = {p.x, p.y, p.z};
         const auto number = [&solid](int k) { return solid.numbers[static_cast<std::size_t>(k)]; };
-        if (double quick; columns::find_residual<S>(point, number, quick)) return quick;
-        const Ball ball = lift_solid<Ball>(solid).template as<S>().off_surface(lift_vec<Ball>(p));
+        if (double quick; !solid.placed && columns::find_residual<S>(point, number, quick)) return quick;
+        const Ball ball = off_surface<Ball, S>(p, solid);
         if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
         const Interval::Precision precision(8192);
-        const Interval exact = lift_solid<Interval>(solid).template as<S>().off_surface(lift_vec<Interval>(p));
+        const Interval exact = off_surface<Interval, S>(p, solid);
         return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
     });
 }

@@ -30,7 +30,7 @@ bool fits_binary32(const scene::rays::RayGroup& group) {
     for (const auto* all : {&group.rays.ox, &group.rays.oy, &group.rays.oz, &group.rays.dx, &group.rays.dy,
                             &group.rays.dz, &group.rays.tmin, &group.rays.tmax})
         std::ranges::for_each(*all, look);
-    for (const Solid<double>& solid : group.solids) std::ranges::for_each(solid.used(), look);
+    for (const Solid<double>& solid : group.solids) static_cast<void>(transformed(solid, look));
     if (group.march) transformed(*group.march, look);
     return fits;
 }
@@ -276,6 +276,8 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
             const auto stored_solid = inputs.solids[k];
             const auto given = solids[k];
             if (!std::ranges::equal(stored_solid.used(), given.used(), same)) return false;
+            if (given.placed && !std::ranges::equal(stored_solid.placed->matrix, given.placed->matrix, same))
+                return false;
         }
         return true;
     });

@@ -14,7 +14,7 @@ using intersect::Convention;
 
 namespace {
 
-/// Every number of a problem with N of them as an input of its own: origin, direction, the solid's.
+/// Every number of a problem with N of them as an input of its own: origin, direction, the solid's, its matrix's.
 template <class E, std::size_t N>
 struct Problem {
     using Sensitive = Dual<E, N>;
@@ -25,7 +25,12 @@ struct Problem {
     template <class S>
     Problem(const Ray<S>& r, const Solid<S>& s) : x(listed(r, s)), ray{vec(0), vec(3)} {
         solid.shape = s.shape;
-        for (std::size_t i = 6; i < N; ++i) solid.numbers[i - 6] = Sensitive::input(x[i], i);
+        std::size_t i = 6;
+        const auto next = [&] { return Sensitive::input(x[i], i); };
+        for (Sensitive& number : solid.used()) number = next(), ++i;
+        if (!s.placed) return;
+        solid.placed = transformed(*s.placed, [](const S&) { return Sensitive(0); });
+        for (Sensitive& number : solid.placed->matrix) number = next(), ++i;
     }
 
 private:
@@ -36,6 +41,8 @@ private:
             for (int i = 0; i < 3; ++i) all.push_back(lift<E>(v[i]));
         }
         for (const S& n : s.used()) all.push_back(lift<E>(n));
+        if (s.placed)
+            for (const S& n : s.placed->matrix) all.push_back(lift<E>(n));
         return all;
     }
     [[nodiscard]] Vec<Sensitive> vec(std::size_t i) const {
@@ -89,7 +96,10 @@ template <class S>
 double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
-        return find_condition<6 + row_of(shape_as<Of>).numbers>(ray, solid, convention_in(range, convention), range);
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
+        convention = convention_in(range, convention);
+        return solid.placed ? find_condition<N + Affine<S>::numbers>(ray, solid, convention, range)
+                            : find_condition<N>(ray, solid, convention, range);
     });
 }
 

@@ -107,6 +107,7 @@ private:
     void meet(std::size_t s) {
         limit_.stop.check();
         const Solid<S> solid = problems_.solids[s];
+        if (solid.placed) return leave_open(s == 0);
         const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
         const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
         ProblemColumns<double> columns = columns_for(solid.shape);
@@ -118,9 +119,16 @@ private:
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
+    /// What no pack answers is asked ray by ray.
+    void leave_open(bool is_first) {
+        std::ranges::fill(open_, 1);
+        if (is_first) std::fill_n(out_.object.begin() + static_cast<std::ptrdiff_t>(begin_), count_, -1);
+    }
+
     /// Every ray against the solid that it is paired with.
     void meet_own() {
         limit_.stop.check();
+        if (problems_.solids[begin_].placed) return leave_open(true);
         const Shape shape = problems_.solids[begin_].shape;
         const std::size_t numbers = row_of(shape).numbers;
         std::array<std::vector<double>, 2 * most_numbers> room;
@@ -219,6 +227,10 @@ private:
 
     void add_pair(std::size_t i, std::uint32_t s) {
         const Solid<S> solid = problems_.solids[s];
+        if (solid.placed) {
+            pairs_.push_back({i, s, {}});
+            return settle_alone(pairs_.back());
+        }
         Gathered<double>& to = gathered(solid.shape);
         const auto words_of_ray = [&](std::size_t first, const Spans& from) {
             for (std::size_t k = 0; k < 6; ++k) to.numbers[first + k][to.size] = from[k][i];
@@ -248,13 +260,7 @@ private:
         together.size = 0;
     }
     void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
-        if (found.settled[k] == 0) {
-            const std::size_t ray = begin_ + pair.ray;
-            pair.truth =
-                find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, problems_.rays.range(ray));
-            rest_.counts.count_alone(pair.truth);
-            return;
-        }
+        if (found.settled[k] == 0) return settle_alone(pair);
         ++rest_.counts.double_double;
         pair.truth.bits = 106;
         if (found.hit[k] == 0) return;
@@ -262,6 +268,13 @@ private:
         pair.truth.object = 0;
         pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
         pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
+    }
+
+    void settle_alone(RayAndSolid& pair) {
+        const std::size_t ray = begin_ + pair.ray;
+        pair.truth =
+            find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, problems_.rays.range(ray));
+        rest_.counts.count_alone(pair.truth);
     }
 
     void join_pairs() {

@@ -34,9 +34,9 @@ int binary_exponent(const Real& x) {
     return x == 0 ? exponent_of_zero : e - 1;
 }
 
-/// A problem with N numbers (origin, direction, the solid's), in units in which its largest length and its largest
-/// component of d are about 1, each number as all that it may be: f(x') of any x' within the errors is in f(ray,
-/// solid).
+/// A problem with N numbers (origin, direction, the solid's, its matrix's), in units in which its largest length and
+/// its largest component of d are about 1 (under a matrix as they are), each number as all that it may be: f(x') of any
+/// x' within the errors is in f(ray, solid).
 template <std::size_t N>
 class Perturbable {
 public:
@@ -47,11 +47,12 @@ public:
 
     template <class S>
     Perturbable(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed)
-        : solid(s.shape), normwise_(perturbed == Perturbed::normwise) {
+        : solid(s.shape), normwise_(perturbed == Perturbed::normwise), matrix_(6 + row_of(s.shape).numbers) {
         const auto number = [&](std::size_t i) {
-            return i < 3   ? r.origin[static_cast<int>(i)]
-                   : i < 6 ? r.direction[static_cast<int>(i - 3)]
-                           : s.numbers[i - 6];
+            return i < 3         ? r.origin[static_cast<int>(i)]
+                   : i < 6       ? r.direction[static_cast<int>(i - 3)]
+                   : i < matrix_ ? s.numbers[i - 6]
+                                 : s.placed->matrix[place_in_matrix(i - matrix_)];
         };
         std::array<int, N> exponents;
         for (std::size_t i = 0; i < N; ++i) {
@@ -61,10 +62,12 @@ public:
         }
         // Within these nothing that decides underflows: a triangle multiplies four numbers.
         for (int* const unit : {&length_, &direction_})
-            if (std::abs(*unit) < 32) *unit = 0;
+            if (std::abs(*unit) < 32 || s.placed) *unit = 0;
         for (std::size_t i = 0; i < N; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
-            spread_ |= exponents[i] > exponent_of_zero && exponents[i] - unit_of(i) < -600;
+            const int exponent = exponents[i] - unit_of(i);
+            // Under a matrix up to twenty-four numbers are multiplied.
+            spread_ |= exponents[i] > exponent_of_zero && (s.placed ? std::abs(exponent) > 40 : exponent < -600);
             step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
         }
         if (normwise_)
@@ -79,7 +82,10 @@ public:
             return Each::input(One(x_[i], (step_[i] + stored) * outward + tiny), i);
         };
         ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
-        for (std::size_t i = 6; i < N; ++i) solid.numbers[i - 6] = input(i);
+        for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
+        if (!s.placed) return;
+        solid.placed = transformed(*s.placed, [](const S&) { return Each(0); });
+        for (std::size_t i = matrix_; i < N; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
     }
 
     /// Whether beside the largest of its numbers others are so small that what is made of them underflows.
@@ -92,8 +98,14 @@ public:
         return Each(One(value, std::fabs(value) * 0x1p-51));
     }
 
-    /// The ray from its point at t on.
-    [[nodiscard]] Ray<Each> from(const Each& t) const { return {ray.origin + t * ray.direction, ray.direction}; }
+    /// Where the ray from its point at t on is inside of the solid, of that shape.
+    template <template <class> class Of>
+    [[nodiscard]] auto span_from(const Each& t) const {
+        const Ray<Each> from{ray.origin + t * ray.direction, ray.direction};
+        if (!solid.placed) return solid.template as<Of>().span(from);
+        const InObject<Each> in = in_object(from, *solid.placed);
+        return lostbits::scaled(solid, in.scale).template as<Of>().span(in.ray);
+    }
 
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
     /// vectors Σ hᵥ |∇ᵥ f|.
@@ -125,13 +137,14 @@ public:
     /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
     /// for what the solid itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|.
     [[nodiscard]] double across(const Each& t) const {
+        if (solid.placed) return anywhere;
         const auto length_of = [](const auto& x, std::size_t first, std::size_t end) {
             double squares = 0;
             for (std::size_t i = first; i < end; ++i) squares += x[i] * x[i];
             return std::sqrt(squares);
         };
         Solid<double> plain(solid.shape);
-        std::copy(x_.begin() + 6, x_.end(), plain.numbers.begin());
+        std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
         double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, N);
         for_each_vector([&](std::size_t first, std::size_t end) {
             if (first != 3) away += length_of(step_, first, end);
@@ -143,15 +156,19 @@ public:
     }
 
 private:
+    /// The linear part first, row by row, then what is added.
+    static std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
     static bool is_direction(std::size_t i) { return i >= 3 && i < 6; }
     [[nodiscard]] int unit_of(std::size_t i) const { return is_direction(i) ? direction_ : length_; }
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
         for_each_key(solid.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+        if (matrix_ < N) act(matrix_, matrix_ + 9), act(matrix_ + 9, N);
     }
 
     bool normwise_, spread_ = false;
+    std::size_t matrix_;  ///< the place of its first number
     int length_ = exponent_of_zero, direction_ = exponent_of_zero;
     std::array<double, N> x_, step_;
 };
@@ -224,15 +241,18 @@ template <class S>
 double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, const FloatFormat& format,
                 Perturbed perturbed) {
     return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
+        const auto of_numbers = [&]<std::size_t N>() {
+            const Perturbable<N> problem(ray, solid, format, perturbed);
+            const auto at = problem.of(t);
+            const double root =
+                problem.is_spread() ? anywhere : moved_root(problem, problem.template span_from<Of>(at));
+            const double most = root == 0 ? 0 : std::min(root, problem.across(at));
+            const double in_time = std::ldexp(most * outward, problem.time());
+            return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
+        };
         constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
-        const Perturbable<N> problem(ray, solid, format, perturbed);
-        const auto at = problem.of(t);
-        const double root = problem.is_spread()
-                                ? anywhere
-                                : moved_root(problem, problem.solid.template as<Of>().span(problem.from(at)));
-        const double most = root == 0 ? 0 : std::min(root, problem.across(at));
-        const double in_time = std::ldexp(most * outward, problem.time());
-        return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
+        return solid.placed ? of_numbers.template operator()<N + Affine<S>::numbers>()
+                            : of_numbers.template operator()<N>();
     });
 }
 

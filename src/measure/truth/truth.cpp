@@ -84,7 +84,8 @@ bool is_ray(const Ray<S>& r) {
 
 template <class S>
 bool is_proper_solid(const Solid<S>& solid) {
-    return std::ranges::all_of(solid.used(), is_finite<S>) && !broken_limit(solid);
+    return std::ranges::all_of(solid.used(), is_finite<S>) && !broken_limit(solid) &&
+           (!solid.placed || solid.placed->is_proper());
 }
 
 /// How the truth is asked for, whichever the solids.

@@ -54,7 +54,7 @@ struct TruthLimit {
 /// of that point (see `convention_in`). A range that holds no t meets nothing.
 /// `ray` and `solids` in any exact storage: double (which holds every format up to binary64) or Real (own inputs).
 /// A ray with a number that is not finite or a direction of zero is none and meets nothing; nor does anything meet a
-/// solid with such a number, a sphere without a positive radius, a box with lo > hi.
+/// solid with such a number, a sphere without a positive radius, a box with lo > hi, one under a singular matrix.
 Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},

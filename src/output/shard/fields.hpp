@@ -27,9 +27,15 @@ void fields(Bits& bits, Ray<T>& ray) {
 }
 
 template <class Bits, class T>
+void fields(Bits& bits, Placement<T>& placed) {
+    auto& [matrix, is_inverse, orientation] = placed;
+    bits(matrix, is_inverse, orientation);
+}
+
+template <class Bits, class T>
 void fields(Bits& bits, Solid<T>& solid) {
-    auto& [shape, numbers] = solid;
-    bits(shape, numbers);
+    auto& [shape, numbers, placed] = solid;
+    bits(shape, numbers, placed);
 }
 
 template <class Bits>

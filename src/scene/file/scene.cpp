@@ -5,6 +5,7 @@
 #include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/file/rays_table.hpp"
+#include "scene/file/transform_table.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/result_name.hpp"
 #include "scene/toml/toml_reader.hpp"
@@ -46,6 +47,7 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
         table.fail_at(rounded->key->name,
                       "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
                       "\"own\"");
+    solid.placed = read_transform(table, numbers);
     table.reject_unknown_keys();
     return solid;
 }
@@ -156,8 +158,16 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
     std::vector<triangle::Mesh> meshes;
-    for (TableReader& table : file.tables("mesh"))
+    for (TableReader& table : file.tables("mesh")) {
+        if (const auto placed = read_transform(table, numbers))
+            scene.mesh_placed = transformed(*placed, [](const Real& x) { return x.convert_to<double>(); });
         meshes.push_back(triangle::read_mesh_table(table, path_.parent_path()));
+        if (scene.mesh_placed && meshes.size() > 1)
+            table.fail_at(
+                "transform",
+                "is of all triangles of the scene, which has several meshes; write them into one, or leave it "
+                "out");
+    }
     if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::joined(std::move(meshes)));
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
@@ -175,8 +185,11 @@ std::vector<Solid<Real>> Scene::solids() const {
             all.push_back(transformed(s, [](double x) { return Real(x); }));
         });
     }
-    for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i)
-        all.push_back(transformed(Solid<double>(mesh->triangle(i)), [](double x) { return Real(x); }));
+    for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i) {
+        Solid<double> triangle(mesh->triangle(i));
+        triangle.placed = mesh_placed;
+        all.push_back(transformed(triangle, [](double x) { return Real(x); }));
+    }
     return all;
 }
 
@@ -196,7 +209,15 @@ std::vector<Shape> Scene::shapes() const {
     return found;
 }
 
-bool Scene::meets(Shapes forms) const { return forms == Shape::sdf ? march.has_value() : forms == Shapes(shapes()); }
+bool Scene::is_placed() const {
+    return mesh_placed ||
+           std::ranges::any_of(listed, [](const Solid<Real>& solid) { return solid.placed.has_value(); });
+}
+
+bool Scene::meets(Shapes forms) const {
+    if (forms == Shape::sdf) return march.has_value() && !is_placed();
+    return forms == Shapes(shapes()).placed(is_placed());
+}
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
     return SceneFile(path).load(options);

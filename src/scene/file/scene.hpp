@@ -53,6 +53,7 @@ struct Scene {
     std::vector<Solid<Real>> listed;                       ///< as written, in world units, shape by shape
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]: its triangles come last; null: none
+    std::optional<Placement<double>> mesh_placed;          ///< under which they stand: ideal numbers, as the vertices
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: the scene asks for no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of it
@@ -64,6 +65,8 @@ struct Scene {
     /// Whether the forms for these shapes can be asked about the scene: they are those of its solids, or, for `sdf`,
     /// the scene has constants for the march.
     [[nodiscard]] bool meets(Shapes forms) const;
+    /// Whether a solid stands under a matrix.
+    [[nodiscard]] bool is_placed() const;
     /// The shapes of its solids, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// What whoever wrote the file should know of its meshes, as sentences.

@@ -23,7 +23,7 @@ SolidList<S> with_made(std::vector<Solid<S>> listed, const file::Scene& scene) {
         sphere::require_room_for(*scene.flake);
         made.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
     }
-    if (scene.mesh) made.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.inputs);
+    if (scene.mesh) made.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
     return {std::move(listed), std::move(made)};
 }
 
@@ -44,11 +44,14 @@ SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inpu
     else columns_ = columns_of<double>(flake, binary64);
 }
 
-MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, file::Inputs inputs)
-    : mesh_(std::move(mesh)), vertices_(mesh_->vertices) {
+MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+                         file::Inputs inputs)
+    : mesh_(std::move(mesh)), vertices_(mesh_->vertices), placed_(std::move(placed)) {
     if (inputs == file::Inputs::own) return;
+    const auto stored = [](double x) { return rounding::to_format(x, 0, binary32); };
     for (Vec<double>& v : vertices_)
-        for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, binary32);
+        for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
+    if (placed_) placed_ = transformed(*placed_, stored);
 }
 
 std::vector<Solid<double>> shared_listed(const file::Scene& scene) {
@@ -58,7 +61,8 @@ std::vector<Solid<double>> shared_listed(const file::Scene& scene) {
 }
 
 std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
-    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, file::Inputs::shared) : nullptr;
+    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, file::Inputs::shared)
+                      : nullptr;
 }
 
 SolidList<double> shared_solid_list(const file::Scene& scene) { return with_made(shared_listed(scene), scene); }

@@ -47,20 +47,25 @@ private:
     std::variant<std::array<std::vector<float>, 4>, std::array<std::vector<double>, 4>> columns_;
 };
 
-/// The triangles of a scene's meshes: the vertices as numbers of binary32 where inputs are shared, else as they are.
+/// The triangles of a scene's meshes: the vertices and the matrix as numbers of binary32 where inputs are shared, else
+/// as they are.
 class MeshColumns {
 public:
-    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, file::Inputs inputs);
+    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+                file::Inputs inputs);
 
     [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
     [[nodiscard]] Solid<double> operator[](std::size_t i) const {
-        return triangle::corners_of(mesh_->faces[i], vertices_);
+        Solid<double> triangle = triangle::corners_of(mesh_->faces[i], vertices_);
+        triangle.placed = placed_;
+        return triangle;
     }
     [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
 
 private:
     std::shared_ptr<const triangle::Mesh> mesh_;
     std::vector<Vec<double>> vertices_;
+    std::optional<Placement<double>> placed_;
 };
 
 /// Solids in storage type S: first those that stand in memory one by one, then perhaps the spheres of a flake and the

@@ -250,6 +250,7 @@ void SweepFile::try_both_ends() {
         marches_ = group.march.has_value();
         shapes_.clear();
         for (const Solid<double>& solid : group.solids) {
+            is_placed_ = is_placed_ || solid.placed;
             if (std::ranges::find(shapes_, solid.shape) == shapes_.end()) shapes_.push_back(solid.shape);
         }
         has_mesh_ = group.mesh != nullptr;

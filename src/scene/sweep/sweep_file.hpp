@@ -60,7 +60,9 @@ public:
     std::vector<Mark> marks;
 
     /// Whether the forms for these shapes can handle the sweep.
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_); }
+    [[nodiscard]] bool meets(Shapes forms) const {
+        return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_).placed(is_placed_);
+    }
     /// The shapes of its solids, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
     [[nodiscard]] bool has_mesh() const { return has_mesh_; }
@@ -89,6 +91,7 @@ private:
     std::vector<toml::Override> changes_;  ///< of the scene
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
+    bool is_placed_ = false;  ///< whether solids stand under matrices
     bool marches_ = false, has_mesh_ = false;
     std::uint64_t further_ = 0;  ///< added to the seed of the family
 };

@@ -1,0 +1,51 @@
+// Affine maps of space over any number: what a matrix of three rows and four columns does to points and directions.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "geometry/vec.hpp"
+
+namespace lostbits {
+
+/// p ↦ A p + τ, with the rows of A.
+template <class T>
+struct Affine {
+    std::array<Vec<T>, 3> rows;
+    Vec<T> shift;
+
+    /// Of `number(0)` to `number(11)`: a matrix of three rows and four columns, row by row.
+    template <class Numbers>
+    static constexpr Affine of(const Numbers& number) {
+        const auto row = [&number](std::size_t k) { return Vec<T>(number(k), number(k + 1), number(k + 2)); };
+        return {{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
+    }
+    /// The same numbers in the same order.
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        for (int i = 0; i < 3; ++i) {
+            const Vec<T>& row = rows[static_cast<std::size_t>(i)];
+            take(row.x), take(row.y), take(row.z), take(shift[i]);
+        }
+    }
+    static constexpr std::size_t numbers = 12;
+
+    /// A v, each component (a v.x + b v.y) + c v.z.
+    [[nodiscard]] Vec<T> linear(const Vec<T>& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
+    /// A p + τ, each component ((a p.x + b p.y) + c p.z) + τ.
+    [[nodiscard]] Vec<T> point(const Vec<T>& p) const { return linear(p) + shift; }
+
+    /// The columns of adj(A) = det(A) A⁻¹: b × c, c × a, a × b of the rows a, b, c.
+    [[nodiscard]] std::array<Vec<T>, 3> adjugate() const {
+        return {cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])};
+    }
+    [[nodiscard]] T determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
+};
+
+/// v.x u₀ + v.y u₁ + v.z u₂, of a matrix given by its columns.
+template <Number T>
+Vec<T> times(const std::array<Vec<T>, 3>& columns, const Vec<T>& v) {
+    return v.x * columns[0] + v.y * columns[1] + v.z * columns[2];
+}
+
+}  // namespace lostbits

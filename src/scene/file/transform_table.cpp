@@ -1,0 +1,141 @@
+#include "scene/file/transform_table.hpp"
+
+#include <boost/math/constants/constants.hpp>
+
+namespace lostbits::scene::file {
+
+using toml::Node;
+using toml::TableReader;
+
+namespace {
+
+using Map = Affine<Real>;
+
+Vec<Real> axis(int i) { return {Real(i == 0), Real(i == 1), Real(i == 2)}; }
+Map identity() { return {{axis(0), axis(1), axis(2)}, {Real(0), Real(0), Real(0)}}; }
+
+/// First `inner`, then `outer`.
+Map composed(const Map& outer, const Map& inner) {
+    Map both;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec<Real>& row = outer.rows[i];
+        both.rows[i] = row.x * inner.rows[0] + row.y * inner.rows[1] + row.z * inner.rows[2];
+    }
+    both.shift = outer.point(inner.shift);
+    return both;
+}
+
+bool vanishes(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+/// Of three vectors that become the axes.
+Map of_columns(const Vec<Real>& x, const Vec<Real>& y, const Vec<Real>& z, const Vec<Real>& shift) {
+    return {{Vec<Real>(x.x, y.x, z.x), Vec<Real>(x.y, y.y, z.y), Vec<Real>(x.z, y.z, z.z)}, shift};
+}
+
+Map read_scale(TableReader& table) {
+    Vec<Real> by;
+    if (table.node("scale").kind == Node::Kind::array) by = table.vec3("scale");
+    else by.x = by.y = by.z = table.number("scale");
+    if (by.x == 0 || by.y == 0 || by.z == 0)
+        table.fail_at("scale", "flattens the solid; write numbers other than 0 (a negative one mirrors)");
+    return {{by.x * axis(0), by.y * axis(1), by.z * axis(2)}, {Real(0), Real(0), Real(0)}};
+}
+
+/// v cos φ + (a × v) sin φ + a (a·v)(1 − cos φ) about the unit axis a, of the three axes (Rodrigues).
+Map read_rotation(TableReader table) {
+    const Vec<Real> about = table.vec3("axis");
+    if (vanishes(about)) table.fail_at("axis", "is zero, which is not a direction; write [0, 0, 1]");
+    const Real degrees = table.number("degrees");
+    table.reject_unknown_keys();
+    // Right angles are exact.
+    const Real turned = degrees / 90;
+    const bool right = turned == floor(turned);
+    const int quarter = right ? static_cast<int>((turned - 4 * floor(turned / 4)).convert_to<long long>()) : 0;
+    const Real angle = degrees * boost::math::constants::pi<Real>() / 180;
+    const Real c = right ? Real(quarter == 0 ? 1 : quarter == 2 ? -1 : 0) : Real(cos(angle));
+    const Real s = right ? Real(quarter == 1 ? 1 : quarter == 3 ? -1 : 0) : Real(sin(angle));
+    const Vec<Real> a = about / length(about);
+    const auto of = [&](const Vec<Real>& v) { return c * v + s * cross(a, v) + (dot(a, v) * (1 - c)) * a; };
+    return of_columns(of(axis(0)), of(axis(1)), of(axis(2)), {Real(0), Real(0), Real(0)});
+}
+
+/// The origin comes to `from`, the z axis points to `to`, the y axis up.
+Map read_look_at(TableReader table) {
+    const Vec<Real> from = table.vec3("from"), to = table.vec3("to");
+    const Vec<Real> up = table.optional_vec3("up").value_or(axis(1));
+    table.reject_unknown_keys();
+    const Vec<Real> view = to - from, across = cross(up, view);
+    if (vanishes(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
+    if (vanishes(across)) table.fail_at("up", "is zero or parallel to the view, to - from; write another");
+    const Vec<Real> z = view / length(view), x = across / length(across);
+    return of_columns(x, cross(z, x), z, from);
+}
+
+/// What one table says, but for how it is stored.
+Map read_map(TableReader& table) {
+    Map map = identity();
+    const auto then = [&map](const Map& next) { map = composed(next, map); };
+    if (table.has("matrix")) {
+        const std::vector<Real> all = table.numbers("matrix", Map::numbers);
+        then(Map::of([&all](std::size_t k) { return all[k]; }));
+    }
+    if (table.has("steps"))
+        for (TableReader& step : table.tables("steps")) {
+            then(read_map(step));
+            step.reject_unknown_keys();
+        }
+    if (table.has("scale")) then(read_scale(table));
+    if (table.has("rotate")) then(read_rotation(table.table("rotate")));
+    if (table.has("translate")) {
+        Map moved = identity();
+        moved.shift = table.vec3("translate");
+        then(moved);
+    }
+    if (table.has("look_at")) then(read_look_at(table.table("look_at")));
+    return map;
+}
+
+/// A⁻¹ p − A⁻¹ τ.
+Map inverse(const Map& m) {
+    const auto columns = m.adjugate();
+    const Real det = m.determinant();
+    Map back = of_columns(columns[0] / det, columns[1] / det, columns[2] / det, {Real(0), Real(0), Real(0)});
+    back.shift = -back.linear(m.shift);
+    return back;
+}
+
+Placement<Real> stored_as(const Map& map) {
+    Placement<Real> placed{};
+    std::size_t k = 0;
+    map.each([&](const Real& x) { placed.matrix[k++] = x; });
+    placed.orientation = orientation_of(placed.matrix);
+    return placed;
+}
+
+constexpr std::pair<std::string_view, bool> stored_names[] = {{"forward", false}, {"inverse", true}};
+
+}  // namespace
+
+std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNumbers& numbers) {
+    auto table = solid.optional_table("transform");
+    if (!table) return std::nullopt;
+    const bool is_inverse = table->optional_one_of<bool>("stored", stored_names).value_or(false);
+    const Map map = read_map(*table);
+    table->reject_unknown_keys();
+    const std::string_view where = table->has("matrix") ? "matrix" : "scale";
+    if (stored_as(map).orientation == 0)
+        table->fail_at(where,
+                       "is singular: it flattens the solid, and no ray can be taken back; write rows that lie "
+                       "in no plane");
+    Placement<Real> placed = stored_as(is_inverse ? inverse(map) : map);
+    placed.is_inverse = is_inverse;
+    const auto stored =
+        transformed(placed, [&](const Real& x) { return numbers.stored(numbers.finite(*table, where, x)); });
+    if (!stored.is_proper())
+        table->fail_at(where,
+                       "is singular in binary32, to which inputs = \"shared\" rounds; write larger numbers, or inputs "
+                       "= \"own\"");
+    return placed;
+}
+
+}  // namespace lostbits::scene::file

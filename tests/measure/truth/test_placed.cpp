@@ -1,0 +1,351 @@
+// Truth of solids under matrices, against fractions that know no adjugate matrix: Gauss's elimination takes the ray
+// back, and every decision is a comparison there.
+#include <array>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/exact.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/ranges.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace test_placed {
+
+using namespace lostbits;
+using measure::truth::Certified;
+using measure::truth::find_truth;
+using measure::truth::Truth;
+using test::Rational;
+using testing::Seeded;
+
+namespace {
+
+using Point = std::array<Rational, 3>;
+
+Rational dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point exact(const Vec<double>& v) { return {Rational(v.x), Rational(v.y), Rational(v.z)}; }
+
+/// x with A x = v, A's rows in the first three columns of the matrix.
+Point solved(const std::array<double, 12>& m, Point v) {
+    std::array<std::array<Rational, 4>, 3> rows;
+    for (std::size_t i = 0; i < 3; ++i)
+        rows[i] = {Rational(m[4 * i]), Rational(m[4 * i + 1]), Rational(m[4 * i + 2]), v[i]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t pivot = k;
+        while (rows[pivot][k] == 0) ++pivot;
+        std::swap(rows[k], rows[pivot]);
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (i == k) continue;
+            const Rational factor = rows[i][k] / rows[k][k];
+            for (std::size_t j = k; j < 4; ++j) rows[i][j] -= factor * rows[k][j];
+        }
+    }
+    return {rows[0][3] / rows[0][0], rows[1][3] / rows[1][1], rows[2][3] / rows[2][2]};
+}
+
+/// The ray in the space of the solid.
+struct Line {
+    Point o, d;
+
+    Line(const Ray<double>& ray, const Placement<double>& placed) {
+        const auto& m = placed.matrix;
+        const Point shift{Rational(m[3]), Rational(m[7]), Rational(m[11])};
+        if (placed.is_inverse) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Point row{Rational(m[4 * i]), Rational(m[4 * i + 1]), Rational(m[4 * i + 2])};
+                o[i] = dot(row, exact(ray.origin)) + shift[i];
+                d[i] = dot(row, exact(ray.direction));
+            }
+            return;
+        }
+        o = solved(m, exact(ray.origin) - shift);
+        d = solved(m, exact(ray.direction));
+    }
+};
+
+Rational low(const Certified& x) { return (Rational(x.hi) + Rational(x.lo) - Rational(x.bound)); }
+Rational high(const Certified& x) { return (Rational(x.hi) + Rational(x.lo) + Rational(x.bound)); }
+Rational power(std::int64_t e) {
+    Rational two(1);
+    for (std::int64_t k = 0; k < std::abs(e); ++k) two *= 2;
+    return e < 0 ? Rational(1) / two : two;
+}
+
+/// Whether truth and fractions agree.
+bool agrees(const Line& line, const Sphere<double>& sphere, const Truth& truth) {
+    const Point f = line.o - exact(sphere.centre);
+    const Rational a = dot(line.d, line.d), h = dot(f, line.d), c = dot(f, f) - Rational(sphere.radius) * sphere.radius;
+    const Rational q = h * h - a * c;
+    const bool hit = c <= 0 || (h < 0 && q >= 0);
+    if (truth.decision != (hit ? Truth::Decision::hit : Truth::Decision::miss)) return false;
+    if (!hit) return true;
+    const Rational unit = truth.t.is_zero() ? Rational(1) : power(truth.t.exponent);
+    const Rational from = low(truth.t) * unit, to = high(truth.t) * unit;
+    if (c == 0) return from == 0 && to == 0;
+    const auto value = [&](const Rational& t) { return Rational((a * t + 2 * h) * t + c); };
+    const auto slope = [&](const Rational& t) { return Rational(a * t + h); };
+    if (c < 0) return value(from) <= 0 && value(to) >= 0 && slope(to) >= 0;
+    if (q == 0) return slope(from) <= 0 && slope(to) >= 0;
+    return value(from) >= 0 && slope(from) <= 0 && (value(to) <= 0);
+}
+
+bool agrees(const Line& line, const Box<double>& box, const Truth& truth) {
+    std::optional<Rational> enter, leave;
+    bool crossed = true;
+    for (int i = 0; i < 3; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const Rational lo(box.lo[i]), hi(box.hi[i]);
+        if (line.d[k] == 0) {
+            crossed = crossed && lo <= line.o[k] && line.o[k] <= hi;
+            continue;
+        }
+        Rational in = (lo - line.o[k]) / line.d[k], out = (hi - line.o[k]) / line.d[k];
+        if (in > out) std::swap(in, out);
+        if (!enter || in > *enter) enter = in;
+        if (!leave || out < *leave) leave = out;
+    }
+    const bool hit = crossed && *enter <= *leave && *leave >= 0;
+    if (truth.decision != (hit ? Truth::Decision::hit : Truth::Decision::miss)) return false;
+    if (!hit) return true;
+    const Rational unit = truth.t.is_zero() ? Rational(1) : power(truth.t.exponent);
+    const Rational t = *enter > 0 ? *enter : Rational(0);
+    return low(truth.t) * unit <= t && t <= high(truth.t) * unit;
+}
+
+/// By the point in the plane of the triangle, a + u (b − a) + v (c − a). A line along the plane is not
+/// judged.
+bool agrees(const Line& line, const Triangle<double>& triangle, const Truth& truth) {
+    const Point a = exact(triangle.a), b = exact(triangle.b) - a, c = exact(triangle.c) - a, s = line.o - a;
+    const auto cross = [](const Point& x, const Point& y) {
+        return Point{x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+    };
+    const Point n = cross(b, c);
+    const Rational det = -dot(line.d, n);
+    if (det == 0) return true;
+    const Rational t = dot(s, n) / det;
+    const Point p{s[0] + t * line.d[0], s[1] + t * line.d[1], s[2] + t * line.d[2]};
+    const Rational bb = dot(b, b), bc = dot(b, c), cc = dot(c, c), pb = dot(p, b), pc = dot(p, c),
+                   g = bb * cc - bc * bc;
+    const Rational along_b = (pb * cc - pc * bc) / g, along_c = (pc * bb - pb * bc) / g;
+    const bool hit = t >= 0 && along_b >= 0 && along_c >= 0 && along_b + along_c <= 1;
+    if (truth.decision != (hit ? Truth::Decision::hit : Truth::Decision::miss)) return false;
+    if (!hit) return true;
+    const Rational unit = truth.t.is_zero() ? Rational(1) : power(truth.t.exponent);
+    return low(truth.t) * unit <= t && t <= high(truth.t) * unit;
+}
+
+using Matrix = std::array<double, 12>;
+
+Matrix rows_of(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c, const Vec<double>& shift) {
+    return {a.x, a.y, a.z, shift.x, b.x, b.y, b.z, shift.y, c.x, c.y, c.z, shift.z};
+}
+
+/// Families of matrices, each number a float.
+struct Family {
+    const char* name;
+    Matrix (*make)(Seeded&);
+    bool is_inverse = false;
+};
+
+Matrix random(Seeded& r) { return rows_of(r.vec(-2, 2), r.vec(-2, 2), r.vec(-2, 2), r.vec(-9, 9)); }
+Matrix far(Seeded& r) { return rows_of(r.vec(-2, 2), r.vec(-2, 2), r.vec(-2, 2), r.vec(-1e6, 1e6)); }
+/// The third row is the sum of the others but for 10⁻¹² of them.
+Matrix badly_conditioned(Seeded& r) {
+    const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2);
+    return rows_of(a, b, a + b + 1e-12 * r.vec(-1, 1), r.vec(-9, 9));
+}
+Matrix mirrored(Seeded& r) {
+    const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2), c = r.vec(-2, 2);
+    const bool mirrors =
+        a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x) < 0;
+    return mirrors ? rows_of(a, b, c, r.vec(-9, 9)) : rows_of(b, a, c, r.vec(-9, 9));
+}
+Matrix stretched(Seeded& r) {
+    const double x = r.signed_magnitude(-20, 20), y = r.signed_magnitude(-20, 20), z = r.signed_magnitude(-20, 20);
+    return rows_of({x, 0, 0}, {0, y, 0}, {0, 0, z}, r.vec(-2, 2));
+}
+/// Small whole numbers: touches, edges and corners are met exactly.
+Matrix whole(Seeded& r) {
+    const auto row = [&r] {
+        const double x = static_cast<double>(r.integer(-2, 2)), y = static_cast<double>(r.integer(-2, 2)),
+                     z = static_cast<double>(r.integer(-2, 2));
+        return Vec<double>(x, y, z);
+    };
+    const Vec<double> a = row(), b = row(), c = row(), shift = row();
+    return rows_of(a, b, c, shift);
+}
+
+constexpr Family families[] = {{"random", random},
+                               {"far", far},
+                               {"badly conditioned", badly_conditioned},
+                               {"mirrored", mirrored},
+                               {"stretched", stretched},
+                               {"whole", whole},
+                               {"inverse", random, true},
+                               {"whole inverse", whole, true}};
+
+/// A ray from outside, aimed at a point of the world that the solid is near.
+Ray<double> aimed(Seeded& r, const Family& family, const Placement<double>& placed, const Vec<double>& at) {
+    const bool whole_numbers = family.make == whole;
+    const auto number = [&] { return whole_numbers ? static_cast<double>(r.integer(-4, 4)) : r.uniform(-1, 1) * 8; };
+    const auto vec = [&] {
+        const double x = number(), y = number(), z = number();
+        return Vec<double>(x, y, z);
+    };
+    const Vec<double> world = placed.is_inverse ? vec() : placed.map().point(at), from = vec();
+    return {world + from, -from};
+}
+
+template <class Shape>
+Shape drawn(Seeded& r, bool whole_numbers) {
+    const auto number = [&](double low, double high) {
+        return whole_numbers
+                   ? static_cast<double>(r.integer(static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)))
+                   : r.uniform(low, high);
+    };
+    const auto vec = [&] {
+        const double x = number(-3, 3), y = number(-3, 3), z = number(-3, 3);
+        return Vec<double>(x, y, z);
+    };
+    if constexpr (std::same_as<Shape, Sphere<double>>) {
+        const Vec<double> centre = vec();
+        return {centre, number(1, 3)};
+    } else if constexpr (std::same_as<Shape, Box<double>>) {
+        const Vec<double> lo = vec(), size = vec();
+        return {lo, lo + Vec<double>(std::fabs(size.x), std::fabs(size.y), std::fabs(size.z))};
+    } else {
+        const Vec<double> a = vec(), b = vec(), c = vec();
+        return {a, b, c};
+    }
+}
+
+/// How many of each outcome.
+struct Tally {
+    int hits = 0, misses = 0, widened = 0;
+};
+
+template <class Shape>
+void hold(const Family& family, Seeded& r, const FloatFormat& format, Tally& tally) {
+    const auto stored = [&format](double x) { return testing::stored(x, format); };
+    const Shape shape = drawn<Shape>(r, family.make == whole);
+    Solid<double> solid = transformed(Solid<double>(shape), stored);
+    if (broken_limit(solid)) return;
+    Placement<double> placed{family.make(r), family.is_inverse, 1};
+    solid.placed = transformed(placed, stored);
+    if (!solid.placed->is_proper()) {
+        REQUIRE(find_truth(Ray<double>{{1, 2, 3}, {-1, -2, -3}}, solid).decision == Truth::Decision::miss);
+        return;
+    }
+    const Ray<double> ray = [&] {
+        const Ray<double> a = aimed(r, family, *solid.placed, solid.point(0));
+        return Ray<double>{testing::stored(a.origin, format), testing::stored(a.direction, format)};
+    }();
+    if (ray.direction == Vec<double>(0, 0, 0)) return;
+    const Truth truth = find_truth(ray, solid);
+    REQUIRE(truth.decision != Truth::Decision::unresolved);
+    REQUIRE(agrees(Line(ray, *solid.placed),
+                   visit(solid,
+                         [](const auto& s) -> Shape {
+                             if constexpr (std::same_as<std::remove_cvref_t<decltype(s)>, Shape>) return s;
+                             else std::abort();
+                         }),
+                   truth));
+    ++(truth.is_hit() ? tally.hits : tally.misses);
+    tally.widened += truth.bits > 106;
+}
+
+}  // namespace
+
+TEST_CASE("what stands under a matrix is met where fractions meet it, whatever the matrix") {
+    for (const FloatFormat& format : {binary32, binary64}) {
+        for (const Family& family : families) {
+            Seeded r(42);
+            Tally spheres, boxes, triangles;
+            for (int i = 0; i < test::draws(20000); ++i) {
+                hold<Sphere<double>>(family, r, format, spheres);
+                hold<Box<double>>(family, r, format, boxes);
+                hold<Triangle<double>>(family, r, format, triangles);
+            }
+            for (const Tally& t : {spheres, boxes, triangles}) {
+                INFO(family.name << ", " << format.precision << " bits: " << t.hits << " hits, " << t.misses
+                                 << " misses, " << t.widened << " by intervals");
+                CHECK(t.hits > 50);
+                CHECK(t.misses > 0);
+            }
+        }
+    }
+}
+
+TEST_CASE("the sign of a determinant is exact") {
+    const auto sign = [](std::array<double, 12> m) { return orientation_of(m); };
+    CHECK(sign(rows_of({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 6, 7})) == 1);
+    CHECK(sign(rows_of({1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {})) == 0);
+    CHECK(sign(rows_of({1, 2, 3}, {4, 5, 6}, {7, 8, 0x1.2000000000001p+3}, {})) == -1);
+    CHECK(sign(rows_of({0x1p-1000, 0, 0}, {0, 0x1p-1000, 0}, {0, 0, -0x1p-1000}, {})) == -1);
+    CHECK(sign(rows_of({0x1p1000, 0, 0}, {0, 0x1p1000, 0}, {0, 0, 0x1p1000}, {})) == 1);
+    CHECK(sign(rows_of({0x1p1000, 1, 0}, {1, 0x1p-1000, 0}, {0, 0, 1}, {})) == 0);
+    CHECK(sign(rows_of({HUGE_VAL, 0, 0}, {0, 1, 0}, {0, 0, 1}, {})) == 0);
+    CHECK(sign(rows_of({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, NAN, 0})) == 0);
+}
+
+namespace {
+
+/// A quarter turn about z, a doubling, and a shift in whole numbers, which no number rounds.
+Vec<double> turned(const Vec<double>& v) { return {-2 * v.y, 2 * v.x, 2 * v.z}; }
+
+}  // namespace
+
+TEST_CASE("a solid under a matrix is the same as the solid whose numbers were moved, for every shape") {
+    const Vec<double> shift(16, -32, 8);
+    Seeded r(7);
+    for (const ShapeRow& row : shape_rows) {
+        CAPTURE(row.name);
+        int hits = 0;
+        for (int i = 0; i < 400; ++i) {
+            const Vec<double> at(r.integer(-8, 8) / 4.0, r.integer(-8, 8) / 4.0, r.integer(-8, 8) / 4.0);
+            const Solid<double> solid = solid_around<double>(row.shape, at, 1.5);
+            // What has its own directions, as the planes of a box or radii by axis, does not turn with its numbers.
+            bool turns = row.shape != Shape::box;
+            Solid<double> moved = solid, placed = solid;
+            for_each_key(row.shape, [&](const Key& key, std::size_t k) {
+                turns = turns && key.kind != Key::Kind::lengths;
+                if (key.kind == Key::Kind::point) moved.set_point(k, turned(solid.point(k)) + shift);
+                else if (key.kind == Key::Kind::direction) moved.set_point(k, turned(solid.point(k)));
+                else if (key.kind == Key::Kind::length) moved.numbers[k] = 2 * solid.numbers[k];
+            });
+            if (!turns) continue;
+            placed.placed = Placement<double>{rows_of({0, -2, 0}, {2, 0, 0}, {0, 0, 2}, shift), false, 1};
+            const Vec<double> from = r.vec(-9, 9), to = turned(at) + shift + r.vec(-2, 2);
+            const Ray<double> ray{to + from, -from};
+            const Truth one = find_truth(ray, placed), other = find_truth(ray, moved);
+            REQUIRE(one.decision == other.decision);
+            REQUIRE(one.touches == other.touches);
+            if (!one.is_hit()) continue;
+            ++hits;
+            REQUIRE(compare(one.t, other.t) == 0);
+            REQUIRE(compare(one.distance, other.distance) == 0);
+        }
+        const bool is_turned = row.shape != Shape::box && row.shape != Shape::ellipsoid;
+        CHECK((hits > 30) == is_turned);
+    }
+}
+
+TEST_CASE("the condition of a solid under a matrix counts the numbers of the matrix") {
+    // A unit sphere doubled about (10, 0, 0), seen from the origin along x: t = 10 − 2·1 = 8, with derivatives −1 by
+    // o.x, −t by d.x, 1 by τ.x, −1 by the entry of the scale (the centre is 0) and −2 by the radius.
+    Solid<double> solid(Sphere<double>{{0, 0, 0}, 1});
+    solid.placed = Placement<double>{rows_of({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {10, 0, 0}), false, 1};
+    const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
+    CHECK(measure::truth::condition(ray, solid) == Approx((8 + 10 + 2 + 2) / 8.0));
+    const Truth truth = find_truth(ray, solid);
+    CHECK(truth.t.hi == 1);
+    CHECK(truth.t.exponent == 3);
+}
+
+}  // namespace test_placed
