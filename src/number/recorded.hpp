@@ -53,6 +53,9 @@ public:
         node_ = tape ? tape->add_input(format(), as_double(value_)) : no_node;
     }
 
+    /// What stands on the tape already.
+    static Recorded at(NodeId node, F value) { return Recorded(value, node); }
+
     [[nodiscard]] F value() const { return value_; }
     [[nodiscard]] NodeId node() const { return node_; }
     static FloatFormat format() {

@@ -115,6 +115,7 @@ struct Intersector {
     Function<Way(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
     /// Of a set its forms, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
+    bool is_placed = false;  ///< it takes rays into the space of solids under matrices (`space/spaced.hpp`)
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {
@@ -135,8 +136,8 @@ struct Intersector {
     }
     /// The shapes of the solids that it is for; `sdf` for the forms that march.
     [[nodiscard]] Shapes shapes() const {
-        Shapes all = shape;
-        for (const Intersector* const part : parts) all |= part->shape;
+        Shapes all = Shapes(shape).placed(is_placed);
+        for (const Intersector* const part : parts) all |= part->shapes();
         return all;
     }
 };

@@ -1,0 +1,39 @@
+// No inverse: the ray by the adjugate matrix, and the solid det(A) times as large.
+#pragma once
+
+#include "intersect/space/relative.hpp"
+
+namespace lostbits::intersect::space {
+
+/// What the truth does, in the format: adj(A)(o − τ) + t adj(A) d against the solid times |det A|, mirrored where
+/// det A < 0.
+struct Adjugate : SameT {
+    static constexpr SpaceInfo info{
+        .name = "adjugate",
+        .title = "adj(A)(o - T) and adj(A) d against the solid times |det A|: no division; t kept",
+        .source = "as the truth of lostbits has it",
+    };
+
+    /// The adjugate matrix stands where others have the inverse; its shift is not used.
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        const auto columns = m.adjugate();
+        const auto row = [&](int i) { return Vec<T>(columns[0][i], columns[1][i], columns[2][i]); };
+        return {{row(0), row(1), row(2)}, m.shift};
+    }
+    template <Number T>
+    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+        return Relative::origin(m, o);
+    }
+    template <Number T>
+    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+        return Plain::direction(m, d);
+    }
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>& m, const Vec<T>&, const Ray<T>& ray) {
+        const T det = named("det", m.to_world.determinant()), sign = copysign(T(1), det);
+        return {{sign * ray.origin, sign * ray.direction}, T(1), abs(det)};
+    }
+};
+
+}  // namespace lostbits::intersect::space

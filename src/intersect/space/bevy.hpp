@@ -1,0 +1,36 @@
+// As Bevy casts a ray at a mesh: the direction made unit in the space of the mesh, and the length of the way along it,
+// taken back to the world.
+#pragma once
+
+#include "intersect/space/plain.hpp"
+
+namespace lostbits::intersect::space {
+
+struct Bevy : UnitDirection {
+    static constexpr SpaceInfo info{
+        .name = "bevy",
+        .title = "M^-1 o and M^-1 d made unit; t is the length of M applied to t d'",
+        .source = "Bevy, crates/bevy_picking/src/mesh_picking/ray_cast/intersections.rs ray_mesh_intersection",
+        .direction = Direction::unit,
+        .normalises = true,
+    };
+
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        return adjugate_times_reciprocal(m);
+    }
+    template <Number T>
+    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+        return Plain::origin(m, o);
+    }
+    template <Number T>
+    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+        return Plain::direction(m, d);
+    }
+    template <Number T>
+    static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
+        return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * in.ray.direction)))));
+    }
+};
+
+}  // namespace lostbits::intersect::space

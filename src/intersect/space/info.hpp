@@ -1,0 +1,117 @@
+// What a way into the space of a solid says of itself.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "intersect/info.hpp"
+#include "shapes/placement.hpp"
+
+namespace lostbits::intersect::space {
+
+struct SpaceInfo {
+    std::string_view name;  ///< `pbrt` of `sphere.unified@pbrt`, unique
+    std::string_view title;
+    std::string_view source;
+    /// What it is given in the world: of unit directions the answer is a distance.
+    Direction direction = Direction::any;
+    bool normalises = false;  ///< the form receives directions of length one
+};
+
+/// What is done, in this order. What rounds in each is told apart by `measure::blame`.
+enum class Step {
+    inverse,    ///< of the matrix that is stored the other one
+    origin,     ///< of the ray, into the space of the solid
+    direction,  ///< of the ray
+    finish,     ///< what is done to that ray: made unit, moved along itself; and to the solid
+    form,       ///< the shape's form
+    back        ///< of t, to the world
+};
+inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
+
+/// Both matrices, one of them as stored.
+template <class T>
+struct Maps {
+    Affine<T> to_world, to_object;
+};
+
+/// The ray that the form is given: t of the world is t there over `length`. The solid is `scale` times as large.
+template <class T>
+struct ObjectRay {
+    Ray<T> ray;
+    T length, scale;
+};
+
+/// Of the ways that do nothing more: t is the same in both spaces, as affine maps keep it.
+struct SameT {
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+        return {ray, T(1), T(1)};
+    }
+    template <Number T>
+    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>&, const T& t) {
+        return t;
+    }
+};
+
+/// d' = d/|d|, each component a quotient; t = t'/|d|.
+struct UnitDirection {
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+        const T size = named("|d'|", length(ray.direction));
+        const Vec<T>& d = ray.direction;
+        return {{ray.origin, {d.x / size, d.y / size, d.z / size}}, size, T(1)};
+    }
+    template <Number T>
+    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
+        return named("t'/|d'|", t / in.length);
+    }
+};
+
+/// [A⁻¹, −A⁻¹τ] from adj(A), each number of it over det(A).
+template <Number T>
+Affine<T> adjugate_over_determinant(const Affine<T>& m) {
+    const auto columns = m.adjugate();
+    const T det = named("det", m.determinant());
+    const auto row = [&](int i) {
+        return Vec<T>(named("A^-1", columns[0][i] / det), named("A^-1", columns[1][i] / det),
+                      named("A^-1", columns[2][i] / det));
+    };
+    Affine<T> inverse{{row(0), row(1), row(2)}, m.shift};
+    inverse.shift = -inverse.linear(m.shift);
+    return inverse;
+}
+
+/// The same with one division: 1/det(A) is multiplied.
+template <Number T>
+Affine<T> adjugate_times_reciprocal(const Affine<T>& m) {
+    const auto columns = m.adjugate();
+    const T r = named("1/det", T(1) / m.determinant());
+    const auto row = [&](int i) {
+        return Vec<T>(named("A^-1", columns[0][i] * r), named("A^-1", columns[1][i] * r),
+                      named("A^-1", columns[2][i] * r));
+    };
+    Affine<T> inverse{{row(0), row(1), row(2)}, m.shift};
+    inverse.shift = -inverse.linear(m.shift);
+    return inverse;
+}
+
+/// fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, τ))) for each row: the last component first.
+template <Number T>
+Vec<T> point_by_fma(const Affine<T>& m, const Vec<T>& p) {
+    const auto of = [&](std::size_t i) {
+        const Vec<T>& a = m.rows[i];
+        return fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, m.shift[static_cast<int>(i)])));
+    };
+    return {of(0), of(1), of(2)};
+}
+template <Number T>
+Vec<T> linear_by_fma(const Affine<T>& m, const Vec<T>& v) {
+    const auto of = [&](std::size_t i) {
+        const Vec<T>& a = m.rows[i];
+        return fma(a.x, v.x, fma(a.y, v.y, a.z * v.z));
+    };
+    return {of(0), of(1), of(2)};
+}
+
+}  // namespace lostbits::intersect::space

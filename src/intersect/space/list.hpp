@@ -1,0 +1,37 @@
+// The closed list of ways into the space of a solid: for each a line, and an include.
+#pragma once
+
+#include "intersect/space/adjugate.hpp"
+#include "intersect/space/bevy.hpp"
+#include "intersect/space/cycles.hpp"
+#include "intersect/space/embree.hpp"
+#include "intersect/space/in_double.hpp"
+#include "intersect/space/mitsuba.hpp"
+#include "intersect/space/pbrt.hpp"
+#include "intersect/space/plain.hpp"
+#include "intersect/space/relative.hpp"
+#include "intersect/space/rigid.hpp"
+#include "intersect/space/three.hpp"
+#include "intersect/space/two_words.hpp"
+
+namespace lostbits::intersect::space {
+
+/// `act.template operator()<Plain>()` for each in turn.
+template <class Act>
+constexpr void for_each_space(const Act& act) {
+    const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
+    all.template operator()<Plain,     //
+                            Pbrt,      //
+                            Embree,    //
+                            Mitsuba,   //
+                            Cycles,    //
+                            Three,     //
+                            Bevy,      //
+                            Rigid,     //
+                            Relative,  //
+                            Adjugate,  //
+                            InDouble,  //
+                            InTwoWords>();
+}
+
+}  // namespace lostbits::intersect::space

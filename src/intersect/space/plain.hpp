@@ -1,0 +1,29 @@
+// The inverse matrix, and both products: as it is written where nothing is known of rounding.
+#pragma once
+
+#include "intersect/space/info.hpp"
+
+namespace lostbits::intersect::space {
+
+struct Plain : SameT {
+    static constexpr SpaceInfo info{
+        .name = "plain",
+        .title = "adjugate over determinant; M^-1 o and M^-1 d, t kept",
+        .source = "the DirectX Raytracing specification, ObjectRayOrigin and ObjectRayDirection",
+    };
+
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        return adjugate_over_determinant(m);
+    }
+    template <Number T>
+    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+        return named("o'", m.to_object.point(o));
+    }
+    template <Number T>
+    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+        return named("d'", m.to_object.linear(d));
+    }
+};
+
+}  // namespace lostbits::intersect::space

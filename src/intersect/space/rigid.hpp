@@ -1,0 +1,25 @@
+// The transpose in place of the inverse: of rotations alone.
+#pragma once
+
+#include "intersect/space/relative.hpp"
+
+namespace lostbits::intersect::space {
+
+/// Aᵀ = A⁻¹ of a rotation; of a rounded one to a few u, and of any other matrix it is another map.
+struct Rigid : Relative {
+    static constexpr SpaceInfo info{
+        .name = "rigid",
+        .title = "A^T for A^-1: right of rotations alone; o - T first, t kept",
+        .source = "Eberly, Geometric Tools, rigid transforms; Lengyel, Foundations of Game Engine Development, 2016",
+    };
+
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        const auto column = [&](int i) { return Vec<T>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
+        Affine<T> inverse{{column(0), column(1), column(2)}, m.shift};
+        inverse.shift = -inverse.linear(m.shift);
+        return inverse;
+    }
+};
+
+}  // namespace lostbits::intersect::space

@@ -1,0 +1,133 @@
+#include "intersect/space/space.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "intersect/space/list.hpp"
+#include "number/recorded.hpp"
+#include "number/with_number.hpp"
+
+namespace lostbits::intersect::space {
+
+namespace {
+
+using table::HitBatch;
+using table::RayBatch;
+
+template <class L, class T>
+Maps<T> maps_of(const Placement<T>& placed) {
+    const Affine<T> stored = placed.map(), other = L::inverse(stored);
+    return placed.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
+}
+
+template <class L, class T>
+constexpr StepsIn<T> steps() {
+    return {maps_of<L, T>, L::template origin<T>, L::template direction<T>, L::template finish<T>, L::template back<T>};
+}
+
+/// A stored number in the arithmetic, and back.
+template <class T, class S>
+Vec<T> lifted(S x, S y, S z) {
+    return {T(x), T(y), T(z)};
+}
+template <class S, class T>
+S dropped(const T& x) {
+    if constexpr (std::same_as<S, T>) return x;
+    else return as_double(x);
+}
+
+template <class T, class S>
+Ray<T> world_ray(const RayBatch<S>& rays, std::size_t i) {
+    return {lifted<T>(rays.ox[i], rays.oy[i], rays.oz[i]), lifted<T>(rays.dx[i], rays.dy[i], rays.dz[i])};
+}
+
+template <class L, class T, class S>
+void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& to) {
+    for (auto& column : to.ray) column.resize(rays.size());
+    to.length.resize(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray<T> world = world_ray<T>(rays, i);
+        const ObjectRay<T> in =
+            L::finish(maps, world.origin, Ray<T>{L::origin(maps, world.origin), L::direction(maps, world.direction)});
+        for (int k = 0; k < 3; ++k) {
+            to.ray[static_cast<std::size_t>(k)][i] = dropped<S>(in.ray.origin[k]);
+            to.ray[static_cast<std::size_t>(k + 3)][i] = dropped<S>(in.ray.direction[k]);
+        }
+        to.length[i] = dropped<S>(in.length);
+        to.scale = dropped<S>(in.scale);
+    }
+}
+
+template <class L, class T, class S>
+void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& in, const HitBatch<S>& hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray<T> world = world_ray<T>(rays, i);
+        const auto at = [&](std::size_t k) { return in.ray[k][i]; };
+        const ObjectRay<T> there{
+            {lifted<T>(at(0), at(1), at(2)), lifted<T>(at(3), at(4), at(5))}, T(in.length[i]), T(in.scale)};
+        for (const auto* const lengths : {&hits.t, &hits.near, &hits.far})
+            (*lengths)[i] = dropped<S>(L::back(maps, world, there, T((*lengths)[i])));
+    }
+}
+
+template <class L>
+void record(const Format& format, Tape& tape, const WorldNodes& world, const RecordForm& form) {
+    with_number(format, [&]<class F>() {
+        using T = Recorded<F>;
+        const Tape::Scope scope(tape);
+        const auto at = [&tape](NodeId node) { return T::at(node, static_cast<F>(tape[node].value)); };
+        const auto vec = [&](const auto& nodes, std::size_t k) {
+            return Vec<T>(at(nodes[k]), at(nodes[k + 1]), at(nodes[k + 2]));
+        };
+        const Ray<T> ray{vec(world.ray, 0), vec(world.ray, 3)};
+        const Affine<T> stored = Affine<T>::of([&](std::size_t k) { return at(world.matrix[k]); });
+        const Affine<T> other = L::inverse(stored);
+        const Maps<T> maps = world.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
+        const ObjectRay<T> in =
+            L::finish(maps, ray.origin, Ray<T>{L::origin(maps, ray.origin), L::direction(maps, ray.direction)});
+        const Vec<T>&o = in.ray.origin, &d = in.ray.direction;
+        TapeOutputs answer = form({{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()},
+                                   in.length.node(),
+                                   in.scale.node()});
+        for (NodeId* const t : {&answer.t, &answer.near, &answer.far}) *t = L::back(maps, ray, in, at(*t)).node();
+        tape.outputs = answer;
+    });
+}
+
+template <class L>
+constexpr Space row() {
+    return {.info = &L::info,
+            .f32 = steps<L, float>(),
+            .f64 = steps<L, double>(),
+            .rounded = steps<L, RoundedAny>(),
+            .ball = steps<L, Ball>(),
+            .interval = steps<L, Interval>(),
+            .real = steps<L, Real>(),
+            .batch32 = {maps_of<L, float>, batch_to_object<L, float, float>, batch_back<L, float, float>},
+            .batch64 = {maps_of<L, double>, batch_to_object<L, double, double>, batch_back<L, double, double>},
+            .batch_rounded = {maps_of<L, RoundedAny>, batch_to_object<L, RoundedAny, double>,
+                              batch_back<L, RoundedAny, double>},
+            .record = record<L>};
+}
+
+const std::vector<Space>& table() {
+    static const std::vector<Space> all = [] {
+        std::vector<Space> rows;
+        for_each_space([&rows]<class L>() { rows.push_back(row<L>()); });
+        return rows;
+    }();
+    return all;
+}
+
+}  // namespace
+
+std::span<const Space> spaces() { return table(); }
+
+const Space* find_space(std::string_view name) {
+    const auto found = std::ranges::find(table(), name, [](const Space& s) { return s.info->name; });
+    return found == table().end() ? nullptr : &*found;
+}
+
+const Space& usual_space() { return table().front(); }
+
+}  // namespace lostbits::intersect::space

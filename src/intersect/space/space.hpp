@@ -1,0 +1,83 @@
+// The table of ways into the space of a solid: each in every arithmetic, as plain functions.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "intersect/space/info.hpp"
+#include "intersect/table/table.hpp"
+#include "number/ball.hpp"
+#include "number/interval.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::intersect::space {
+
+/// Rays in the space of a solid, structure of arrays.
+template <class S>
+struct ObjectColumns {
+    std::array<std::vector<S>, 6> ray;
+    std::vector<S> length;
+    S scale;
+};
+
+/// The steps over one number.
+template <class T>
+struct StepsIn {
+    Maps<T> (*maps)(const Placement<T>&);
+    Vec<T> (*origin)(const Maps<T>&, const Vec<T>&);
+    Vec<T> (*direction)(const Maps<T>&, const Vec<T>&);
+    ObjectRay<T> (*finish)(const Maps<T>&, const Vec<T>& origin, const Ray<T>& object);
+    T (*back)(const Maps<T>&, const Ray<T>& world, const ObjectRay<T>&, const T& t);
+
+    [[nodiscard]] ObjectRay<T> to_object(const Maps<T>& m, const Ray<T>& world) const {
+        return finish(m, world.origin, {origin(m, world.origin), direction(m, world.direction)});
+    }
+};
+
+/// Whole batches against one matrix: the same bits as ray by ray.
+template <class T, class S>
+struct BatchIn {
+    Maps<T> (*maps)(const Placement<T>&);
+    void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
+    /// The answers of the form, in place.
+    void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
+};
+
+/// Places on a tape: what a way into the space of a solid begins with, and what the form is given there.
+struct WorldNodes {
+    std::array<NodeId, 6> ray;
+    std::array<NodeId, Affine<double>::numbers> matrix;
+    bool is_inverse = false;
+};
+struct ObjectNodes {
+    std::array<NodeId, 6> ray;
+    NodeId length, scale;
+};
+/// Writes the form down behind what is there, and says what it answers.
+using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
+
+struct Space {
+    const SpaceInfo* info;
+    StepsIn<float> f32;
+    StepsIn<double> f64;
+    StepsIn<RoundedAny> rounded;
+    StepsIn<Ball> ball;
+    StepsIn<Interval> interval;
+    StepsIn<Real> real;
+    BatchIn<float, float> batch32;
+    BatchIn<double, double> batch64;
+    BatchIn<RoundedAny, double> batch_rounded;
+    /// Every operation behind what is on the tape, with those of the form in their place, in a format.
+    void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
+};
+
+/// In the order of the list.
+std::span<const Space> spaces();
+/// Null where none has that name.
+const Space* find_space(std::string_view name);
+/// The one that is taken where none is named.
+const Space& usual_space();
+
+}  // namespace lostbits::intersect::space

@@ -1,0 +1,267 @@
+#include "intersect/space/spaced.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <string>
+
+#include "intersect/simd/packed.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::space {
+
+using table::HitBatch;
+using table::Intersector;
+using table::RayBatch;
+
+namespace {
+
+struct Row {
+    const Space* space;
+    const Intersector* form;
+    std::string name, title, source;
+    Info info;
+    Intersector row;
+};
+
+const Row& of(void* own) { return *static_cast<const Row*>(own); }
+
+template <class S>
+Solid<S> object_of(const Solid<S>& solid, const S& scale) {
+    Solid<S> object = solid;
+    object.placed.reset();
+    return scale == S(1) ? object : scaled(object, scale);
+}
+
+/// One batch against one solid: the rays into columns, the form there, its answers back.
+template <class T, class S, class Kernel>
+void ask(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S>& rays, const Target<S>& target,
+         const HitBatch<S>& hits) {
+    const std::size_t solids = target.solids.size();
+    for (std::size_t i = 0, end = 0; i < rays.size(); i = end) {
+        const Solid<S>& solid = target.solids[solids == 1 ? 0 : i];
+        end = solids == 1 ? rays.size() : i + 1;
+        const auto part = [&](auto all) { return all.empty() ? all : all.subspan(i, end - i); };
+        const RayBatch<S> some{part(rays.ox), part(rays.oy),   part(rays.oz),   part(rays.dx), part(rays.dy),
+                               part(rays.dz), part(rays.tmax), part(rays.tmin), rays.open};
+        const HitBatch<S> to{part(hits.t), part(hits.near), part(hits.far), part(hits.hit)};
+        if (!solid.placed) {
+            kernel(some, Target<S>(solid), to);
+            continue;
+        }
+        const auto lifted = transformed(*solid.placed, [](const S& x) { return T(x); });
+        const Maps<T> maps = steps.maps(lifted);
+        thread_local ObjectColumns<S> columns;
+        steps.to_object(maps, some, columns);
+        const auto& [ox, oy, oz, dx, dy, dz] = columns.ray;
+        RayBatch<S> inside{ox, oy, oz, dx, dy, dz};
+        thread_local std::vector<S> ends;
+        if (!some.tmax.empty()) {
+            ends.resize(some.size());
+            for (std::size_t k = 0; k < ends.size(); ++k) ends[k] = some.tmax[k] * columns.length[k];
+            inside.tmax = ends;
+            inside.open.tmax = some.open.tmax;
+        }
+        kernel(inside, Target<S>(object_of(solid, columns.scale)), to);
+        steps.back(maps, some, columns, to);
+    }
+}
+
+void ask32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    ask(of(own).space->batch32, simd::packed_kernels(*of(own).form).f32, rays, target, hits);
+}
+void ask64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    ask(of(own).space->batch64, simd::packed_kernels(*of(own).form).f64, rays, target, hits);
+}
+void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                 const HitBatch<double>& hits) {
+    const CurrentFormat::Scope scope(format);
+    const auto kernel = [&](const auto&... a) { of(own).form->rounded(format, a...); };
+    ask(of(own).space->batch_rounded, kernel, rays, target, hits);
+}
+
+/// In an enclosure. A determinant that is not known to differ from 0 leaves all open.
+template <class E>
+Hit<E> enclosed(const Row& row, const StepsIn<E>& steps, Hit<E> (*form)(const Row&, const Ray<E>&, const Target<E>&),
+                const Ray<E>& ray, const Target<E>& target) {
+    const Solid<E>& solid = target.solids.front();
+    if (!solid.placed) return form(row, ray, target);
+    const Maps<E> maps = steps.maps(*solid.placed);
+    const ObjectRay<E> in = steps.to_object(maps, ray);
+    Solid<E> object = scaled(solid, in.scale);
+    const Hit<E> hit = form(row, in.ray, Target<E>(object));
+    return {hit.hit, steps.back(maps, ray, in, hit.t), steps.back(maps, ray, in, hit.near),
+            steps.back(maps, ray, in, hit.far)};
+}
+Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) {
+    return enclosed<Ball>(
+        of(own), of(own).space->ball,
+        [](const Row& row, const Ray<Ball>& r, const Target<Ball>& t) { return row.form->ball(r, t); }, ray, target);
+}
+Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
+    return enclosed<Interval>(
+        of(own), of(own).space->interval,
+        [](const Row& row, const Ray<Interval>& r, const Target<Interval>& t) { return row.form->interval(r, t); }, ray,
+        target);
+}
+
+/// The operations of a form's own tape behind those of another, its inputs being what stands there.
+TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, Tape& to) {
+    std::vector<NodeId> place(form.nodes.size());
+    const auto moved = [&place](NodeId node) {
+        return node == no_node ? no_node : place[static_cast<std::size_t>(node)];
+    };
+    for (NodeId i = 0; i < form.size(); ++i) {
+        const TapeNode& n = form[i];
+        NodeId& there = place[static_cast<std::size_t>(i)];
+        if (n.op == TapeOp::input) {
+            there = inputs[static_cast<std::size_t>(n.operands[0])];
+            continue;
+        }
+        const bool given = is_given(n.op);
+        const auto operand = [&](std::size_t k) { return given ? n.operands[k] : moved(n.operands[k]); };
+        there = to.add(n.op, form.format_of(i), n.value, {operand(0), operand(1), operand(2)});
+        to[there].label = n.label;
+    }
+    return {moved(form.outputs.hit), moved(form.outputs.t), moved(form.outputs.near), moved(form.outputs.far)};
+}
+
+/// `inside(ray, target, tmax, tape)` records the form in the space of the solid.
+template <class Inside>
+void record_with(const Row& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
+                 Tape& tape, const Inside& inside) {
+    tape.clear();
+    const auto input = [&](double x) { return tape.add_input(format.shape, x); };
+    WorldNodes world{};
+    for (std::size_t k = 0; k < 6; ++k)
+        world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
+    std::vector<NodeId> numbers;
+    for (const double x : solid.used()) numbers.push_back(input(x));
+    for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(solid.placed->matrix[k]);
+    world.is_inverse = solid.placed->is_inverse;
+    const NodeId end = input(tmax);
+    row.space->record(format, tape, world, [&](const ObjectNodes& object) {
+        const auto value = [&tape](NodeId node) { return tape[node].value; };
+        const auto times = [&](NodeId a, NodeId b, double product) {
+            return tape.add(TapeOp::mul, format.shape, product, {a, b});
+        };
+        std::vector<NodeId> inputs(object.ray.begin(), object.ray.end());
+        Solid<double> there = solid;
+        there.placed.reset();
+        const double scale = value(object.scale);
+        std::size_t k = 0;
+        const bool scales = tape[object.scale].op != TapeOp::constant;
+        if (scales)
+            with_number(format, [&]<class F>() {
+                there = transformed(
+                    scaled(transformed(there, [](double x) { return static_cast<F>(x); }), static_cast<F>(scale)),
+                    [](const F& x) { return as_double(x); });
+            });
+        for_each_key(solid.shape, [&](const Key& key, std::size_t first) {
+            for (k = first; k < first + key.count(); ++k)
+                inputs.push_back(scales && key.kind != Key::Kind::direction
+                                     ? times(object.scale, numbers[k], there.numbers[k])
+                                     : numbers[k]);
+        });
+        double limit = tmax;
+        if (tape[object.length].op != TapeOp::constant) {
+            with_number(format, [&]<class F>() {
+                limit = as_double(static_cast<F>(tmax) * static_cast<F>(value(object.length)));
+            });
+            inputs.push_back(times(end, object.length, limit));
+        } else {
+            inputs.push_back(end);
+        }
+        const auto& r = object.ray;
+        Tape own;
+        inside(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
+               Target<double>(there), limit, own);
+        return append(own, inputs, tape);
+    });
+}
+
+void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+            Tape& tape) {
+    const Row& row = of(own);
+    const Solid<double>& solid = target.solids.front();
+    if (!solid.placed) return row.form->record(format, ray, target, tmax, tape);
+    record_with(row, format, ray, solid, tmax, tape,
+                [&](const Ray<double>& inside, const Target<double>& there, double limit, Tape& form) {
+                    row.form->record(format, inside, there, limit, form);
+                });
+}
+void record_all(void* own, const Target<double>& target, Tape& tape) {
+    const Row& row = of(own);
+    const Solid<double>& solid = target.solids.front();
+    if (!solid.placed) return row.form->record_all(target, tape);
+    record_with(row, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, solid, HUGE_VAL, tape,
+                [&](const Ray<double>&, const Target<double>& there, double, Tape& form) {
+                    row.form->record_all(there, form);
+                });
+}
+
+void fill(Row& made) {
+    const Info& form = *made.form->info;
+    const SpaceInfo& space = *made.space->info;
+    const auto text = [](auto&... parts) {
+        std::string all;
+        ((all += parts), ...);
+        return all;
+    };
+    made.name = text(form.name, "@", space.name);
+    made.title = text(form.title, "; ", space.title);
+    made.source = text(form.source, "; ", space.source);
+    made.info = form;
+    made.info.name = made.name, made.info.title = made.title, made.info.source = made.source;
+    // A form for unit directions gets them from a way that makes them unit; else those of the world are unit.
+    if (space.normalises) made.info.direction = space.direction;
+    else if (space.direction == Direction::unit) made.info.direction = Direction::unit;
+    const Intersector& inner = *made.form;
+    made.row = {.info = &made.info, .shape = inner.shape, .native32 = nullptr, .native64 = nullptr};
+    if (inner.native32) made.row.native32 = {ask32, &made};
+    if (inner.native64) made.row.native64 = {ask64, &made};
+    if (inner.rounded) made.row.rounded = {ask_rounded, &made};
+    if (inner.ball) made.row.ball = {ball, &made};
+    if (inner.interval) made.row.interval = {interval, &made};
+    if (inner.record) made.row.record = {record, &made};
+    if (inner.record_all) made.row.record_all = {record_all, &made};
+    made.row.is_placed = true;
+}
+
+std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+}
+std::deque<Row>& all() {
+    static std::deque<Row> rows;
+    return rows;
+}
+
+}  // namespace
+
+const Intersector& through(const Space& space, const Intersector& form) {
+    const std::string name(form.info->name);
+    if (!is_solid(form.shape))
+        throw InputError(name + "@" + std::string(space.info->name) +
+                         ": a form that marches is asked about all solids at once, and none of them has a space of its "
+                         "own");
+    if (form.is_set() || form.is_placed)
+        throw InputError(name + "@" + std::string(space.info->name) + ": name a space after each form");
+    const std::lock_guard lock(mutex());
+    const auto known =
+        std::ranges::find_if(all(), [&](const Row& row) { return row.space == &space && row.form == &form; });
+    if (known != all().end()) return known->row;
+    Row& made = all().emplace_back();
+    made.space = &space;
+    made.form = &form;
+    fill(made);
+    return made.row;
+}
+
+Made made_of(const Intersector& row) {
+    const std::lock_guard lock(mutex());
+    const auto known = std::ranges::find_if(all(), [&](const Row& made) { return &made.row == &row; });
+    return known == all().end() ? Made{nullptr, nullptr} : Made{known->space, known->form};
+}
+
+}  // namespace lostbits::intersect::space

@@ -1,0 +1,43 @@
+// As three.js raycasts a mesh: the direction made unit in the space of the mesh, and the distance of the point that was
+// found there, taken back to the world.
+#pragma once
+
+#include "intersect/space/plain.hpp"
+
+namespace lostbits::intersect::space {
+
+struct Three : UnitDirection {
+    static constexpr SpaceInfo info{
+        .name = "three",
+        .title = "M^-1 o and M^-1 d made unit; t is the distance from o of M applied to the point",
+        .source = "three.js, src/math/Ray.js applyMatrix4, src/objects/Mesh.js checkIntersection",
+        .direction = Direction::unit,
+        .normalises = true,
+    };
+
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        return adjugate_times_reciprocal(m);
+    }
+    template <Number T>
+    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+        return Plain::origin(m, o);
+    }
+    template <Number T>
+    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+        return Plain::direction(m, d);
+    }
+    /// v.normalize() multiplies by 1/|v|.
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+        const T size = named("|d'|", length(ray.direction)), r = T(1) / size;
+        return {{ray.origin, r * ray.direction}, size, T(1)};
+    }
+    template <Number T>
+    static T back(const Maps<T>& m, const Ray<T>& world, const ObjectRay<T>& in, const T& t) {
+        const Vec<T> point = named("P'", Vec<T>(in.ray.origin + t * in.ray.direction));
+        return named("|P - o|", length(Vec<T>(named("P", m.to_world.point(point)) - world.origin)));
+    }
+};
+
+}  // namespace lostbits::intersect::space
