@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/space/spaced.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
@@ -51,7 +52,10 @@ bool is_other_question(const Intersector& a, const Intersector& b, const OneRay&
 /// What is held against the form: one of its shape; of a set, it with this form for the solid that is explained, where
 /// that is another set. Null for a form that has no place in it.
 const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
-    if (!asked.is_set()) return other.shape == asked.shape ? &other : nullptr;
+    if (!asked.is_set() && other.shape != asked.shape) return nullptr;
+    if (asked.is_placed && !other.is_placed)
+        return &intersect::space::through(*intersect::space::made_of(asked).space, other);
+    if (!asked.is_set()) return &other;
     if (other.is_set()) return other.shapes() == asked.shapes() ? &other : nullptr;
     if (other.shape != shape) return nullptr;
     std::vector<const Intersector*> parts(asked.parts.begin(), asked.parts.end());
@@ -62,6 +66,9 @@ const Intersector* with_form(const Intersector& asked, Shape shape, const Inters
 void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector* const> beside) {
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
+    if (const auto made = intersect::space::made_of(*x.form); made.space != nullptr)
+        for (const auto& space : intersect::space::spaces())
+            all.push_back(&intersect::space::through(space, *made.form));
     std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
     for (const Intersector* const other : all) {
         const bool named = std::ranges::find(beside, other) != beside.end();
@@ -178,7 +185,9 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     } else {
         const Ray<double> asked = in.ray(*form.info);
         for (const Vec<double>& v : {asked.origin, asked.direction}) x.inputs.insert(x.inputs.end(), {v.x, v.y, v.z});
-        for (const double number : in.all.solids[static_cast<std::size_t>(x.solid)].used()) x.inputs.push_back(number);
+        const Solid<double> there = in.all.solids[static_cast<std::size_t>(x.solid)];
+        x.inputs.insert(x.inputs.end(), there.used().begin(), there.used().end());
+        if (there.placed) x.inputs.insert(x.inputs.end(), there.placed->matrix.begin(), there.placed->matrix.end());
         x.inputs.push_back(tmax);
         x.hit = answers.hit[in.index] != 0;
         x.standing = standing_of(form, format, ray, x.hit, answers.t[in.index]);

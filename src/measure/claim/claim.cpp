@@ -9,6 +9,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
+#include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/claim/claim_choice.hpp"
 #include "measure/claim/claim_columns.hpp"
@@ -93,6 +94,17 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
+    const std::size_t at = form.rfind('@');
+    if (form.find('+') == std::string::npos && at != std::string::npos) {
+        const auto* const space = intersect::space::find_space(form.substr(at + 1));
+        if (space == nullptr) {
+            std::vector<std::string> names;
+            for (const auto& each : intersect::space::spaces()) names.emplace_back(each.info->name);
+            scene::toml::fail(claim.where, "unknown space \"" + form.substr(at + 1) + "\" of form \"" + form + "\"; " +
+                                               scene::toml::did_you_mean(form.substr(at + 1), names));
+        }
+        return intersect::space::through(*space, form_named(claim, form.substr(0, at)));
+    }
     if (form.find('+') == std::string::npos) {
         std::vector<std::string> names;
         for (const intersect::table::Intersector& row : rows) names.emplace_back(row.info->name);

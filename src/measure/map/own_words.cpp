@@ -12,11 +12,16 @@ OwnWords::OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs&
     if ((needs & metric::needs_bound) && form.bounded)
         bounded_ = form.bounded(row.format, ray, inputs.target_for(form, solid), tmax);
     if ((needs & metric::needs_way) && form.way) way_ = form.way(row.format, ray, inputs.target_for(form, solid), tmax);
+    if (!(needs & metric::needs_steps)) return;
+    const Solid<double> asked = inputs.solids[solid];
+    const intersect::table::Intersector& part = form.of(asked.shape);
+    if (asked.placed && part.is_placed) steps_ = answer::steps_of(part, row.format, ray, asked, rays.range(i));
 }
 
 void OwnWords::into(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
     if (way_) sample.way = &*way_;
+    if (steps_) sample.steps = &*steps_;
 }
 
 }  // namespace lostbits::measure::map

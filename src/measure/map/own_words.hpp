@@ -18,6 +18,7 @@ public:
 private:
     std::optional<intersect::BoundedAnswer> bounded_;
     std::optional<intersect::Way> way_;
+    std::optional<answer::Steps> steps_;
 };
 
 }  // namespace lostbits::measure::map

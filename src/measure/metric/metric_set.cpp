@@ -26,6 +26,12 @@ double cancellation(const Sample& s) {
     return s.blame ? blame::cancellation_of(*s.blame->tape, *s.blame->attribution, s.label) : missing;
 }
 
+double step_error(const Sample& s) {
+    const auto found = std::ranges::find(intersect::space::step_names, s.label);
+    const auto k = static_cast<std::size_t>(found - intersect::space::step_names.begin());
+    return s.steps ? s.steps->error(k, ulp_exponent(s.format->shape, s.truth->floor_log2())) : missing;
+}
+
 /// What there is of each label: `name` and `layer` lack it.
 constexpr Metric labelled[] = {
     {.name = "contribution:",
@@ -41,7 +47,15 @@ constexpr Metric labelled[] = {
      .layer = "cancellation.",
      .meaning = "bits that the operation of that name cancels of operands that were already wrong",
      .needs = needs_attribution,
-     .value = cancellation}};
+     .value = cancellation},
+    {.name = "step:",
+     .unit = "ulp",
+     .layer = "space.",
+     .meaning = "what of the error of t is assigned to that step into the space of a solid under a matrix and back",
+     .needs = needs_steps,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-4,
+     .value = step_error}};
 
 template <class Texts, class Text>
 void add_once(Texts& texts, const Text& text) {
@@ -51,6 +65,13 @@ void add_once(Texts& texts, const Text& text) {
 void refuse_unknown_label(const Metric& metric, const std::vector<const Intersector*>& forms,
                           const blame::Setting& setting) {
     std::vector<std::string> labels;
+    if ((metric.needs & needs_steps) != 0) {
+        if (std::ranges::find(intersect::space::step_names, metric.label) != intersect::space::step_names.end()) return;
+        labels.assign(intersect::space::step_names.begin(), intersect::space::step_names.end());
+        const std::string label(metric.label);
+        throw InputError("--metric " + std::string(metric.name) + ": no step is named \"" + label + "\"; " +
+                         scene::toml::did_you_mean(label, labels));
+    }
     for (const Intersector* form : forms) {
         for (const std::string_view label : blame::labels_of(*form, setting)) add_once(labels, label);
     }

@@ -76,6 +76,12 @@ double counterfactual(const Sample& s) {
     return c.hit ? c.error / s.blame->ulp : missing;
 }
 
+double worst_step(const Sample& s) {
+    if (!s.steps) return missing;
+    const auto worst = s.steps->worst();
+    return worst ? static_cast<double>(*worst) + 1 : 0;
+}
+
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
 constexpr unsigned split = needs_own_truth | needs_self;
@@ -255,6 +261,15 @@ constexpr Metric table[] = {
      .value = arithmetic,
      .over = Over::every,
      .categories = intersect::way_names},
+    {.name = "step",
+     .layer = "space.step",
+     .meaning = "of the steps into the space of a solid under a matrix and back, the one to which most of the error of "
+                "t is assigned, or the first that turns the decision: each step in turn rounded, those after it exact",
+     .needs = needs_steps,
+     .ramp = Ramp::categories,
+     .value = worst_step,
+     .over = Over::every,
+     .categories = answer::step_categories},
     {.name = "cancellation",
      .unit = "bits",
      .layer = "culprit.cancellation",

@@ -8,6 +8,7 @@
 
 #include "intersect/march.hpp"
 #include "intersect/way.hpp"
+#include "measure/answer/steps.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
@@ -34,6 +35,7 @@ struct Sample {
     const blame::Blame* blame = nullptr;                ///< which operation lost the bits
     const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
     const intersect::Way* way = nullptr;                ///< the arithmetic that settled it, of a form that filters
+    const answer::Steps* steps = nullptr;               ///< of a form through the space of a solid under a matrix
     std::string_view label = {};                        ///< of the metric that is being measured
 };
 
@@ -50,6 +52,7 @@ enum Needs : unsigned {
     needs_counterfactuals = 128,
     needs_reach = 256,
     needs_reach_normwise = 512,
+    needs_steps = 1024,  ///< of a form through a space
     needs_tape = needs_attribution | needs_counterfactuals
 };
 
