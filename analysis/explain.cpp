@@ -53,7 +53,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
     const auto beside = choice::select_forms(o.beside, "--beside");
-    const measure::blame::Explanation x = measure::blame::explain(form, format, ray, beside);
+    const measure::blame::Explanation x = measure::blame::explain(*asked.form, format, ray, beside);
     for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
     else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
@@ -90,8 +90,9 @@ void add_explain(const shell::Command& program, const Common& common) {
                 "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
     for (const ShapeRow& row : shape_rows)
         command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
-                    fmt::format("For --ray, in place of a scene, {}: {}; may be repeated", with_article(row.shape),
-                                option_words(row.shape)));
+                    fmt::format("For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it "
+                                "under a matrix",
+                                with_article(row.shape), option_words(row.shape)));
     command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,

@@ -70,6 +70,16 @@ Listing formats() {
     return l;
 }
 
+/// Ways into the space of a solid under a matrix.
+Listing spaces() {
+    Listing l{{"name", "title", "direction", "source"}, {}};
+    for (const intersect::space::Space& s : intersect::space::spaces())
+        l.rows.push_back({std::string(s.info->name), std::string(s.info->title),
+                          s.info->direction == intersect::Direction::unit ? "unit" : "any",
+                          std::string(s.info->source)});
+    return l;
+}
+
 Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
     for (const measure::metric::Metric& m : measure::metric::metrics()) {
@@ -82,6 +92,10 @@ Listing metric_table() {
         l.rows.push_back({name, std::string(m.unit), std::string(m.layer), "no",
                           std::string(m.meaning) + "; `lostbits list labels` shows the labels of each form"});
     }
+    const measure::metric::Metric& step = *made.find("step:origin");
+    l.rows.push_back(
+        {"step:NAME", std::string(step.unit), std::string(step.layer), "no",
+         std::string(step.meaning) + fmt::format("; one of {}", fmt::join(intersect::space::step_names, ", "))});
     return l;
 }
 
@@ -249,6 +263,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
     const auto make = [&](const std::string& name) {
         if (name == "formats") return formats();
         if (name == "metrics") return metric_table();
+        if (name == "spaces") return spaces();
         if (name == "labels") return labels();
         if (name == "strategies") return strategies();
         if (name == "checks") return checks();
@@ -268,12 +283,12 @@ Exit run(const std::string& what, bool json, const Common& common) {
 void add_list(const shell::Command& program, const Common& common) {
     auto command = program.add_command("list",
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
-                                       "scenes, sweeps, claims, strategies, checks, devices");
+                                       "scenes, sweeps, claims, strategies, checks, spaces, devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command.add("WHAT", *what, "What to list",
                 shell::one_of({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
-                               "strategies", "checks", "devices"}));
+                               "strategies", "checks", "spaces", "devices"}));
     command.add("--json", *json, "As a JSON array");
     command.runs([what, json, &common] { return run(*what, *json, common); });
 }

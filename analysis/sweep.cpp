@@ -223,9 +223,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
-        return [shapes = Shapes(sweep.shapes()), marches = sweep.meets(Shape::sdf)](Shapes forms) {
-            return forms == Shape::sdf ? marches : forms == shapes;
-        };
+        return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     measure::metric::MetricSet made;

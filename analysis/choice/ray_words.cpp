@@ -11,6 +11,7 @@
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/sweep_options.hpp"
 #include "analysis/choice/worst_ray.hpp"
+#include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -55,11 +56,16 @@ Ray<Real> given_ray(const RayWords& words) {
     return ray;
 }
 
-/// InputError where the form is not made for these solids.
+/// The row as these solids are asked about it. InputError where the form is not made for them.
 template <class Meets>
-void require_solids(const MapRow& row, const std::string& where, const Meets& meets) {
+MapRow row_for(const MapRow& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
-    if (meets(row.form->shapes())) return;
+    if (meets(row.form->shapes())) return row;
+    if (is_solid(shape) && !row.form->is_set() && meets(row.form->shapes().placed())) {
+        MapRow placed = row;
+        placed.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
+        return placed;
+    }
     if (is_solid(shape) && several_shapes(meets)) {
         std::vector<MapRow> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
@@ -88,16 +94,16 @@ OneRay pixel_of(const RayWords& words, const Scene& scene) {
     return {scene, x, y, {.stop = words.stop}};
 }
 
-AskedRay of_scene(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
+AskedRay of_scene(const RayWords& words, const MapRow& given, const std::filesystem::path& data) {
     const auto scene = std::make_shared<const Scene>(load_one(words, data));
-    require_solids(row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+    const MapRow row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
         throw InputError(
             "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
             "file of cases");
     if (words.worst) return worst_of_scene(scene, row, words.stop);
-    return {scene,
-            words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop})};
+    return {scene, words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
+            row.form};
 }
 
 /// A case by its name, and the ray after the last colon of what is not itself a name.
@@ -144,7 +150,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        require_solids(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+        row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
         row.judged = judged_of(words, file);
         return worst_of_cases(file, row, words.stop);
     }
@@ -153,7 +159,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
                          " is a sweep over every float, or a search, which takes its time; run `lostbits sweep` on it: "
                          "its tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes));
-    require_solids(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
+    row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
     row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
     return worst_along(sweep, row, words.stop);
 }
@@ -180,7 +186,7 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
             ": has no [[case]] tables, and --case names one of those; the rays of its "
             "results are in the column worst_explain of samples.csv, and --worst explains the worst of them");
     const scene::sweep::CaseFile file(path);
-    require_solids(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+    row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
     const auto [number, asked] = named_ray(file, words.named_case);
     row.judged = judged_of(words, file);
     const int rays = file.rays_of(number);
@@ -191,14 +197,34 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
                                      count == 1 ? "" : "s"));
     const int k = asked ? *asked : worst_of(groups, rays, row, words.stop);
     AskedRay found{
-        nullptr, OneRay(ray_of(std::move(groups), rays, k)),
+        nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,
         fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,
                     asked || count == 1 ? " (counted from 0)" : " (counted from 0), the worst of them for this form")};
     found.ray.judge_by(row.judged);
     return found;
 }
 
-Solid<double> solid_of(Shape shape, const std::string& text, const std::string& as) {
+/// `…@M` after the numbers of a solid: the twelve numbers of its matrix, row by row; `…@/M` of a stored inverse.
+std::optional<Placement<double>> placement_of(const std::string& text, const char* option, const std::string& as) {
+    const bool inverse = text.starts_with('/');
+    const auto x = numbers_of(text.substr(inverse ? 1 : 0),
+                              {option,
+                               "a matrix; write after the @ its three rows of four numbers, with commas between "
+                               "them, and a / before the rows of a stored inverse",
+                               Affine<double>::numbers},
+                              format_of(as));
+    Placement<double> placed{{}, inverse, 1};
+    std::ranges::transform(x, placed.matrix.begin(), [](const Real& number) { return stored(number); });
+    placed.orientation = orientation_of(placed.matrix);
+    if (!placed.is_proper())
+        throw InputError(
+            fmt::format("{} …@{}: the matrix is singular: it flattens the solid; write another", option, text));
+    return placed;
+}
+
+Solid<double> solid_of(Shape shape, const std::string& words, const std::string& as) {
+    const std::size_t at = std::min(words.find('@'), words.size());
+    const std::string text = words.substr(0, at);
     const std::string name(name_of(shape)), option = "--" + name;
     Solid<double> solid(shape);
     const std::string what =
@@ -206,6 +232,7 @@ Solid<double> solid_of(Shape shape, const std::string& text, const std::string& 
                     option_words(shape), solid.used().size());
     const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, format_of(as));
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
+    if (at < words.size()) solid.placed = placement_of(words.substr(at + 1), option.c_str(), as);
     if (const auto broken = broken_limit(solid))
         throw InputError(
             fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
@@ -227,14 +254,17 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
 }
 
-AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
+AskedRay of_own_solids(const RayWords& words, const MapRow& given) {
     std::vector<Solid<double>> solids;
     for (const Shape shape : words.solids.shapes())
         for (const std::string& text : words.solids.of(shape)) solids.push_back(solid_of(shape, text, words.as));
-    const auto is_for = [&row](const Solid<double>& solid) { return row.form->shapes().has(solid.shape); };
-    if (!std::ranges::all_of(solids, is_for))
-        require_solids(row, "the ray",
-                       [of = shapes_of(solids)](Shapes forms) { return forms == Shape::sdf || forms == of; });
+    const bool placed = std::ranges::any_of(solids, [](const auto& solid) { return solid.placed.has_value(); });
+    const auto is_for = [&given](const Solid<double>& solid) { return given.form->shapes().has(solid.shape); };
+    const MapRow row = std::ranges::all_of(solids, is_for) && placed == given.form->shapes().are_placed()
+                           ? given
+                           : row_for(given, "the ray", [of = shapes_of(solids).placed(placed)](Shapes forms) {
+                                 return (forms == Shape::sdf && !of.are_placed()) || forms == of;
+                             });
     if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));
@@ -246,7 +276,7 @@ AskedRay of_own_solids(const RayWords& words, const MapRow& row) {
     put_end(words.tmax, "--tmax", "the end of a ray; write one number", one.rays.tmax);
     one.rays.open = open_ends_named(words.open_ends);
     one.march = march_of(words.set);
-    return {nullptr, OneRay(std::move(one))};
+    return {nullptr, OneRay(std::move(one)), row.form};
 }
 
 /// InputError for words that do not go together.

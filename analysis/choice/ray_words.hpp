@@ -31,6 +31,8 @@ struct RayWords {
 struct AskedRay {
     std::shared_ptr<const scene::file::Scene> scene;  ///< null where the ray is of no scene; the ray may refer to it
     measure::answer::OneRay ray;
+    /// The one that is asked: that of the row, or it through the usual space where solids stand under matrices.
+    const intersect::table::Intersector* form = nullptr;
     std::string note = {};  ///< a line on which ray it is, where the words leave that open
 };
 

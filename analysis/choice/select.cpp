@@ -78,17 +78,23 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
     std::vector<std::string> alone;
     std::vector<const Intersector*> forms, sets;
     for (const std::string& word : globs) {
-        if (!names_set(word)) {
+        const bool of_several = names_set(word);
+        if (!of_several && word.find('@') == std::string::npos) {
             alone.push_back(word);
             continue;
         }
-        for (const Intersector* const set : sets_named(word, option))
+        for (const Intersector* const set : of_several ? sets_named(word, option) : placed_named(word, option))
             if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
     }
     forms = select_rows(intersect::table::intersectors(), alone, "form", option,
                         [](const Intersector& i) { return i.info->name; });
     forms.insert(forms.end(), sets.begin(), sets.end());
     return forms;
+}
+
+std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option) {
+    return select_rows(intersect::space::spaces(), {glob}, "space", option,
+                       [](const intersect::space::Space& s) { return s.info->name; });
 }
 
 std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
@@ -108,6 +114,9 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;
         }
+        if (glob == "step:")
+            throw InputError(fmt::format("--metric step:: name a step, such as step:origin; they are {}",
+                                         fmt::join(intersect::space::step_names, ", ")));
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
             throw InputError(
@@ -151,6 +160,13 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
                 "--metric {}: none of the selected forms in {} filters, that is, has a wider way beside a cheap one; "
                 "add -i '*.filtered'",
                 first, what));
+    }
+    if (std::ranges::none_of(rows, [](const MapRow& row) { return row.form->shapes().are_placed(); })) {
+        std::erase_if(asked, [](const Metric* m) { return (m->needs & measure::metric::needs_steps) != 0; });
+        if (asked.empty())
+            throw InputError(
+                fmt::format("--metric {}: no solid of {} stands under a matrix, so that no step leads into its space",
+                            first, what));
     }
     if (any_marches(rows)) return asked;
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });

@@ -11,6 +11,7 @@
 
 #include "analysis/choice/sets.hpp"
 #include "intersect/process/stop_token.hpp"
+#include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/map/map.hpp"
@@ -23,11 +24,15 @@
 namespace lostbits::analysis::choice {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
-/// words such as `sphere.press+box.*` (`sets_named`). A name without a glob
+/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` (`placed_named`). A
+/// name without a glob
 /// character that is unknown is bad input, with did-you-mean, of the `option`; a glob that matches nothing selects
 /// nothing (exit 4).
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
+
+/// Ways into the space of a solid by name or glob, in the order of their list. InputError with did-you-mean.
+std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option);
 
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");

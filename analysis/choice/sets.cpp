@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "analysis/choice/select.hpp"
+#include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::analysis::choice {
@@ -79,8 +80,28 @@ Forms forms_in(const std::vector<MapRow>& rows, const std::function<bool(const I
     return forms;
 }
 
-Forms forms_for(const std::vector<MapRow>& rows, Shape shape) {
-    return forms_in(rows, [shape](const Intersector& form) { return !form.is_set() && form.shape == shape; });
+Forms forms_for(const std::vector<MapRow>& rows, Shapes shape) {
+    return forms_in(rows, [shape](const Intersector& form) { return !form.is_set() && form.shapes() == shape; });
+}
+
+/// The shapes of something with solids under matrices; nothing where none stands under one.
+std::optional<Shapes> placed_shapes(const Meets& meets) {
+    for (const ShapeRow& row : shape_rows)
+        if (const Shapes one = Shapes(row.shape).placed(); meets(one)) return one;
+    const auto several = several_shapes(meets);
+    return several && several->are_placed() ? several : std::nullopt;
+}
+
+/// The forms of these shapes that name no space, through the usual one.
+void add_placed(std::vector<MapRow>& rows, Shapes shapes) {
+    const std::vector<MapRow> asked = rows;
+    for (MapRow row : asked) {
+        if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
+        row.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
+        if (row.against != nullptr && !row.against->is_set() && !row.against->is_placed && is_solid(row.against->shape))
+            row.against = &intersect::space::through(intersect::space::usual_space(), *row.against);
+        if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+    }
 }
 
 const Intersector& plain_form(Shape shape) {
@@ -112,7 +133,7 @@ std::string lacking_words(const std::vector<MapRow>& rows, Shapes shapes) {
     std::vector<Shape> lacking;
     std::string example;
     for (const Shape shape : listed(shapes)) {
-        const Forms forms = forms_for(rows, shape);
+        const Forms forms = forms_for(rows, Shapes(shape).placed(shapes.are_placed()));
         if (forms.empty()) lacking.push_back(shape);
         example +=
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
@@ -132,7 +153,8 @@ void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, 
                 throw InputError(fmt::format("-i {}: {}: {}", set->info->name, name, lacking_words(parts, shapes)));
     }
     std::vector<Forms> by_shape;
-    for (const Shape shape : listed(shapes)) by_shape.push_back(forms_for(chosen.rows, shape));
+    for (const Shape shape : listed(shapes))
+        by_shape.push_back(forms_for(chosen.rows, Shapes(shape).placed(shapes.are_placed())));
     if (std::ranges::any_of(by_shape, &Forms::empty)) return;
     const bool all = std::ranges::find(chosen.words, "*") != chosen.words.end();
     if (!all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
@@ -154,7 +176,8 @@ std::optional<Shapes> several_shapes(const Meets& meets) {
         Shapes shapes;
         for (const ShapeRow& row : shape_rows)
             if ((some >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
-        if (shapes.are_several() && meets(shapes)) return shapes;
+        for (const Shapes all : {shapes, shapes.placed()})
+            if (all.are_several() && meets(all)) return all;
     }
     return std::nullopt;
 }
@@ -184,11 +207,31 @@ Forms sets_named(const std::string& word, const char* option) {
 
 const Intersector& plain_set(Shapes shapes) {
     Forms parts;
-    for (const Shape shape : listed(shapes)) parts.push_back(&plain_form(shape));
+    for (const Shape shape : listed(shapes)) {
+        const Intersector& plain = plain_form(shape);
+        parts.push_back(shapes.are_placed() ? &intersect::space::through(intersect::space::usual_space(), plain)
+                                            : &plain);
+    }
     return intersect::table::set_of(parts);
 }
 
+Forms placed_named(const std::string& word, const char* option) {
+    const std::size_t at = word.rfind('@');
+    const std::string form = word.substr(0, at), space = word.substr(at + 1);
+    if (form.empty() || space.empty())
+        throw InputError(
+            fmt::format("{} {}: no form, or no space, stands beside the @; write FORM@SPACE, such as "
+                        "sphere.unified@pbrt; `lostbits list spaces` shows them",
+                        option, word));
+    Forms all;
+    for (const Intersector* const one : select_forms({form}, option))
+        for (const auto* const through : select_spaces(space, option))
+            all.push_back(&intersect::space::through(*through, *one));
+    return all;
+}
+
 std::vector<MapRow> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
+    if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
     return fitting(chosen.rows, meets);
 }
@@ -198,7 +241,7 @@ std::string globs_of(const Meets& meets) {
     const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
     if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
     for (const Shape shape : all_shapes)
-        if (meets(shape)) add(std::string(name_of(shape)) + ".*");
+        if (meets(shape) || meets(Shapes(shape).placed())) add(std::string(name_of(shape)) + ".*");
     return globs;
 }
 

@@ -37,6 +37,9 @@ bool names_set(const std::string& word);
 /// `most_sets`; NothingSelected for a glob that matches nothing.
 std::vector<const intersect::table::Intersector*> sets_named(const std::string& word, const char* option);
 
+/// The rows of a word such as `sphere.*@pbrt`, whose parts are globs. InputError and NothingSelected as of each part.
+std::vector<const intersect::table::Intersector*> placed_named(const std::string& word, const char* option);
+
 /// What was chosen by -i and -f, and the words of -i.
 struct ChosenRows {
     std::vector<measure::map::MapRow>& rows;
@@ -44,7 +47,8 @@ struct ChosenRows {
     bool quiet = false;
 };
 
-/// The rows that meet something called `name`. Where its solids are of several shapes, adds before every combination of
+/// The rows that meet something called `name`. Where its solids stand under matrices, adds before every chosen form that
+/// names no space through the usual one. Where its solids are of several shapes, adds before every combination of
 /// the chosen forms, one a shape, in each chosen format; where all forms are chosen, as without -i, and nothing else
 /// meets it, the plain set alone, and says so on stderr. InputError for more than `most_sets`, and for a chosen set
 /// that lacks a shape.

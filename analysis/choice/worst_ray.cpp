@@ -102,7 +102,7 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const M
     if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
     AskedRay found{
-        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}),
+        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why)};
     found.ray.judge_by(row.judged);
     return found;
@@ -129,7 +129,7 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const MapRow& row, St
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
                             output::file::decimal(values[worst.which][a]));
-    AskedRay found{nullptr, OneRay(RayGroup(*ray->given)),
+    AskedRay found{nullptr, OneRay(RayGroup(*ray->given)), row.form,
                    fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                                "form: {}.\n",
                                place_among(sweep.rays(values[worst.which]), *ray), summaries[worst.which].rays, step,
@@ -146,7 +146,7 @@ AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const MapRow& row, S
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
     const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);
-    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.shape), rays, k)),
+    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.shape), rays, k)), row.form,
                    fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                                file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);

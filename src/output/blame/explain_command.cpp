@@ -41,8 +41,12 @@ std::string name_of_pixel(const std::string& scene, int x, int y) {
 std::string name_of_ray(const scene::rays::RayGroup* one) {
     if (one == nullptr) return "";
     std::string text;
-    for (const Solid<double>& solid : one->solids)
-        text += fmt::format("--{}={} ", lostbits::name_of(solid.shape), hex_list(solid.used()));
+    for (const Solid<double>& solid : one->solids) {
+        text += fmt::format("--{}={}", lostbits::name_of(solid.shape), hex_list(solid.used()));
+        if (const auto& placed = solid.placed)
+            text += fmt::format("@{}{}", placed->is_inverse ? "/" : "", hex_list(std::span(placed->matrix)));
+        text += ' ';
+    }
     const Ray<double> ray = one->rays[0];
     text += "--ray=" + hex_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
                                            ray.direction.z});

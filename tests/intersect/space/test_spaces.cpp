@@ -1,0 +1,200 @@
+// Every way into the space of a solid with every form: in exact arithmetic t is what it is, in batches as ray by ray,
+// on a tape as in the kernel, and what its steps are assigned is the whole error.
+#include <cmath>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/space/spaced.hpp"
+#include "measure/answer/self.hpp"
+#include "measure/answer/steps.hpp"
+#include "measure/seeded.hpp"
+#include "measure/truth/lost_bits.hpp"
+#include "shapes/lift.hpp"
+
+namespace test_spaces {
+
+using namespace lostbits;
+using intersect::Target;
+using intersect::space::Space;
+using intersect::space::spaces;
+using intersect::space::through;
+using intersect::table::Intersector;
+using testing::Seeded;
+
+namespace {
+
+/// A turn by what a quaternion of random numbers says, a scale, a shift: floats, so that no turn is one exactly.
+Placement<double> random_placement(Seeded& r, double scale, const FloatFormat& format) {
+    const double w = r.uniform(-1, 1), x = r.uniform(-1, 1), y = r.uniform(-1, 1), z = r.uniform(-1, 1);
+    const double n = scale / (w * w + x * x + y * y + z * z);
+    const Vec<double> shift = r.vec(-100, 100);
+    const std::array<double, 12> m{n * (w * w + x * x - y * y - z * z),
+                                   n * 2 * (x * y - w * z),
+                                   n * 2 * (x * z + w * y),
+                                   shift.x,
+                                   n * 2 * (x * y + w * z),
+                                   n * (w * w - x * x + y * y - z * z),
+                                   n * 2 * (y * z - w * x),
+                                   shift.y,
+                                   n * 2 * (x * z - w * y),
+                                   n * 2 * (y * z + w * x),
+                                   n * (w * w - x * x - y * y + z * z),
+                                   shift.z};
+    return transformed(Placement<double>{m, false, 1}, [&](double x) { return testing::stored(x, format); });
+}
+
+struct Asked {
+    Solid<double> solid;
+    Ray<double> ray;
+};
+
+/// A ray of the world that passes near the middle of the solid, with a direction of length about one.
+Asked draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) {
+    Asked a{solid_around<double>(shape, r.vec(-1, 1), 1), {}};
+    a.solid = transformed(a.solid, [&](double x) { return testing::stored(x, format); });
+    const Vec<double> middle = visit(a.solid, [](const auto& s) { return s.middle(); });
+    a.solid.placed = random_placement(r, scale, format);
+    const Vec<double> at = a.solid.placed->map().point(middle) + 0.4 * scale * r.vec(-1, 1);
+    Vec<double> d = r.vec(-1, 1);
+    d = d / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    a.ray = {testing::stored(at - 7 * d, format), testing::stored(d, format)};
+    return a;
+}
+
+/// Forms that take any direction and keep to the usual words: what they answer is t* but for rounding.
+std::vector<const Intersector*> plain_forms() {
+    std::vector<const Intersector*> forms;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        const bool usual = form.info->direction == intersect::Direction::any &&
+                           form.info->convention() == intersect::Convention() &&
+                           form.info->roots != intersect::Roots::none && form.is_template() &&
+                           form.info->formats == intersect::Formats::all;
+        const auto same = [&](const Intersector* other) { return other->shape == form.shape; };
+        if (is_solid(form.shape) && usual && std::ranges::count_if(forms, same) < 2) forms.push_back(&form);
+    }
+    return forms;
+}
+
+struct One {
+    bool hit;
+    double t;
+};
+
+template <class S, class Kernel>
+One ask(const Kernel& kernel, const Asked& a) {
+    const auto& [o, d] = a.ray;
+    const std::array<S, 6> x{static_cast<S>(o.x), static_cast<S>(o.y), static_cast<S>(o.z),
+                             static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
+    const auto one = [](const S& value) { return std::span(&value, 1); };
+    S t{}, near{}, far{};
+    std::uint8_t hit = 0;
+    kernel({one(x[0]), one(x[1]), one(x[2]), one(x[3]), one(x[4]), one(x[5])},
+           Target<S>(transformed(a.solid, [](double n) { return static_cast<S>(n); })),
+           {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
+    return {hit != 0, double{t}};
+}
+
+One ask(const Intersector& row, const Format& format, const Asked& a) {
+    return format.engine == Format::Engine::native32 ? ask<float>(row.native32, a) : ask<double>(row.native64, a);
+}
+
+}  // namespace
+
+TEST_CASE("a row through a space is called by both, and asks for what both ask") {
+    const Intersector& form = *plain_forms().front();
+    for (const Space& space : spaces()) {
+        const Intersector& row = through(space, form);
+        CHECK(row.info->name == std::string(form.info->name) + "@" + std::string(space.info->name));
+        CHECK(&through(space, form) == &row);
+        CHECK(intersect::space::made_of(row).space == &space);
+        CHECK(intersect::space::made_of(row).form == &form);
+        CHECK(row.shapes() == Shapes(form.shape).placed());
+        CHECK(intersect::space::find_space(space.info->name) == &space);
+        CHECK_THROWS_AS(through(space, row), InputError);
+    }
+    CHECK(intersect::space::find_space("nowhere") == nullptr);
+    CHECK(intersect::space::made_of(form).space == nullptr);
+}
+
+TEST_CASE("without rounding every way gives the true t, a transpose of turns alone") {
+    for (const Intersector* const form : plain_forms()) {
+        for (const Space& space : spaces()) {
+            CAPTURE(form->info->name, space.info->name);
+            const Intersector& row = through(space, *form);
+            const bool rigid = space.info->name == "rigid";
+            Seeded r(3);
+            int hits = 0;
+            for (int i = 0; i < 40; ++i) {
+                const Asked a = draw(r, form->shape, binary32);
+                const auto truth = measure::truth::find_truth(a.ray, a.solid);
+                const auto self = measure::answer::without_rounding(row, a.ray, Target<double>(a.solid));
+                if (!truth.is_hit() || !self) continue;
+                ++hits;
+                const bool unit = row.info->direction == intersect::Direction::unit;
+                const auto& t = unit ? truth.distance : truth.t;
+                // A float's turn is one to 2^-24 of itself, and a transpose undoes it to as much.
+                const double off = measure::truth::scaled_difference(*self, t, t.exponent);
+                CHECK(std::fabs(off) < (rigid ? 1e-3 : 0x1p-60));
+            }
+            CHECK(hits > 5);
+        }
+    }
+}
+
+TEST_CASE("batches answer as ray by ray, and the tape of a row as its kernel") {
+    for (const Intersector* const form : plain_forms()) {
+        for (const Space& space : spaces()) {
+            CAPTURE(form->info->name, space.info->name);
+            const Intersector& row = through(space, *form);
+            for (const Format& format : {*find_format("f32"), *find_format("f64")}) {
+                Seeded r(5);
+                for (int i = 0; i < 20; ++i) {
+                    const Asked a = draw(r, form->shape, format.shape, 3);
+                    const One alone = ask(row, format, a);
+                    Tape tape;
+                    row.record(format, a.ray, Target<double>(a.solid), HUGE_VAL, tape);
+                    REQUIRE((tape[tape.outputs.hit].value != 0) == alone.hit);
+                    if (alone.hit) REQUIRE(tape[tape.outputs.t].value == alone.t);
+                    const auto inputs =
+                        static_cast<std::size_t>(std::ranges::count(tape.nodes, TapeOp::input, &TapeNode::op));
+                    REQUIRE(inputs == 6 + a.solid.used().size() + 12 + 1);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("what the steps are assigned sums to the error, and a stored inverse loses nothing by inverting") {
+    for (const Intersector* const form : plain_forms()) {
+        for (const Space& space : spaces()) {
+            CAPTURE(form->info->name, space.info->name);
+            const Intersector& row = through(space, *form);
+            for (const Format& format : {*find_format("f32"), *find_format("f64"), *find_format("p12")}) {
+                Seeded r(11);
+                for (int i = 0; i < 12; ++i) {
+                    Asked a = draw(r, form->shape, format.shape, 2);
+                    a.solid.placed->is_inverse = i % 3 == 2;
+                    if (a.solid.placed->is_inverse)
+                        a.ray.origin = testing::stored(Vec<double>(a.ray.origin), format.shape);
+                    const auto steps = measure::answer::steps_of(row, format, a.ray, a.solid);
+                    if (format.engine != Format::Engine::rounded && steps.t.back())
+                        REQUIRE(ask(row, format, a).t == std::ldexp(steps.t.back()->hi + steps.t.back()->lo,
+                                                                    static_cast<int>(steps.t.back()->exponent)));
+                    if (!std::ranges::all_of(steps.t, [](const auto& t) { return t.has_value(); })) continue;
+                    const std::int64_t ulp = ulp_exponent(format.shape, steps.t[0]->floor_log2());
+                    double sum = 0, size = 0;
+                    for (std::size_t k = 0; k < measure::answer::step_count; ++k)
+                        sum += steps.error(k, ulp), size += std::fabs(steps.error(k, ulp));
+                    const double whole = measure::truth::scaled_difference(*steps.t.back(), *steps.t.front(), ulp);
+                    REQUIRE(std::fabs(sum - whole) <= 1e-9 * (1 + size));
+                    if (a.solid.placed->is_inverse) REQUIRE(std::fabs(steps.error(0, ulp)) < 1e-6);
+                    if (row.info->name.ends_with("@plain") && steps.worst())
+                        REQUIRE(std::fabs(steps.error(*steps.worst(), ulp)) <= size);
+                }
+            }
+        }
+    }
+}
+
+}  // namespace test_spaces
