@@ -106,9 +106,10 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
+    choice::refuse_placed(scenes, "consistency");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && !forms.are_placed() && s.meets(forms); },
+        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);

@@ -39,10 +39,7 @@ measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scen
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
                                      choice::formats_of(*forms.front())));
-    if (scene.is_placed())
-        throw InputError(scene.id +
-                         ": mend asks forms alone, and solids of this scene stand under matrices; give it "
-                         "their rays in the space of the solid");
+    choice::refuse_placed({scene}, "mend");
     if (!scene.meets(forms.front()->shapes()))
         throw NothingSelected(
             fmt::format("{} is no form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));

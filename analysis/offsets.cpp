@@ -124,9 +124,10 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
+    choice::refuse_placed(scenes, "offsets");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && !forms.are_placed() && s.meets(forms); },
+        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);

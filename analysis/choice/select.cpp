@@ -309,6 +309,15 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     return scenes;
 }
 
+void refuse_placed(const std::vector<Scene>& scenes, const char* command) {
+    for (const Scene& scene : scenes)
+        if (scene.is_placed())
+            throw InputError(
+                fmt::format("{}: {}: solids of this scene stand under matrices, which it does not look "
+                            "through; use `lostbits map`, or write them where they stand",
+                            command, scene.id));
+}
+
 std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
     using output::blame::shell_word;
     if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);

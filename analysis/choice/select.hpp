@@ -134,6 +134,9 @@ struct SceneChoice {
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
 std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
+/// InputError for a scene with solids under matrices, of a command that asks about solids where their numbers say.
+void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command);
+
 /// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as
 /// a shell reads it.
 std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);

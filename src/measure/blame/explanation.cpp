@@ -78,7 +78,8 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector*
             if (named) x.unasked.push_back(other);
             continue;
         }
-        if (!intersect::doors::is_harmless(*other) && !named) continue;
+        const Intersector* const inner = intersect::space::made_of(*other).form;
+        if (!intersect::doors::is_harmless(inner ? *inner : *other) && !named) continue;
         try {
             Standing s = standing_of(*held, x.format, ray);
             s.other_question = is_other_question(*x.form, *held, ray);
