@@ -22,7 +22,7 @@ template <class F>
 Ask<F> ask_of(Isa isa) {
     switch (isa) {
         case Isa::w128: return ask_w128;
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
         case Isa::w256: return ask_w256;
         case Isa::w512: return ask_w512;
 #endif

@@ -51,7 +51,7 @@ bool runs(Isa isa) {
     switch (isa) {
         case Isa::scalar:
         case Isa::w128: return true;
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
         case Isa::w256: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
         case Isa::w512:
             return runs(Isa::w256) && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("avx512f") &&
@@ -103,7 +103,7 @@ Isa current_isa() { return chosen_isa(); }
 std::span<const PackedRow> packed_rows(Isa isa) {
     if (!runs(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
     if (isa == Isa::w256) {
         static RowsOfWidth w256(isa, fill_packed_w256);
         return w256.rows;

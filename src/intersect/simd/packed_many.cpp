@@ -57,7 +57,7 @@ void run_plain(const Ray<F>& ray, const SolidArrays<F>& solids, std::span<F> t, 
     }
 }
 
-std::span<const ManyRow> scalar_rows() {
+std::span<const ManyRow> scalar_many_rows() {
     static const auto rows = [] {
         std::array<ManyRow, form_count> filled{};
         std::size_t i = 0;
@@ -81,7 +81,7 @@ std::array<ManyRow, form_count> rows_of(std::size_t bytes, void (*fill)(RawManyR
     fill(raw.data());
     std::array<ManyRow, form_count> rows{};
     for (std::size_t i = 0; i < form_count; ++i) {
-        rows[i] = scalar_rows()[i];
+        rows[i] = scalar_many_rows()[i];
         if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes / sizeof(float)};
         if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes / sizeof(double)};
     }
@@ -113,8 +113,8 @@ ManyRow many_kernels(const table::Intersector& form) {
 
 std::span<const ManyRow> many_rows(Isa isa) {
     if (packed_rows(isa).empty()) return {};
-    if (isa == Isa::scalar) return scalar_rows();
-#if defined(LOSTBITS_PACKED_X86)
+    if (isa == Isa::scalar) return scalar_many_rows();
+#if defined(__x86_64__)
     if (isa == Isa::w256) {
         static const auto w256 = rows_of(32, fill_many_w256);
         return w256;

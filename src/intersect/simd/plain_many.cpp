@@ -9,7 +9,7 @@
 namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
     // Filling them takes those registers too.
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};

@@ -46,7 +46,7 @@ struct Table {
 }  // namespace
 
 std::span<const Variant> variants() {
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
     static const auto all = [] {
         std::vector<Variant> found;
         const auto isas = available_isas();

@@ -22,7 +22,7 @@ namespace {
 /// too, so a table of a width that the machine has not is not made.
 const RawKernels* kernels_of(Isa isa) {
     if (isa == Isa::scalar) return nullptr;
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
     if (isa == Isa::w256) {
         static const RawKernels w256 = column_kernels_w256();
         return &w256;

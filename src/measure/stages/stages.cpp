@@ -24,7 +24,7 @@ OfShapes filled_by(void (*fill)(RawStages*), std::size_t lanes) {
 const OfShapes& stages_at(Isa isa) {
     static const OfShapes scalar = filled_by(fill_stages<double>, 1);
     if (isa == Isa::scalar) return scalar;
-#if defined(LOSTBITS_PACKED_X86)
+#if defined(__x86_64__)
     if (isa == Isa::w256) {
         static const OfShapes w256 = filled_by(fill_stages_w256, 4);
         return w256;
