@@ -15,7 +15,8 @@
 
 namespace lostbits::intersect::simd {
 
-/// The least distance over the solids, as `sdf::Union` takes it.
+/// The least distance over the solids, as `sdf::Union` takes it. The distances of all shapes are in the code once a
+/// place at which a form asks for one.
 template <class Form, class P, class F>
 Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     const auto distance = [&target](std::size_t k, const Vec<P>& p) {
@@ -28,8 +29,11 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
         return found;
     };
     const auto field = [&](const Vec<P>& p) {
-        P least = distance(0, p);
-        for (std::size_t k = 1; k < target.solids; ++k) least = min(least, distance(k, p));
+        P least(0);
+        for (std::size_t k = 0; k < target.solids; ++k) {
+            const P found = distance(k, p);
+            least = k == 0 ? found : min(least, found);
+        }
         return least;
     };
     sdf::Unwatched unwatched;

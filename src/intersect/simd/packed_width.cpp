@@ -1,9 +1,13 @@
-// The forms in registers of one width; compiled once for each.
+// The forms in registers of one width; compiled once for each. Rays and many solids share what is not inlined: the
+// steps of the forms that filter.
 #include "intersect/simd/packed_kernels.hpp"
+#include "intersect/simd/packed_many_kernels.hpp"
 #include "number/width.hpp"
 
 namespace lostbits::intersect::simd {
 
 void LOSTBITS_NAME_OF_WIDTH(fill_packed)(RawRow* rows) { fill_raw<Width>(rows); }
+
+void LOSTBITS_NAME_OF_WIDTH(fill_many)(RawManyRow* rows) { fill_many_raw<Width>(rows); }
 
 }  // namespace lostbits::intersect::simd
