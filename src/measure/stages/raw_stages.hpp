@@ -16,19 +16,25 @@ struct RawColumn {
     std::size_t step;
 };
 
+/// Where a length goes; nowhere where it is not asked for.
+struct RawLength {
+    double *hi = nullptr, *lo = nullptr, *bound = nullptr;
+};
+
 /// Where findings go, one of each for a problem.
 struct RawFindings {
-    std::uint8_t *settled, *hit;                         ///< 0 or 1
-    double *hi, *lo, *bound;                             ///< of t*, or of the distance if that alone is asked for
-    double *distance_hi, *distance_lo, *distance_bound;  ///< where both are
+    std::uint8_t *settled, *hit;  ///< 0 or 1
+    RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
 };
 
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
 template <class S>
 struct RawProblems {
     RawColumn<S> ray[6], solid[most_numbers];
-    RawColumn<S> ray_low[6], solid_low[most_numbers];  ///< second words, where there are any
-    RawColumn<S> tmin, tmax;                           ///< read by the stages of rays that have a range
+    RawColumn<S> ray_low[6], solid_low[most_numbers];  ///< second words
+    bool two_words;                                    ///< whether there are any; never of floats
+    RawColumn<S> tmin, tmax;
+    bool ranged;  ///< else these are 0 and endless for every ray
     OpenEnds open;
     RawFindings out;
     std::size_t size;
@@ -37,11 +43,8 @@ struct RawProblems {
 /// As many problems, their columns still to be named.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
-    return {{}, {}, {}, {}, {}, {}, {}, out, size};
+    return {{}, {}, {}, {}, false, {}, {}, false, {}, out, size};
 }
-
-/// Which lengths are asked for: t*, in lengths of the direction, the distance t* |d|, or both.
-enum class Wanted { parameter, distance, both };
 
 /// Directions to be made unit: whole packs.
 struct RawDirections {
@@ -53,18 +56,12 @@ struct RawDirections {
     std::size_t size;
 };
 
-/// What proves answers, by [Wanted].
-struct StageKernels {
-    void (*binary64[3])(const RawProblems<float>&);        ///< binary32 inputs
-    void (*double_double[3])(const RawProblems<double>&);  ///< one word a number
-    void (*of_two_words[3])(const RawProblems<double>&);   ///< two
-};
-
-/// The stages of one shape.
+/// The stages of one shape: what proves answers. Each is a function that takes seconds to compile a shape and a width,
+/// so what need not be compiled apart is said by `RawProblems`.
 struct RawStages {
-    StageKernels ahead;                             ///< of rays of which all counts that lies ahead
-    StageKernels ranged;                            ///< of rays with a range
-    void (*unit_directions)(const RawDirections&);  ///< the same for every shape
+    void (*binary64)(const RawProblems<float>&);        ///< binary32 inputs
+    void (*double_double)(const RawProblems<double>&);  ///< one word a number, or two
+    void (*unit_directions)(const RawDirections&);      ///< the same for every shape
 };
 
 /// One function a register width, each in an object of its own: those of every shape, in the order of the list.

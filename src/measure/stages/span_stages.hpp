@@ -62,17 +62,22 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
     return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
 }
 
-/// S is the shape over `Running` words; `range` is tmin, tmax and which are open, or nothing.
-template <Wanted wanted, class S, class E, class... Ends>
-Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid, const Ends&... range) {
-    using P = typename E::P;
-    using lostbits::abs;
+/// What is asked of all problems alike.
+struct Asked {
+    bool ranged, t, distance;
+    OpenEnds open;
+};
+
+/// S is the shape over `Running` words. The ends of the range are not looked at where there is none.
+template <class S, class E, class P = typename E::P>
+Finding<P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid, const P& tmin, const P& tmax,
+                        const Asked& asked) {
     const auto span = S::of([&solid](std::size_t k) { return solid[k]; }).span(ray);
     auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const auto met = [&] {
-        if constexpr (sizeof...(range) > 0) return first_met(span, range_of<E>(range..., proper));
-        else return first_met(span);
+        if (asked.ranged) return first_met(span, range_of<E>(tmin, tmax, asked.open, proper));
+        return first_met(span);
     }();
     const auto missed = proper && met.missed;
     auto hit = proper && met.hit;
@@ -85,8 +90,8 @@ Finding<typename E::P> settle_shape(const Ray<E>& ray, const std::array<E, most_
         to.middle = select<P>(met.at_origin, {zero, zero}, to.middle);
         to.bound = select(met.at_origin, zero, to.bound);
     };
-    if constexpr (wanted != Wanted::distance) take(met.t, found.t);
-    if constexpr (wanted != Wanted::parameter) take(met.t * sqrt(span.d2), found.distance);
+    if (asked.t) take(met.t, found.t);
+    if (asked.distance) take(met.t * sqrt(span.d2), found.distance);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstring>
+#include <type_traits>
 
 #include "measure/stages/raw_stages.hpp"
 #include "measure/stages/span_stages.hpp"
@@ -37,42 +38,40 @@ struct Lanes<double> {
     static void store(bool x, std::uint8_t* to) { *to = x; }
 };
 
-/// Of is the shape; the numbers of W, of one word or two, are those of S, or of two of S.
-template <template <class> class Of, bool ranged, class S, Wanted wanted, bool two_words, class W>
+/// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S.
+template <template <class> class Of, class S, class W>
 [[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
     using E = Running<W>;
     using P = typename E::P;
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
+    const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr, p.open};
     constexpr std::size_t numbers = row_of(shape_as<Of>).numbers;
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
         const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
         const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
             using lostbits::abs;
             const P x = at(first);
-            if constexpr (two_words) return E(W(x, at(second)), P(input_error) * abs(x));
-            else return E(W(x), P(0));
+            if constexpr (!std::is_same_v<W, P>) {
+                if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
+            }
+            return E(W(x), P(0));
         };
         const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
         std::array<E, most_numbers> solid;
         for (std::size_t k = 0; k < numbers; ++k) solid[k] = number(p.solid[k], p.solid_low[k]);
         const Ray<E> line{{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}};
-        const Finding<P> found = [&] {
-            if constexpr (ranged) return settle_shape<wanted, Of<E>>(line, solid, at(p.tmin), at(p.tmax), p.open);
-            else return settle_shape<wanted, Of<E>>(line, solid);
-        }();
+        const Finding<P> found = settle_shape<Of<E>>(line, solid, at(p.tmin), at(p.tmax), asked);
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
-        const auto store = [&](const P& x, double* to) { Lanes<P>::store(select(found.hit, x, P(0)), to + i); };
-        const Enclosure<P>& first = wanted == Wanted::distance ? found.distance : found.t;
-        store(first.middle.hi, p.out.hi);
-        store(first.middle.lo, p.out.lo);
-        store(first.bound, p.out.bound);
-        if constexpr (wanted == Wanted::both) {
-            store(found.distance.middle.hi, p.out.distance_hi);
-            store(found.distance.middle.lo, p.out.distance_lo);
-            store(found.distance.bound, p.out.distance_bound);
-        }
+        const auto store = [&](const Enclosure<P>& x, const RawLength& to) {
+            if (!to.hi) return;
+            Lanes<P>::store(select(found.hit, x.middle.hi, P(0)), to.hi + i);
+            Lanes<P>::store(select(found.hit, x.middle.lo, P(0)), to.lo + i);
+            Lanes<P>::store(select(found.hit, x.bound, P(0)), to.bound + i);
+        };
+        store(found.t, p.out.t);
+        store(found.distance, p.out.distance);
     }
 }
 
@@ -87,23 +86,11 @@ template <class P>
     }
 }
 
-template <template <class> class Of, class P, bool ranged>
-StageKernels kernels_for() {
-    using enum Wanted;
-    using W = TwoWords<P>;
-    return {{settle_all<Of, ranged, float, parameter, false, P>, settle_all<Of, ranged, float, distance, false, P>,
-             settle_all<Of, ranged, float, both, false, P>},
-            {settle_all<Of, ranged, double, parameter, false, W>, settle_all<Of, ranged, double, distance, false, W>,
-             settle_all<Of, ranged, double, both, false, W>},
-            {settle_all<Of, ranged, double, parameter, true, W>, settle_all<Of, ranged, double, distance, true, W>,
-             settle_all<Of, ranged, double, both, true, W>}};
-}
-
 template <class P>
 void fill_stages(RawStages* of_shape) {
     Solids::each([&]<template <class> class Of>() {
-        of_shape[static_cast<std::size_t>(shape_as<Of>)] = {kernels_for<Of, P, false>(), kernels_for<Of, P, true>(),
-                                                            settle_unit_directions<P>};
+        of_shape[static_cast<std::size_t>(shape_as<Of>)] = {
+            settle_all<Of, float, P>, settle_all<Of, double, TwoWords<P>>, settle_unit_directions<P>};
     });
 }
 

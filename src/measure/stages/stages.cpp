@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "measure/stages/stage_loops.hpp"
-
 namespace lostbits::measure::stages {
 
 using intersect::simd::Isa;
@@ -22,8 +20,6 @@ OfShapes filled_by(void (*fill)(RawStages*), std::size_t lanes) {
 }
 
 const OfShapes& stages_at(Isa isa) {
-    static const OfShapes scalar = filled_by(fill_stages<double>, 1);
-    if (isa == Isa::scalar) return scalar;
 #if defined(__x86_64__)
     if (isa == Isa::w256) {
         static const OfShapes w256 = filled_by(fill_stages_w256, 4);

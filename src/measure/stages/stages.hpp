@@ -14,7 +14,8 @@ struct Stages {
     std::size_t lanes;
 };
 
-/// At an instruction set that is available.
+/// At an instruction set that is available. Those of single numbers, which a test compares, take as long to compile as
+/// a width and are in no program: the narrowest packs stand for them.
 const Stages& stages_of(Shape shape, intersect::simd::Isa isa);
 
 }  // namespace lostbits::measure::stages

@@ -21,23 +21,23 @@ inline constexpr std::size_t column_room = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
-/// Those that know no range, where all that lies ahead counts of every ray.
+/// Whether some ray has a range that does not hold all that lies ahead.
 template <class S>
-const stages::StageKernels& kernels_for(const ProblemColumns<S>& p, const stages::Stages& stages) {
-    const bool ranged = p.open.tmin || std::ranges::any_of(p.tmin, [](S t) { return t != 0; }) ||
-                        std::ranges::any_of(p.tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
-    return ranged ? stages.kernels.ranged : stages.kernels.ahead;
+bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open) {
+    return open.tmin || std::ranges::any_of(tmin, [](S t) { return t != 0; }) ||
+           std::ranges::any_of(tmax, [](S t) { return t != static_cast<S>(HUGE_VAL); });
 }
 
 /// Calls `use(column, raw)` for each column of the problems, with its place among those of the stages. A column that
-/// is not there is empty.
+/// is not there is empty; those of second words are left out then.
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
     for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid[k], raw.solid[k], 0);
     use(p.tmin, raw.tmin, 0);
     use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
-    if (p.ray_low[0].empty()) return;
+    raw.two_words = !p.ray_low[0].empty();
+    if (!raw.two_words) return;
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
     for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
@@ -52,7 +52,7 @@ struct FoundTogether {
     double hi[column_room], lo[column_room], bound[column_room];
     double distance_hi[column_room], distance_lo[column_room], distance_bound[column_room];
 
-    stages::RawFindings raw() { return {settled, hit, hi, lo, bound, distance_hi, distance_lo, distance_bound}; }
+    stages::RawFindings raw() { return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}}; }
 };
 
 /// Problems in a row, wherever they were: filled up to whole registers by the last of them.
@@ -71,6 +71,7 @@ struct Gathered {
         return *wanted;
     }
 
+    /// Of rays without ranges, and both lengths.
     template <class From>
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> which,
                                   std::size_t lanes) {
@@ -95,19 +96,16 @@ struct Gathered {
     void set(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
     }
-    /// Those that were added.
-    stages::RawProblems<S> added(std::size_t lanes, OpenEnds open) {
+    /// Those that were added, of rays without ranges; `two_words`: with their second words.
+    stages::RawProblems<S> added(std::size_t lanes, bool two_words) {
         auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
-        raw.open = open;
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
-        for (std::size_t k = 0; k < 6; ++k) {
-            raw.ray[k] = {numbers[first_of_ray + k], 1};
-            raw.ray_low[k] = {numbers[first_of_low + k], 1};
-        }
-        for (std::size_t k = 0; k < most_numbers; ++k) {
-            raw.solid[k] = {numbers[first_of_solid + k], 1};
-            raw.solid_low[k] = {numbers[first_of_low + 6 + k], 1};
-        }
+        const auto words = [this](std::size_t first, std::size_t count, stages::RawColumn<S>* to) {
+            for (std::size_t k = 0; k < count; ++k) to[k] = {numbers[first + k], 1};
+        };
+        words(first_of_ray, 6, raw.ray), words(first_of_low, 6, raw.ray_low);
+        words(first_of_solid, most_numbers, raw.solid), words(first_of_low + 6, most_numbers, raw.solid_low);
+        raw.two_words = two_words;
         raw.tmin = {numbers[place_of_tmin], 1};
         raw.tmax = {numbers[place_of_tmax], 1};
         return raw;
@@ -118,7 +116,7 @@ struct Gathered {
 template <class S>
 class InPlace {
 public:
-    explicit InPlace(const ProblemColumns<S>& p) : problems_(p) {
+    explicit InPlace(const ProblemColumns<S>& p) : problems_(p), ranged_(have_ranges(p.tmin, p.tmax, p.open)) {
         stages::RawProblems<S> raw{};
         S* to = same_[0];
         for_each_column(p, raw, [&](std::span<const S> from, stages::RawColumn<S>&, S absent) {
@@ -126,6 +124,7 @@ public:
             to += most_lanes;
         });
     }
+    [[nodiscard]] bool have_ranges_of_their_own() const { return ranged_; }
     /// Asks a stage about `count` of them from `begin` on. What it finds begins where `found` points to.
     void settle(void (*stage)(const stages::RawProblems<S>&), std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {
@@ -135,14 +134,17 @@ public:
         std::array<std::size_t, most_lanes> last;
         std::iota(last.begin(), last.end(), begin + whole);
         auto& rest = Gathered<S>::of_thread();
-        stage(rest.gather(problems_, std::span(last).first(left), lanes));
-        const auto keep = [&](const auto* from, auto* to) {
-            if (to) std::copy_n(from, left, to + whole);
+        auto raw = rest.gather(problems_, std::span(last).first(left), lanes);
+        raw.ranged = ranged_;
+        if (!found.t.hi) raw.out.t = {};
+        if (!found.distance.hi) raw.out.distance = {};
+        stage(raw);
+        const auto keep = [&](const auto* from, auto* to) { std::copy_n(from, left, to + whole); };
+        const auto keep_length = [&](const stages::RawLength& from, const stages::RawLength& to) {
+            if (to.hi) keep(from.hi, to.hi), keep(from.lo, to.lo), keep(from.bound, to.bound);
         };
         keep(rest.found.settled, found.settled), keep(rest.found.hit, found.hit);
-        keep(rest.found.hi, found.hi), keep(rest.found.lo, found.lo), keep(rest.found.bound, found.bound);
-        keep(rest.found.distance_hi, found.distance_hi), keep(rest.found.distance_lo, found.distance_lo);
-        keep(rest.found.distance_bound, found.distance_bound);
+        keep_length(raw.out.t, found.t), keep_length(raw.out.distance, found.distance);
     }
 
 private:
@@ -150,6 +152,7 @@ private:
     stages::RawProblems<S> at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
         raw.open = problems_.open;
+        raw.ranged = ranged_;
         const S* same = same_[0];
         for_each_column(problems_, raw, [&](std::span<const S> from, stages::RawColumn<S>& column, S) {
             column = from.size() > 1 ? stages::RawColumn<S>{from.data() + begin, 1} : stages::RawColumn<S>{same, 0};
@@ -159,6 +162,7 @@ private:
     }
 
     const ProblemColumns<S>& problems_;
+    bool ranged_;
     alignas(64) S same_[most_columns][most_lanes];
 };
 

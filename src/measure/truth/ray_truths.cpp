@@ -70,7 +70,8 @@ public:
           rays_(problems.rays, begin, end),
           out_(out),
           rest_(rest),
-          isa_(intersect::simd::current_isa()) {}
+          isa_(intersect::simd::current_isa()),
+          ranged_(have_ranges(rays_.tmin, rays_.tmax, problems.rays.open)) {}
 
     /// Which solids a ray can meet is asked here: the candidates of an index, or else all, each of which meets whole
     /// columns of rays.
@@ -86,12 +87,6 @@ public:
     }
 
 private:
-    [[nodiscard]] auto stage_of(const stages::Stages& stages) const {
-        constexpr auto both = static_cast<std::size_t>(stages::Wanted::both);
-        const stages::StageKernels& kernels = kernels_for(columns_for({}), stages);
-        return two_words ? kernels.of_two_words[both] : kernels.double_double[both];
-    }
-
     /// The rays, and the ranges that they have, for one shape.
     [[nodiscard]] ProblemColumns<double> columns_for(Shape shape) const {
         return {.size = count_,
@@ -156,15 +151,17 @@ private:
         const stages::Stages& stages = stages::stages_of(columns.shape, isa_);
         const InPlace<double> rays(columns);
         const auto ask = [&](const stages::RawFindings& found) {
-            rays.settle(stage_of(stages), stages.lanes, 0, count_, found);
+            rays.settle(stages.kernels.double_double, stages.lanes, 0, count_, found);
             for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);
         };
         if (is_first) {
             auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data()) + begin_;
             const auto at = [this](std::vector<double>& column) { return column.data() + begin_; };
             std::uint8_t settled[settled_together];
-            ask({settled, hit, at(out_.t.hi), at(out_.t.lo), at(out_.t.bound), at(out_.distance.hi),
-                 at(out_.distance.lo), at(out_.distance.bound)});
+            const auto length = [&](RayTruths::Lengths& to) {
+                return stages::RawLength{at(to.hi), at(to.lo), at(to.bound)};
+            };
+            ask({settled, hit, length(out_.t), length(out_.distance)});
             for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
             return;
         }
@@ -255,7 +252,10 @@ private:
         Gathered<double>& together = gathered(shape);
         if (together.size == 0) return;
         const stages::Stages& stages = stages::stages_of(shape, isa_);
-        stage_of(stages)(together.added(stages.lanes, problems_.rays.open));
+        auto raw = together.added(stages.lanes, two_words);
+        raw.open = problems_.rays.open;
+        raw.ranged = ranged_;
+        stages.kernels.double_double(raw);
         for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
         together.size = 0;
     }
@@ -297,6 +297,7 @@ private:
     RayTruths& out_;
     Leftover& rest_;
     intersect::simd::Isa isa_;
+    bool ranged_;
     std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndSolid> pairs_;

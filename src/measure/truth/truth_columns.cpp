@@ -49,11 +49,9 @@ public:
           terms_(terms),
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
-          kernels_(kernels_for(problems, stages_)),
           in_place_(problems) {}
 
     void find() {
-        const std::size_t length = terms_.length == Length::distance ? 1 : 0;
         for (std::size_t begin = 0; begin < problems_.size; begin += settled_together) {
             const std::size_t count = std::min(settled_together, problems_.size - begin);
             open_.clear();
@@ -62,15 +60,15 @@ public:
                 std::iota(open_.begin(), open_.end(), begin);
             } else if constexpr (std::is_same_v<S, float>) {
                 if (terms_.tightness == Tightness::ulps_of_binary32) {
-                    settle_in_place(kernels_.binary64[length], begin, count);
+                    settle_in_place(stages_.kernels.binary64, begin, count);
                     out_.stages.binary64 += count - open_.size();
                 } else {
                     open_.resize(count);
                     std::iota(open_.begin(), open_.end(), begin);
                 }
-                if (!open_.empty()) settle_gathered(kernels_.double_double[length]);
+                if (!open_.empty()) settle_gathered();
             } else {
-                settle_in_place(kernels_.double_double[length], begin, count);
+                settle_in_place(stages_.kernels.double_double, begin, count);
                 out_.stages.double_double += count - open_.size();
             }
             for (const std::size_t i : open_) find_alone(i);
@@ -82,28 +80,33 @@ private:
     void settle_in_place(void (*stage)(const RawProblems<S>&), std::size_t begin, std::size_t count) {
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
-        in_place_.settle(stage, stages_.lanes, begin, count,
-                         {settled, hit + begin, out_.hi.data() + begin, out_.lo.data() + begin,
-                          out_.bound.data() + begin, nullptr, nullptr, nullptr});
+        stages::RawFindings found{settled, hit + begin, {}, {}};
+        wanted(found) = {out_.hi.data() + begin, out_.lo.data() + begin, out_.bound.data() + begin};
+        in_place_.settle(stage, stages_.lanes, begin, count, found);
         add_open(settled, begin, count, open_);
     }
     /// Those in `open_`, which keeps what stays open.
-    void settle_gathered(void (*stage)(const RawProblems<double>&)) {
+    void settle_gathered() {
         auto& gathered = Gathered<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
-        stage(gathered.gather(problems_, which, stages_.lanes));
-        scatter(gathered.found, which);
+        auto raw = gathered.gather(problems_, which, stages_.lanes);
+        raw.ranged = in_place_.have_ranges_of_their_own();
+        const stages::RawLength length = wanted(raw.out);
+        raw.out.t = raw.out.distance = {};
+        wanted(raw.out) = length;
+        stages_.kernels.double_double(raw);
+        for (std::size_t i = 0; i < which.size(); ++i) {
+            out_.decision[which[i]] = static_cast<Truth::Decision>(gathered.found.hit[i]);
+            out_.hi[which[i]] = length.hi[i];
+            out_.lo[which[i]] = length.lo[i];
+            out_.bound[which[i]] = length.bound[i];
+        }
         for (std::size_t i = 0; i < which.size(); ++i)
             if (gathered.found.settled[i] == 0) open_.push_back(which[i]);
         out_.stages.double_double += which.size() - open_.size();
     }
-    void scatter(const FoundTogether& found, std::span<const std::size_t> which) {
-        for (std::size_t i = 0; i < which.size(); ++i) {
-            out_.decision[which[i]] = static_cast<Truth::Decision>(found.hit[i]);
-            out_.hi[which[i]] = found.hi[i];
-            out_.lo[which[i]] = found.lo[i];
-            out_.bound[which[i]] = found.bound[i];
-        }
+    [[nodiscard]] stages::RawLength& wanted(stages::RawFindings& found) const {
+        return terms_.length == Length::distance ? found.distance : found.t;
     }
     void find_alone(std::size_t i) {
         const Truth truth = find_by_itself(problems_, terms_, i);
@@ -127,7 +130,6 @@ private:
     const ColumnTerms& terms_;
     TruthColumns& out_;
     const stages::Stages& stages_;
-    const stages::StageKernels& kernels_;
     InPlace<S> in_place_;
     std::vector<std::size_t> open_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "measure/stages/stage_loops.hpp"
+
 namespace lostbits::testing {
 
 using measure::stages::RawColumn;
@@ -44,9 +46,9 @@ struct StageColumns {
         hit.resize(size);
         for (auto* column : {&hi, &lo, &bound}) column->resize(size);
     }
-    RawProblems<S> raw() {
-        auto p = measure::stages::raw_problems<S>(
-            hi.size(), {settled.data(), hit.data(), hi.data(), lo.data(), bound.data(), nullptr, nullptr, nullptr});
+    RawProblems<S> raw(bool distance) {
+        auto p = measure::stages::raw_problems<S>(hi.size(), {settled.data(), hit.data(), {}, {}});
+        (distance ? p.out.distance : p.out.t) = measure::stages::RawLength{hi.data(), lo.data(), bound.data()};
         for (std::size_t k = 0; k < 6; ++k) {
             p.ray[k] = {first[k].data(), 1};
             p.ray_low[k] = {second[k].data(), 1};
@@ -67,26 +69,35 @@ struct StageColumns {
 
 template <class S>
 std::vector<StageFinding> run(void (*kernel)(const RawProblems<S>&), const std::vector<StageProblem>& problems,
-                              std::size_t lanes) {
+                              std::size_t lanes, bool distance, bool two_words = false) {
     StageColumns<S> columns(problems, lanes);
-    kernel(columns.raw());
+    auto raw = columns.raw(distance);
+    raw.two_words = two_words;
+    raw.ranged = !std::ranges::all_of(problems, [](const StageProblem& p) { return p.range.is_whole(); });
+    kernel(raw);
     return columns.findings(problems.size());
+}
+
+/// Of single numbers the stages of spheres and boxes are compiled here.
+measure::stages::Stages stages_of(Shape shape, intersect::simd::Isa isa) {
+    using measure::stages::settle_all;
+    using Two = number::wide::TwoWords<double>;
+    if (isa != intersect::simd::Isa::scalar) return measure::stages::stages_of(shape, isa);
+    if (shape == Shape::box) return {{settle_all<Box, float, double>, settle_all<Box, double, Two>, nullptr}, 1};
+    return {{settle_all<Sphere, float, double>, settle_all<Sphere, double, Two>, nullptr}, 1};
 }
 
 }  // namespace
 
 std::vector<StageFinding> run_stage(StageName stage, bool distance, const std::vector<StageProblem>& problems,
                                     intersect::simd::Isa isa) {
-    const auto& stages = measure::stages::stages_of(problems.front().shape, isa);
-    const std::size_t which = distance ? 1 : 0;
-    const bool ranged = !std::ranges::all_of(problems, [](const StageProblem& p) { return p.range.is_whole(); });
-    const auto& kernels = ranged ? stages.kernels.ranged : stages.kernels.ahead;
+    const auto [kernels, lanes] = stages_of(problems.front().shape, isa);
     switch (stage) {
-        case StageName::binary64: return run<float>(kernels.binary64[which], problems, stages.lanes);
-        case StageName::double_double: return run<double>(kernels.double_double[which], problems, stages.lanes);
+        case StageName::binary64: return run<float>(kernels.binary64, problems, lanes, distance);
+        case StageName::double_double: return run<double>(kernels.double_double, problems, lanes, distance);
         case StageName::of_two_words: break;
     }
-    return run<double>(kernels.of_two_words[which], problems, stages.lanes);
+    return run<double>(kernels.double_double, problems, lanes, distance, true);
 }
 
 std::string contradiction(const StageProblem& problem, const StageFinding& found, bool distance) {
