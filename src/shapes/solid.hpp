@@ -179,6 +179,9 @@ private:
 
 inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
 
+/// Of the numbers that solids are stored by: those of the shape, then those of the matrix.
+inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
+
 /// A shape and its numbers in storage type S; what lies beyond those of the shape is zero. Under a matrix it stands
 /// in the world where that takes it; else it is there as its numbers say.
 template <class S>

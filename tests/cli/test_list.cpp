@@ -36,7 +36,7 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
 
 TEST_CASE("list metrics is the metric table") {
     const auto array = nlohmann::json::parse(run("list metrics --json").out);
-    REQUIRE(array.size() == measure::metric::metrics().size() + 2);
+    REQUIRE(array.size() == measure::metric::metrics().size() + 3);
     for (std::size_t i = 0; i < measure::metric::metrics().size(); ++i) {
         CHECK(array[i]["name"] == std::string(measure::metric::metrics()[i].name));
         CHECK(array[i]["layer"] == std::string(measure::metric::metrics()[i].layer));

@@ -27,15 +27,23 @@ struct RawFindings {
     RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
 };
 
+/// Whether the solids of a batch stand under matrices, which follow their numbers, all of them of one kind.
+struct UnderMatrix {
+    bool placed = false, is_inverse = false;
+    int orientation = 1;
+    friend bool operator==(const UnderMatrix&, const UnderMatrix&) = default;
+};
+
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
 template <class S>
 struct RawProblems {
-    RawColumn<S> ray[6], solid[most_numbers];
-    RawColumn<S> ray_low[6], solid_low[most_numbers];  ///< second words
-    bool two_words;                                    ///< whether there are any; never of floats
+    RawColumn<S> ray[6], solid[most_stored];
+    RawColumn<S> ray_low[6], solid_low[most_stored];  ///< second words
+    bool two_words;                                   ///< whether there are any; never of floats
     RawColumn<S> tmin, tmax;
     bool ranged;  ///< else these are 0 and endless for every ray
     OpenEnds open;
+    UnderMatrix matrix;
     RawFindings out;
     std::size_t size;
 };
@@ -43,7 +51,7 @@ struct RawProblems {
 /// As many problems, their columns still to be named.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
-    return {{}, {}, {}, {}, false, {}, {}, false, {}, out, size};
+    return {{}, {}, {}, {}, false, {}, {}, false, {}, {}, out, size};
 }
 
 /// Directions to be made unit: whole packs.

@@ -34,7 +34,7 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
 /// Whether a solid is one, by the limits of its keys: but for points on one line, which no line is proved to cross;
 /// origins and directions that are not finite are found by `settle`.
 template <class S, class E>
-mask_t<typename E::P> is_proper(const std::array<E, most_numbers>& solid) {
+mask_t<typename E::P> is_proper(const std::array<E, most_stored>& solid) {
     using P = typename E::P;
     auto proper = P(0) <= P(0);
     const E zero(0);
@@ -68,12 +68,37 @@ struct Asked {
     OpenEnds open;
 };
 
+/// A ray and a solid as they stand in the space of the solid, and d·d in the world.
+template <class E>
+struct InSpace {
+    Ray<E> ray;
+    std::array<E, most_stored> solid;
+    E d2;
+    mask_t<typename E::P> proved = typename E::P(0) <= typename E::P(0);
+
+    /// From the world. Of a solid whose determinant is not proved to differ from 0 nothing is proved.
+    template <class S>
+    void enter(const UnderMatrix& matrix) {
+        Placement<E> placed{{}, matrix.is_inverse, matrix.orientation};
+        for (std::size_t k = 0; k < placed.matrix.size(); ++k) placed.matrix[k] = solid[most_numbers + k];
+        const InObject<E> in = in_object(ray, placed);
+        ray = in.ray;
+        if (matrix.orientation == 0) proved = typename E::P(0) < typename E::P(0);
+        if (matrix.is_inverse) return;
+        std::size_t k = 0;
+        for (const Key& key : S::keys)
+            for (const std::size_t end = k + key.count(); k < end; ++k)
+                if (key.kind != Key::Kind::direction) solid[k] = in.scale * solid[k];
+        proved = proved && (in.scale > E(0)).yes();
+    }
+};
+
 /// S is the shape over `Running` words. The ends of the range are not looked at where there is none.
 template <class S, class E, class P = typename E::P>
-Finding<P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& solid, const P& tmin, const P& tmax,
-                        const Asked& asked) {
-    const auto span = S::of([&solid](std::size_t k) { return solid[k]; }).span(ray);
-    auto proper = is_proper<S>(solid) && (span.d2 > E(0)).yes() &&
+Finding<P> settle_shape(const InSpace<E>& in, const P& tmin, const P& tmax, const Asked& asked) {
+    const Ray<E>& ray = in.ray;
+    const auto span = S::of([&in](std::size_t k) { return in.solid[k]; }).span(ray);
+    auto proper = in.proved && is_proper<S>(in.solid) && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const auto met = [&] {
         if (asked.ranged) return first_met(span, range_of<E>(tmin, tmax, asked.open, proper));
@@ -91,7 +116,7 @@ Finding<P> settle_shape(const Ray<E>& ray, const std::array<E, most_numbers>& so
         to.bound = select(met.at_origin, zero, to.bound);
     };
     if (asked.t) take(met.t, found.t);
-    if (asked.distance) take(met.t * sqrt(span.d2), found.distance);
+    if (asked.distance) take(met.t * sqrt(in.d2), found.distance);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

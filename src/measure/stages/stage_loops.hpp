@@ -57,10 +57,14 @@ template <template <class> class Of, class S, class W>
             return E(W(x), P(0));
         };
         const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
-        std::array<E, most_numbers> solid;
-        for (std::size_t k = 0; k < numbers; ++k) solid[k] = number(p.solid[k], p.solid_low[k]);
-        const Ray<E> line{{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}};
-        const Finding<P> found = settle_shape<Of<E>>(line, solid, at(p.tmin), at(p.tmax), asked);
+        InSpace<E> in{.ray = {{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}}, .solid = {}, .d2 = {}};
+        in.d2 = square(in.ray.direction);
+        for (std::size_t k = 0; k < numbers; ++k) in.solid[k] = number(p.solid[k], p.solid_low[k]);
+        if (p.matrix.placed) {
+            for (std::size_t k = most_numbers; k < most_stored; ++k) in.solid[k] = number(p.solid[k], p.solid_low[k]);
+            in.template enter<Of<E>>(p.matrix);
+        }
+        const Finding<P> found = settle_shape<Of<E>>(in, at(p.tmin), at(p.tmax), asked);
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.

@@ -33,18 +33,18 @@ bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid[k], raw.solid[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use(p.solid[k], raw.solid[k], 0);
     use(p.tmin, raw.tmin, 0);
     use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     raw.two_words = !p.ray_low[0].empty();
     if (!raw.two_words) return;
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < most_numbers; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
 }
 /// Where those of a ray, a solid, its range and of the second words begin.
-inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin = 6 + most_numbers,
+inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin = 6 + most_stored,
                              place_of_tmax = place_of_tmin + 1, first_of_low = place_of_tmax + 1,
-                             most_columns = first_of_low + 6 + most_numbers;
+                             most_columns = first_of_low + 6 + most_stored;
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
@@ -77,7 +77,7 @@ struct Gathered {
                                   std::size_t lanes) {
         const std::size_t filled = (which.size() + lanes - 1) / lanes * lanes;
         auto raw = stages::raw_problems<S>(filled, found.raw());
-        raw.open = p.open;
+        raw.open = p.open, raw.matrix = p.matrix;
         S* to = numbers[0];
         for_each_column(p, raw, [&](std::span<const From> from, stages::RawColumn<S>& column, From absent) {
             column = {to, from.size() <= 1 ? std::size_t{0} : std::size_t{1}};
@@ -104,7 +104,7 @@ struct Gathered {
             for (std::size_t k = 0; k < count; ++k) to[k] = {numbers[first + k], 1};
         };
         words(first_of_ray, 6, raw.ray), words(first_of_low, 6, raw.ray_low);
-        words(first_of_solid, most_numbers, raw.solid), words(first_of_low + 6, most_numbers, raw.solid_low);
+        words(first_of_solid, most_stored, raw.solid), words(first_of_low + 6, most_stored, raw.solid_low);
         raw.two_words = two_words;
         raw.tmin = {numbers[place_of_tmin], 1};
         raw.tmax = {numbers[place_of_tmax], 1};
@@ -151,7 +151,7 @@ private:
     /// `size` of them from `begin` on, whole registers.
     stages::RawProblems<S> at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
         auto raw = stages::raw_problems<S>(size, found);
-        raw.open = problems_.open;
+        raw.open = problems_.open, raw.matrix = problems_.matrix;
         raw.ranged = ranged_;
         const S* same = same_[0];
         for_each_column(problems_, raw, [&](std::span<const S> from, stages::RawColumn<S>& column, S) {

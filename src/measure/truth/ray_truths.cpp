@@ -102,28 +102,35 @@ private:
     void meet(std::size_t s) {
         limit_.stop.check();
         const Solid<S> solid = problems_.solids[s];
-        if (solid.placed) return leave_open(s == 0);
         const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
         const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
         ProblemColumns<double> columns = columns_for(solid.shape);
-        for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid[k] = std::span(&words.numbers[k], 1);
+        const auto put = [](const Solid<double>& from, auto& to) {
+            for (std::size_t k = 0; k < from.used().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
+            for (std::size_t k = most_numbers; from.placed && k < most_stored; ++k)
+                to[k] = std::span(&from.placed->matrix[k - most_numbers], 1);
+        };
+        put(words, columns.solid);
+        columns.matrix = under_matrix(solid);
         if constexpr (two_words) {
             columns.ray_low = rays_.low;
-            for (std::size_t k = 0; k < solid.used().size(); ++k) columns.solid_low[k] = std::span(&low.numbers[k], 1);
+            put(low, columns.solid_low);
         }
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
-    /// What no pack answers is asked ray by ray.
-    void leave_open(bool is_first) {
-        std::ranges::fill(open_, 1);
-        if (is_first) std::fill_n(out_.object.begin() + static_cast<std::ptrdiff_t>(begin_), count_, -1);
+    static stages::UnderMatrix under_matrix(const Solid<S>& solid) {
+        if (!solid.placed) return {};
+        return {true, solid.placed->is_inverse, solid.placed->orientation};
     }
 
     /// Every ray against the solid that it is paired with.
     void meet_own() {
         limit_.stop.check();
-        if (problems_.solids[begin_].placed) return leave_open(true);
+        if (problems_.solids[begin_].placed) {  // each its own matrix
+            std::ranges::fill(open_, 1);
+            return;
+        }
         const Shape shape = problems_.solids[begin_].shape;
         const std::size_t numbers = row_of(shape).numbers;
         std::array<std::vector<double>, 2 * most_numbers> room;
@@ -198,6 +205,7 @@ private:
     template <class Wanted>
     void find_pairs(const Wanted& wanted) {
         for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
+        matrices_.fill({});
         for (std::size_t i = 0; i < count_; ++i) {
             if (!wanted(i)) continue;
             limit_.stop.check();
@@ -224,21 +232,26 @@ private:
 
     void add_pair(std::size_t i, std::uint32_t s) {
         const Solid<S> solid = problems_.solids[s];
-        if (solid.placed) {
-            pairs_.push_back({i, s, {}});
-            return settle_alone(pairs_.back());
-        }
         Gathered<double>& to = gathered(solid.shape);
+        stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(solid.shape)];
+        if (const auto its = under_matrix(solid); !(its == matrix)) {
+            settle(solid.shape);
+            matrix = its;
+        }
         const auto words_of_ray = [&](std::size_t first, const Spans& from) {
             for (std::size_t k = 0; k < 6; ++k) to.numbers[first + k][to.size] = from[k][i];
         };
         words_of_ray(first_of_ray, rays_.words);
-        to.set(first_of_solid, transformed(solid, [](const S& x) { return word_of(x); }).numbers);
+        const auto put = [&](std::size_t first, const Solid<double>& words) {
+            to.set(first, words.numbers);
+            if (words.placed) to.set(first + most_numbers, words.placed->matrix);
+        };
+        put(first_of_solid, transformed(solid, [](const S& x) { return word_of(x); }));
         to.numbers[place_of_tmin][to.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
         to.numbers[place_of_tmax][to.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
         if constexpr (two_words) {
             words_of_ray(first_of_low, rays_.low);
-            to.set(first_of_low + 6, transformed(solid, [](const S& x) { return low_word_of(x); }).numbers);
+            put(first_of_low + 6, transformed(solid, [](const S& x) { return low_word_of(x); }));
         }
         places(solid.shape)[to.size++] = pairs_.size();
         pairs_.push_back({i, s, {}});
@@ -255,6 +268,7 @@ private:
         auto raw = together.added(stages.lanes, two_words);
         raw.open = problems_.rays.open;
         raw.ranged = ranged_;
+        raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.kernels.double_double(raw);
         for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
         together.size = 0;
@@ -302,7 +316,8 @@ private:
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndSolid> pairs_;
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
-        places_;  ///< among `pairs_`, of those of each shape
+        places_;                                                   ///< among `pairs_`, of those of each shape
+    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< of those gathered of each shape
     std::vector<std::uint32_t> candidates_;
 };
 

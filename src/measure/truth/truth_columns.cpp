@@ -23,6 +23,11 @@ Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::
     Solid<double> solid;
     solid.shape = p.shape;
     for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = at(p.solid[k]);
+    if (p.matrix.placed) {
+        solid.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
+        for (std::size_t k = most_numbers; k < most_stored; ++k)
+            solid.placed->matrix[k - most_numbers] = at(p.solid[k]);
+    }
     return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, solid, terms.limit,
                       terms.convention,
                       {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});

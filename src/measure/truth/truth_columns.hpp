@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "measure/culling/culling.hpp"
+#include "measure/stages/raw_stages.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -19,14 +20,16 @@ namespace lostbits::measure::truth {
 template <class S>
 struct ProblemColumns {
     std::size_t size = 0;
-    std::array<std::span<const S>, 6> ray;               ///< o.x o.y o.z d.x d.y d.z
-    Shape shape{};                                       ///< one that a solid can have
-    std::array<std::span<const S>, most_numbers> solid;  ///< as in `Solid::numbers`; empty beyond those of the shape
-    std::span<const S> tmin = {}, tmax = {};             ///< the ranges of the rays; empty: from 0, without end
+    std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
+    Shape shape{};                          ///< one that a solid can have
+    /// As in `Solid::numbers`, empty beyond those of the shape; then those of the matrix, where `matrix` says so.
+    std::array<std::span<const S>, most_stored> solid;
+    std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open = {};
+    stages::UnderMatrix matrix = {};
     /// What the numbers above leave of those meant, to 2^-104 of these; all empty where they are those meant.
     std::array<std::span<const S>, 6> ray_low = {};
-    std::array<std::span<const S>, most_numbers> solid_low = {};
+    std::array<std::span<const S>, most_stored> solid_low = {};
 };
 
 /// How closely a length must be known for what is measured against it.

@@ -13,6 +13,7 @@
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/ranges.hpp"
 #include "measure/truth/truth.hpp"
+#include "measure/truth/truth_columns.hpp"
 
 namespace test_placed {
 
@@ -279,6 +280,44 @@ TEST_CASE("what stands under a matrix is met where fractions meet it, whatever t
                 CHECK(t.misses > 0);
             }
         }
+    }
+}
+
+TEST_CASE("packs settle rays at solids under matrices as they are settled alone, and most of them") {
+    for (const Family& family : families) {
+        CAPTURE(family.name);
+        Seeded r(9);
+        std::vector<Solid<double>> solids;
+        while (solids.size() < 3) {
+            Solid<double> solid = solids.empty()       ? Solid<double>(drawn<Sphere<double>>(r, false))
+                                  : solids.size() == 1 ? Solid<double>(drawn<Box<double>>(r, false))
+                                                       : Solid<double>(drawn<Triangle<double>>(r, false));
+            solid = transformed(solid, [](double x) { return testing::stored(x, binary32); });
+            solid.placed = transformed(Placement<double>{family.make(r), family.is_inverse, 1},
+                                       [](double x) { return testing::stored(x, binary32); });
+            if (solid.placed->is_proper() && !broken_limit(solid)) solids.push_back(solid);
+        }
+        scene::rays::RayBlock rays;
+        rays.width = 3000, rays.y1 = 1;
+        while (rays.size() < 3000) {
+            const Solid<double>& at = solids[rays.size() % 3];
+            const Ray<double> ray = aimed(r, family, *at.placed, at.point(0));
+            rays.push({testing::stored(ray.origin, binary32), testing::stored(ray.direction, binary32)});
+        }
+        const scene::rays::SolidList<double> list(solids);
+        measure::truth::RayTruths found;
+        const auto counts = measure::truth::find_truths({rays, list}, {}, found);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const Truth packed = found[i], alone = find_truth(rays[i], solids);
+            REQUIRE(packed.decision == alone.decision);
+            REQUIRE(packed.object == alone.object);
+            if (!alone.is_hit()) continue;
+            REQUIRE(compare(packed.t, alone.t) == 0);
+            REQUIRE(compare(packed.distance, alone.distance) == 0);
+        }
+        INFO(counts.double_double << " of " << counts.rays());
+        const bool hard = family.make == badly_conditioned || family.make == whole;
+        CHECK((hard || counts.double_double > counts.rays() / 10 * 9));
     }
 }
 
