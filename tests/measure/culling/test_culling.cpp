@@ -90,16 +90,19 @@ const std::string pinhole = "kind = \"pinhole\"\nfov_deg = ";
 }  // namespace
 
 TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling]") {
+    // What is computed bit by bit takes a minute with 821 spheres: in the short tests there are 92.
+    CHECK(compare(flake_scene(test::is_long() ? 3 : 2, "[2.1, 1.3, 1.7]", pinhole + "60"), {"bf16"}).hits > 1000);
     const auto scene = flake_scene(3, "[2.1, 1.3, 1.7]", pinhole + "60");
-    if (test::is_long()) compare(scene, {"p20", "fp16"});  // computed as bf16 is
-    const Counts c = compare(scene, {"f32", "f64", "bf16"});
+    if (test::is_long()) compare(scene, {"p20", "fp16"});
+    const Counts c = compare(scene, {"f32", "f64"});
     CHECK(c.hits > 1000);
     CHECK(c.few > c.rays / 3);
 }
 
 TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses",
           "[measure][culling]") {
-    const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64", "p30"});
+    CHECK(compare(flake_scene(test::is_long() ? 3 : 2, "[210, 130, 170]", pinhole + "0.66"), {"p30"}).hits > 1000);
+    const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64"});
     CHECK(c.hits > 1000);
     CHECK(c.few > c.rays / 3);
     compare(flake_scene(2, "[2100, 1300, 1700]", pinhole + "0.066"), {"f32", "p40"});
