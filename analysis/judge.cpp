@@ -67,17 +67,34 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
                    is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
 }
 
-void print_judged(const JudgeRequest& request, const JudgeResult& result) {
+/// Hits that do not keep the wished bits, or are farther off than the tolerance.
+std::string fallen_short(const JudgeRequest& request, const measure::map::MapSummary& s) {
+    std::string words;
+    for (const char* const name : {"enough_bits", "tolerance"}) {
+        const std::size_t m = measure::metric::place_of(request.metrics, name);
+        if (m < request.metrics.size()) words += fmt::format(" {:>11}", s.categories[m].at(1));
+    }
+    return words;
+}
+
+void print_judged(const JudgeRequest& request, const JudgeResult& result, const std::string& by) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
-    fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n", "form", "fmt", "hits",
-               "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max");
+    std::string short_of;
+    for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")})
+        if (measure::metric::place_of(request.metrics, metric) < request.metrics.size())
+            short_of += fmt::format(" {:>11}", title);
+    fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
+               "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
+    const auto print_row = [&](const std::string& name, std::string_view format, const measure::map::MapSummary& s) {
+        fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
+                   s.count(Outcome::agree_hit), s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
+                   s.count(Outcome::false_miss), s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5),
+                   lost_or_withheld(s, lost, 0.99), lost_or_withheld(s, lost, 1), fallen_short(request, s));
+    };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
-        const measure::map::MapSummary& s = result.summaries[r];
-        fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}\n",
-                   request.rows[r].form->info->name, request.rows[r].format.name, s.count(Outcome::agree_hit),
-                   s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
-                   s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),
-                   lost_or_withheld(s, lost, 1));
+        print_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r]);
+        for (const measure::map::Group& group : result.groups.all())
+            print_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r]);
     }
 }
 
@@ -139,7 +156,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
     const auto scene = choice::scene_of(o, choice::data_folder(common.data));
-    const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows);
+    const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows || !o.by.empty());
     JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     const Shapes shapes = dump->layout().solid() ? *dump->layout().solid() : choice::shapes_of(request.solids);
@@ -152,6 +169,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     const measure::judge::FileForm answers(
         stem, dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape, contract);
     request.answered = dump->layout().has_answers();
+    request.by = choice::group_of(o, dump->layout());
     request.rows = rows_of(o, *dump, meets, request.answered ? &answers.form() : nullptr, common);
     if (!o.forms.empty()) choice::note_unmeasured(o.forms, request.rows, common.quiet);
 
@@ -180,7 +198,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     drawn = choice::that_apply(drawn, request.rows, o.file);
     if (!o.against.empty()) choice::add_pairs(drawn);
     choice::note_without_formula(drawn, request.rows, common.quiet);
-    request.metrics = metrics_of(drawn, request, made);
+    auto asked = drawn;
+    choice::add_wish(o, made, asked);
+    request.metrics = metrics_of(asked, request, made);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
     const choice::ThreadLimit limit(common.threads);
 
@@ -207,8 +227,9 @@ Exit run(const JudgeWords& o, const Common& common) {
                                      .rows = o.rows,
                                      .worst = o.worst,
                                      .keep = shard::keep_in(division, "judge")});
-    const auto judged = judge_rays(*dump, request, files, division,
-                                   [&] { return choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows); });
+    const auto judged = judge_rays(*dump, request, files, division, [&] {
+        return choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows || !o.by.empty());
+    });
     finish(divided, common);
     if (!judged) {
         progress.finish();
@@ -227,7 +248,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                 o.file, result.rounded, dump->format().name);
         note_digits(o.file, dump->format(), result);
         fmt::print("{} rays of {}, read as {}\n", result.rays, o.file, dump->format().name);
-        print_judged(request, result);
+        print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
@@ -253,6 +274,11 @@ void add_judge(const shell::Command& program, const Common& common) {
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");
     command.add("--against", o->against, "A form to hold the answers against, without asking what is true");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
+    command.add("--by", o->by, "A column of the file's own, such as a depth or material: a row also for each value");
+    command.add("--bits", o->bits, "Count the hits whose t keeps fewer correct bits", shell::number_from(0, 53));
+    command.add("--tolerance", o->tolerance,
+                "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
+    command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");

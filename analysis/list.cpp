@@ -96,6 +96,11 @@ Listing metric_table() {
     l.rows.push_back(
         {"step:NAME", std::string(step.unit), std::string(step.layer), "no",
          std::string(step.meaning) + fmt::format("; one of {}", fmt::join(intersect::space::step_names, ", "))});
+    for (const auto& [name, such_as] :
+         {std::pair("tolerance:LENGTH", "tolerance:0.001"), std::pair("enough_bits:BITS", "enough_bits:16")}) {
+        const measure::metric::Metric& m = *made.find(such_as);
+        l.rows.push_back({name, "", std::string(m.layer), "no", std::string(m.meaning) + ", or any other number"});
+    }
     return l;
 }
 

@@ -1,6 +1,7 @@
 #include "analysis/choice/judge_words.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -156,6 +157,29 @@ intersect::Info contract_of(const RayFileWords& o) {
     info.at_origin = static_cast<intersect::AtOrigin>(place(intersect::at_origin_names, o.at_origin));
     info.inside = static_cast<intersect::Inside>(place(intersect::inside_names, o.inside));
     return info;
+}
+
+std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layout& layout) {
+    if (o.by.empty()) return {};
+    const auto kept = layout.kept();
+    const auto found = std::ranges::find(kept, o.by);
+    if (found != kept.end()) return static_cast<std::size_t>(found - kept.begin());
+    throw InputError(fmt::format("--by {}: {} has no column of its own that is called so; {}", o.by, o.file,
+                                 kept.empty() ? "all its columns are the ray's, its solid's or the answer's"
+                                              : fmt::format("it has {}", fmt::join(kept, ", "))));
+}
+
+void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
+              std::vector<const measure::metric::Metric*>& metrics) {
+    std::vector<std::string> words;
+    if (o.bits >= 0) words.push_back(fmt::format("enough_bits:{}", o.bits));
+    if (!o.tolerance.empty())
+        words.insert(words.end(),
+                     {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
+    else if (!o.unit.empty())
+        throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is not there; write both");
+    for (const measure::metric::Metric* m : select_metrics(words, made))
+        if (std::ranges::find(metrics, m) == metrics.end()) metrics.push_back(m);
 }
 
 }  // namespace lostbits::analysis::choice

@@ -12,6 +12,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
+#include "measure/metric/metric_set.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 
@@ -34,7 +35,8 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
 struct JudgeWords : RayFileWords {
     std::string file;
     std::vector<std::string> forms, formats, metrics;
-    std::string against;
+    std::string against, by, tolerance, unit;
+    double bits = -1;  ///< below 0: not asked
     std::string size;
     bool rows = false;
     std::size_t worst = 10;
@@ -55,6 +57,13 @@ std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::option
 /// The file, opened as the words say; `keep`: the user's own columns are wanted.
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
                                              bool keep = false);
+
+/// The place of the column that rays are grouped by among those of the file's own; nothing where none is asked for.
+std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layout& layout);
+
+/// Adds the metrics that count what falls short of `--bits` and `--tolerance`.
+void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
+              std::vector<const measure::metric::Metric*>& metrics);
 
 /// The contract of the answers.
 intersect::Info contract_of(const RayFileWords& o);

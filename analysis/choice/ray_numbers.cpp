@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "number/error.hpp"
@@ -85,6 +87,44 @@ std::pair<int, int> pixel_named(const std::string& text) {
     if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
         throw InputError("--pixel " + text + ": is not a pixel; write its column and row, like 17,42");
     return {static_cast<int>(x[0]), static_cast<int>(x[1])};
+}
+
+namespace {
+
+struct Unit {
+    std::string_view name;
+    double micrometres;
+};
+constexpr std::array units{Unit{"m", 1e6},  Unit{"km", 1e9},   Unit{"cm", 1e4},   Unit{"mm", 1e3},
+                           Unit{"um", 1.0}, Unit{"in", 25400}, Unit{"ft", 304800}};
+
+const Unit* find_unit(std::string_view name) {
+    const auto found = std::ranges::find(units, name, &Unit::name);
+    return found == units.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+double tolerance_in_units(const std::string& text, const std::string& unit) {
+    const Unit* const scenes = find_unit(unit);
+    if (!unit.empty() && scenes == nullptr)
+        throw InputError(fmt::format("--unit {}: is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
+    double x = 0;
+    const char* const end = text.data() + text.size();
+    const char* const rest = std::from_chars(text.data(), end, x).ptr;
+    const std::string_view own(rest, static_cast<std::size_t>(end - rest));
+    if (rest == text.data() || !(x >= 0) || !std::isfinite(x) || (!own.empty() && !find_unit(own)))
+        throw InputError(fmt::format(
+            "--tolerance {}: is not a length; write a number from 0, in the scene's own unit of length, such as 0.001, "
+            "or with --unit a length such as 1mm",
+            text));
+    if (own.empty()) return x;
+    if (scenes == nullptr)
+        throw InputError(fmt::format(
+            "--tolerance {}: scenes and files of rays do not say what their unit of length is; write the number of "
+            "those units alone, or say the unit, as in --unit m",
+            text));
+    return x * find_unit(own)->micrometres / scenes->micrometres;
 }
 
 }  // namespace lostbits::analysis::choice

@@ -1,4 +1,4 @@
-// The numbers of a ray, of a solid and of a pixel as they stand on the command line.
+// The numbers of a ray, of a solid and of a pixel, and lengths, as they stand on the command line.
 #pragma once
 
 #include <array>
@@ -45,5 +45,10 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
 
 /// `17,42`: the column and the row. InputError for what is not a pixel.
 std::pair<int, int> pixel_named(const std::string& text);
+
+/// `0.001`: so many of the scene's own units of length. `1mm` where `unit` says what that unit
+/// is: m, km, cm, mm, um, in or ft. InputError for anything else; of a length with a unit where none is declared it
+/// says that scenes do not tell theirs.
+double tolerance_in_units(const std::string& text, const std::string& unit);
 
 }  // namespace lostbits::analysis::choice

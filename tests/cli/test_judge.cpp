@@ -59,6 +59,66 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
     CHECK(a.front().at("worst_explain").empty());  // a file has no formula to explain
 }
 
+TEST_CASE("judged rays are grouped by a column of the file") {
+    const Scratch scratch;
+    const auto r = run("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "    y 31 "));
+    CHECK(has(r.out, "too few      beyond"));
+    const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
+    REQUIRE(rows.size() == 2 * 33);
+    for (const std::size_t form : {std::size_t{0}, std::size_t{33}}) {
+        CHECK(rows[form].at("y").empty());
+        for (const char* name : {"rays", "agree_hit", "false_hit", "false_miss", "tolerance_beyond", "tolerance_within",
+                                 "enough_bits_too_few"}) {
+            double sum = 0;
+            for (std::size_t y = 0; y < 32; ++y) sum += std::stod(rows[form + 1 + y].at(name));
+            INFO(name);
+            CHECK(sum == std::stod(rows[form].at(name)));
+        }
+        for (std::size_t y = 0; y < 32; ++y) CHECK(rows[form + 1 + y].at("y") == std::to_string(y));  // 9 before 10
+    }
+    // What float loses of t is a length: t is about 1, and directions are 2000 long.
+    CHECK(std::stod(rows[0].at("tolerance_beyond")) > 800);
+    CHECK(std::stod(rows[33].at("tolerance_beyond")) == 0);
+    CHECK(std::stod(rows[0].at("distance_error_max")) > std::stod(rows[33].at("distance_error_max")) * 100);
+}
+
+TEST_CASE("a length has a unit where one is declared, and a group is a column of the file's own") {
+    const Scratch scratch;
+    const auto says = [&](const std::string& words, const std::string& what) {
+        const auto r = run("judge " + far_csv + " " + words + into(scratch));
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, what));
+    };
+    says("--tolerance 1mm", "do not say what their unit of length is");
+    says("--tolerance 1mm --unit yard", "is not a unit of length");
+    says("--tolerance 1furlong --unit m", "is not a length");
+    says("--tolerance -1", "is not a length");
+    says("--unit m", "is the unit of --tolerance");
+    says("--by z", "it has x, y");
+    says("--by ox", "it has x, y");
+    says("--by x --metric tolerance:0.1 --tolerance 0.2", "one number a run");
+    const auto beyond = [&](const std::string& words, const std::string& folder) {
+        REQUIRE(run("judge " + far_csv + " " + words + into(scratch, folder)).code == 0);
+        return read_csv(scratch.path() / folder / "far-sphere/summary.csv").front().at("tolerance_beyond");
+    };
+    const std::string in_units = beyond("--tolerance 0.02", "a");
+    CHECK(in_units == beyond("--tolerance 20mm --unit m", "b"));
+    CHECK(in_units == beyond("--tolerance 2cm --unit m", "c"));
+    CHECK(in_units != beyond("--tolerance 2cm --unit cm", "d"));
+    const auto many = scratch.write("many.csv", [] {
+        std::string rays = "ox,oy,oz,dx,dy,dz,t,id\n";
+        for (int i = 0; i < 5000; ++i) rays += "0,0,-5,0,0,1,4," + std::to_string(i) + "\n";
+        return rays;
+    }());
+    const auto r = run("judge '" + many + "' --sphere 0,0,0,1 --by id" + into(scratch));
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "id has more than 4096 values"));
+}
+
 TEST_CASE("the rows of judged rays keep the columns of the file") {
     const Scratch scratch;
     REQUIRE(run("judge " + far_csv + " --rows" + into(scratch)).code == 0);

@@ -36,7 +36,7 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
 
 TEST_CASE("list metrics is the metric table") {
     const auto array = nlohmann::json::parse(run("list metrics --json").out);
-    REQUIRE(array.size() == measure::metric::metrics().size() + 3);
+    REQUIRE(array.size() == measure::metric::metrics().size() + 5);
     for (std::size_t i = 0; i < measure::metric::metrics().size(); ++i) {
         CHECK(array[i]["name"] == std::string(measure::metric::metrics()[i].name));
         CHECK(array[i]["layer"] == std::string(measure::metric::metrics()[i].layer));
@@ -45,7 +45,8 @@ TEST_CASE("list metrics is the metric table") {
 
 TEST_CASE("the metrics of labels are listed, and every form has labels to map") {
     const auto text = run("list metrics").out;
-    for (const char* name : {"contribution:LABEL", "cancellation:LABEL"}) CHECK(text.find(name) != std::string::npos);
+    for (const char* name : {"contribution:LABEL", "cancellation:LABEL", "tolerance:LENGTH", "enough_bits:BITS"})
+        CHECK(text.find(name) != std::string::npos);
     CHECK(text.find("lostbits list labels") != std::string::npos);
     const auto array = nlohmann::json::parse(run("list labels --json").out);
     REQUIRE(array.size() == intersect::table::intersectors().size());

@@ -40,6 +40,8 @@ const Row rows[] = {
     {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook -f f64 --size 300x330 --metric "
      "lost_bits,ulp_error",
      {2}},
+    {"judge rays.csv --sphere 0,0,0,1 --format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits 20",
+     {4}},
     {"check --filter 'float.*'", {1, 2, 5}, "--report"},
 };
 
@@ -50,7 +52,8 @@ std::string rays_csv() {
         const double x = (i % 300 - 150) / 128.0, y = (i / 300 - 165) / 128.0;
         const double below = 1 - x * x - y * y;
         rays += std::to_string(x) + "," + std::to_string(y) + ",4096,0,0,-1,";
-        rays += (below > 0 ? std::to_string(4096 - std::sqrt(below) + (i % 1000 == 7 ? 1 : 0)) : "") + ",a\n";
+        rays += (below > 0 ? std::to_string(4096 - std::sqrt(below) + (i % 1000 == 7 ? 1 : 0)) : "") + "," +
+                std::to_string(i / 33000) + "\n";
     }
     return rays;
 }

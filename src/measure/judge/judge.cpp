@@ -3,7 +3,6 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -29,13 +28,6 @@ using truth::FormatInputs;
 using truth::missing;
 
 namespace {
-
-std::string file_word(const std::string& name) {
-    std::string word = "file.";
-    for (const char c : name)
-        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-    return word;
-}
 
 /// Some rays of the file on their way: read, then measured as a band.
 struct Piece {
@@ -213,20 +205,37 @@ private:
             refuse_size("has");
         if (request_.stages) *request_.stages += piece.band->stages();
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
+        const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const MapRow& row = request_.rows[r];
             const bool answered = r == 0 && request_.answered;
             std::optional<PieceSink> sink;
             if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
+            std::vector<map::BandPart> parts;
+            for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             map::measure_row({.row = row,
                               .metrics = request_.metrics,
                               .sink = sink ? &*sink : nullptr,
                               .first = first,
                               .answers = answered ? &piece.answers : nullptr},
-                             {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r]);
+                             {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r],
+                             parts);
         });
         if (request_.answered) keep_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
+    }
+
+    /// The rays by their groups, which are there then. Nothing where none are asked for.
+    std::vector<map::RaysOfValue> group(const Chunk& chunk) {
+        if (!request_.by) return {};
+        const std::size_t columns = dump_.layout().kept().size();
+        auto values = map::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
+        try {
+            for (const auto& each : values) result_.groups.add(each.value, request_.rows.size(), request_.metrics);
+        } catch (const InputError& e) {
+            throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.by] + " has " + e.what());
+        }
+        return values;
     }
 
     void keep_first(const Piece& piece) {
@@ -255,15 +264,6 @@ private:
 
 }  // namespace
 
-FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)
-    : name_(file_word(name)), info_(info) {
-    info_.name = name_;
-    info_.title = "the answers of a file";
-    info_.source = "a file";
-    form_.info = &info_;
-    form_.shape = shape;
-}
-
 void JudgeResult::append(JudgeResult&& after) {
     if (summaries.empty()) summaries = std::move(after.summaries);
     else
@@ -277,6 +277,7 @@ void JudgeResult::append(JudgeResult&& after) {
     for (contract::Judged& judged : after.first) {
         if (first.size() < most_of_first) first.push_back(std::move(judged));
     }
+    groups.append(std::move(after.groups));
 }
 
 std::uint64_t JudgeResult::misses_beside_first() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "measure/contract/suspect.hpp"
+#include "measure/map/groups.hpp"
 #include "measure/map/map.hpp"
 #include "scene/dump/dump.hpp"
 
@@ -36,6 +37,8 @@ struct JudgeRequest {
     bool answered = false;  ///< the first of the rows is the file's answers
     std::vector<const metric::Metric*> metrics = {};
     std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
+    /// Of the columns that the dump keeps, the place of the one by whose values rays are grouped too.
+    std::optional<std::size_t> by = {};
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< where they are added up; null: nowhere
     /// The pieces of the file that are measured, see `count_pieces`; absent: all.
@@ -64,6 +67,7 @@ struct JudgeResult {
     /// What the file's answers and the truth make of the first rays that either has a hit on, for
     /// `contract::suspicion`.
     std::vector<contract::Judged> first = {};
+    map::Groups groups = {};  ///< where the request has a column for them
 
     /// What is known of the pieces that come next.
     void append(JudgeResult&& after);
@@ -80,7 +84,8 @@ void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, con
 
 /// Reads the dump to its end, or to that of its pieces; sinks[r] (may be null) receives rows[r]. Memory does not grow
 /// with the file, and nothing depends on the number of threads: pieces are cut by their rays alone and taken up in
-/// order. InputError, with the place, for what the dump refuses, and where the rays are not those of the picture.
+/// order. InputError, with the place, for what the dump refuses, where the rays are not those of the picture, and for
+/// too many groups.
 JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks);
 
 }  // namespace lostbits::measure::judge

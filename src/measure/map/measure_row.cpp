@@ -2,10 +2,8 @@
 #include "measure/map/measure_row.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "measure/answer/against.hpp"
@@ -13,6 +11,7 @@
 #include "measure/map/outcome_columns.hpp"
 #include "measure/map/own_words.hpp"
 #include "measure/map/row_columns.hpp"
+#include "measure/map/row_sums.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -50,15 +49,17 @@ public:
           measured_(room.measured),
           own_ulps_(room.own_ulps) {}
 
-    void measure(MapSummary& summary) {
+    void measure(MapSummary& summary, std::span<const BandPart> parts) {
         find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
                       {result_.outcomes, measured_}, summary);
         measure_columns();
         measure_pairs();
         measure_others();
         for (std::size_t m = 0; m < metrics_.size(); ++m) summary.add(m, *metrics_[m], result_.metrics[m]);
-        keep_worst(summary);
-        keep_faults(summary);
+        const RowSums sums(request_, result_, truth_, ulps_);
+        sums.keep_worst(summary, largest_);
+        sums.keep_faults(summary);
+        for (const BandPart& part : parts) sums.add(part);
     }
 
 private:
@@ -244,59 +245,6 @@ private:
         }
     }
 
-    /// The first of the rays that are farthest off.
-    void keep_worst(MapSummary& summary) const {
-        if (!(largest_ > summary.worst.size)) return;
-        const auto is_it = [this](double ulps) { return std::fabs(ulps) == largest_; };
-        const auto i = static_cast<std::size_t>(std::find_if(ulps_, ulps_ + measured_.size(), is_it) - ulps_);
-        if (i == measured_.size()) return;  // no ray is measured
-        summary.worst = named(i, Outcome::agree_hit);
-        summary.worst.ulps = ulps_[i];
-        summary.worst.size = largest_;
-    }
-
-    /// The first ray of each wrong decision.
-    void keep_faults(MapSummary& summary) const {
-        for (std::size_t kind = 0; kind < wrong_decisions.size(); ++kind) {
-            auto& fault = summary.faults.at(kind);
-            if (fault || summary.count(wrong_decisions[kind]) == 0) continue;
-            const auto i = std::ranges::find(result_.outcomes, wrong_decisions[kind]) - result_.outcomes.begin();
-            fault = std::make_unique<WorstRay>(named(static_cast<std::size_t>(i), wrong_decisions[kind]));
-        }
-    }
-
-    /// The place of the band's first ray among all.
-    [[nodiscard]] std::int64_t first_of_band() const {
-        return request_.first + std::int64_t{result_.y0} * result_.width;
-    }
-
-    /// Ray i as a summary names it.
-    [[nodiscard]] WorstRay named(std::size_t i, Outcome outcome) const {
-        const bool hit = result_.answers->hit[i] != 0;
-        const Truth truth = result_.truth(i);
-        const int object = hit ? result_.answers->object[i] : truth.object;
-        WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
-                   .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
-                   .group = request_.group,
-                   .object = result_.inputs->paired && object >= 0 ? first_of_band() + object : object,
-                   .size = 0,
-                   .ray = result_.inputs->rays[i],
-                   .solid = result_.inputs->solids[static_cast<std::size_t>(std::max(0, object))],
-                   .t = hit && tells_t() ? result_.answers->t[i] : missing,
-                   .outcome = outcome,
-                   .judged = row_.judged};
-        if (truth.is_hit())
-            w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
-        // The nearest of all solids is the nearer of these two; a field of distances is of all of them.
-        std::set<int> deciding;
-        if (is_solid(row_.form->shape)) {
-            if (hit) deciding.insert(object);
-            if (truth.is_hit()) deciding.insert(truth.object);
-        }
-        w.given = result_.band->given(i, deciding);
-        return w;
-    }
-
     const std::vector<const Metric*>& metrics_;
     const MapRow& row_;
     const RowRequest& request_;
@@ -312,7 +260,7 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary) {
+void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary, std::span<const BandPart> parts) {
     const MapRow& row = request.row;
     const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;
@@ -330,7 +278,7 @@ void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summa
                       .outcomes = std::move(room.outcomes),
                       .metrics = std::move(room.metrics)};
     const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
-    Measurement(request, truth, result, room).measure(summary);
+    Measurement(request, truth, result, room).measure(summary, parts);
     if (request.sink) request.sink->band(result);
     room.outcomes = std::move(result.outcomes);
     room.metrics = std::move(result.metrics);

@@ -1,7 +1,9 @@
 // One row on a band whose truth is shared as columns with other rows.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,7 +26,14 @@ columns::BandColumns columns_of(const truth::Band& band, const std::vector<MapRo
 std::map<std::string, truth::BandNeeds> needs_by_format(const std::vector<MapRow>& rows,
                                                         const std::vector<const metric::Metric*>& metrics);
 
+/// Some rays of a band, by their places and rising, that are summed up by themselves too.
+struct BandPart {
+    std::span<const std::uint32_t> rays;
+    MapSummary* summary;
+};
+
 /// As the function of map.hpp, which finds the columns for one row alone.
-void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary);
+void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary,
+                 std::span<const BandPart> parts = {});
 
 }  // namespace lostbits::measure::map

@@ -1,7 +1,10 @@
 #include "measure/metric/metric_set.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
+#include "measure/metric/errors_of_t.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -32,8 +35,33 @@ double step_error(const Sample& s) {
     return s.steps ? s.steps->error(k, ulp_exponent(s.format->shape, s.truth->floor_log2())) : missing;
 }
 
-/// What there is of each label: `name` and `layer` lack it.
+double number_of(std::string_view label) {
+    double x = missing;
+    const char* const end = label.data() + label.size();
+    return std::from_chars(label.data(), end, x).ptr == end && x >= 0 && std::isfinite(x) ? x : missing;
+}
+
+double beyond(const Sample& s) { return distance_error(s) > number_of(s.label) ? 1 : 0; }
+double too_few(const Sample& s) { return correct(s) < number_of(s.label) ? 1 : 0; }
+
+constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[] = {"enough", "too_few"};
+
+/// What there is of each label: `name` and `layer` lack it. The first are about a number, the others about an
+/// operation.
 constexpr Metric labelled[] = {
+    {.name = "tolerance:",
+     .layer = "err.tolerance",
+     .meaning = "whether the hit point is at most so far from the true one, along the ray, in the scene's unit of "
+                "length: ",
+     .ramp = Ramp::categories,
+     .value = beyond,
+     .categories = within_names},
+    {.name = "enough_bits:",
+     .layer = "bits.enough",
+     .meaning = "whether t keeps so many bits (correct_bits): ",
+     .ramp = Ramp::categories,
+     .value = too_few,
+     .categories = enough_names},
     {.name = "contribution:",
      .unit = "ulp",
      .layer = "contribution.",
@@ -56,6 +84,8 @@ constexpr Metric labelled[] = {
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = step_error}};
+
+bool is_of_operation(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
 
 template <class Texts, class Text>
 void add_once(Texts& texts, const Text& text) {
@@ -91,6 +121,7 @@ const Metric* MetricSet::find(std::string_view name) {
     const auto kind = std::ranges::find_if(
         labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled)) return nullptr;
+    if (kind->needs == needs_nothing) return of_number(*kind, name);
     Made& made = made_.emplace_back();
     made.name = name;
     made.layer = std::string(kind->layer) + made.name.substr(kind->name.size());
@@ -98,6 +129,24 @@ const Metric* MetricSet::find(std::string_view name) {
     made.row.name = made.name;
     made.row.layer = made.layer;
     made.row.label = made.row.name.substr(kind->name.size());
+    return &made.row;
+}
+
+const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
+    const std::string_view column = kind.name.substr(0, kind.name.size() - 1);
+    if (std::isnan(number_of(name.substr(kind.name.size()))))
+        throw InputError("--metric " + std::string(name) + ": write a finite number from 0 behind the colon, such as " +
+                         std::string(kind.name) + (kind.value == beyond ? "0.001" : "16"));
+    if (std::ranges::find(made_, column, [](const Made& made) { return made.row.name; }) != made_.end())
+        throw InputError("--metric " + std::string(name) +
+                         ": one number a run; measure the other one in a run of its own");
+    Made& made = made_.emplace_back();
+    made.name = name;
+    made.row = kind;
+    made.row.name = column;
+    made.row.label = std::string_view(made.name).substr(kind.name.size());
+    made.meaning = std::string(kind.meaning) + std::string(made.row.label);
+    made.row.meaning = made.meaning;
     return &made.row;
 }
 
@@ -115,7 +164,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
                                                 const std::vector<const Intersector*>& forms,
                                                 const blame::Setting& setting) {
     for (const Metric*& m : metrics) {
-        if (!m->label.empty()) refuse_unknown_label(*m, forms, setting);
+        if (is_of_operation(*m)) refuse_unknown_label(*m, forms, setting);
         if (!m->by_run()) continue;
         std::vector<std::string> operations;
         for (const Intersector* form : forms) {
@@ -129,7 +178,8 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
                                                 const std::function<blame::SettingOf()>& setting) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || !m->label.empty(); })) return metrics;
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_of_operation(*m); }))
+        return metrics;
     return for_forms(std::move(metrics), forms, setting().get());
 }
 

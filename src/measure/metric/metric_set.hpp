@@ -14,8 +14,9 @@ namespace lostbits::measure::metric {
 /// Keeps the rows that are in no table: it outlives every request that holds them. Not for several threads at once.
 class MetricSet {
 public:
-    /// The metric of that name; of `contribution:LABEL` and `cancellation:LABEL` one that is made here. Null where no
-    /// metric is called so.
+    /// The metric of that name; of `contribution:LABEL`, `cancellation:LABEL`, `tolerance:LENGTH` and
+    /// `enough_bits:BITS` one that is made here. Null where no metric is called so. InputError for a LENGTH that is
+    /// none, and for a second one: columns are called `tolerance`, whatever the length.
     const Metric* find(std::string_view name);
 
     /// `culprit` that tells these operations apart: its categories are `none`, then these.
@@ -32,8 +33,10 @@ public:
                                          const std::function<blame::SettingOf()>& setting);
 
 private:
+    const Metric* of_number(const Metric& kind, std::string_view name);
+
     struct Made {
-        std::string name, layer;
+        std::string name, layer, meaning;
         std::vector<std::string> operations;
         std::vector<std::string_view> categories;
         Metric row;

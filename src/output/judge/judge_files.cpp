@@ -113,7 +113,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .also = tables,
                                                       .name_of_ray = name_of,
                                                       .listed = !request.picture,
-                                                      .keep = p.keep_of_map()});
+                                                      .keep = p.keep_of_map(),
+                                                      .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
     const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     const auto sinks = p.map->sinks();
@@ -166,7 +167,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     // That of an earlier run is about other answers.
     std::error_code ignored;
     if (!any) std::filesystem::remove(p.options.folder / "worst.toml", ignored);
-    p.map->finish(result.summaries);
+    p.map->finish(result.summaries, result.groups);
     return any;
 }
 

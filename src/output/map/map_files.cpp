@@ -227,9 +227,10 @@ struct MapFiles::Parts {
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
-    : parts_(new Parts{.request = request,
-                       .options = options,
-                       .table = {request.metrics, request.scene->shapes(), request.scene->mesh != nullptr}}) {
+    : parts_(
+          new Parts{.request = request,
+                    .options = options,
+                    .table = {request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by}}) {
     Parts& p = *parts_;
     require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
     if (!options.keep) p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
@@ -252,7 +253,7 @@ std::vector<MapSink*> MapFiles::sinks() {
 
 void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->put(piece); }
 
-void MapFiles::finish(const std::vector<MapSummary>& summaries) {
+void MapFiles::finish(const std::vector<MapSummary>& summaries, const measure::map::Groups& groups) {
     Parts& p = *parts_;
     std::uint64_t inside = 0;
     // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
@@ -279,16 +280,18 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries) {
                            best_first(sheet.forms.size(), cells,
                                       index_of(p.request.metrics, measure::metric::find_metric("lost_bits"))));
     }
+    const auto name_of = [&p](const measure::map::WorstRay& ray) {
+        return p.options.name_of_ray ? p.options.name_of_ray(ray)
+                                     : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
+    };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.table.add(*p.summary, p.request.rows[r], summaries[r], [&p](const measure::map::WorstRay& ray) {
-            return p.options.name_of_ray ? p.options.name_of_ray(ray)
-                                         : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
-        });
-        p.summary->end_row();
+        p.table.add_all(*p.summary, r, p.request.rows[r], summaries[r], groups, name_of);
         if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
     }
 
-    std::vector<file::DataResource> resources{{"summary.csv", "One row per form and format", p.columns()}};
+    std::vector<file::DataResource> resources{
+        {"summary.csv", p.options.by.empty() ? "One row per form and format" : "One row per form, format and group",
+         p.columns()}};
     if (p.culprits)
         resources.push_back(
             {"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});

@@ -29,6 +29,7 @@ struct MapFilesOptions {
     bool listed = false;                        ///< the rays are a list and no picture: none is drawn
     std::optional<BarRange> range = {};         ///< of every colour bar; absent: what fits each format
     KeepPiece keep = {};                        ///< of a shard
+    std::string by = {};                        ///< the column whose values rays are grouped by; empty: none
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final
@@ -44,7 +45,7 @@ public:
     [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
     /// The next piece of a row, as another run kept it.
     void put(std::size_t row, MapPiece&& piece);
-    void finish(const std::vector<measure::map::MapSummary>& summaries);
+    void finish(const std::vector<measure::map::MapSummary>& summaries, const measure::map::Groups& groups = {});
 
 private:
     struct Parts;

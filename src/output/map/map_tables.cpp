@@ -41,16 +41,23 @@ Cell cell_of(const SummaryColumn& column, const measure::map::MapSummary& summar
 
 }  // namespace
 
-SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes, bool meshes)
-    : columns_(measure::map::summary_columns(metrics)) {
+SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes, bool meshes,
+                           std::string by)
+    : by_(std::move(by)), columns_(measure::map::summary_columns(metrics)) {
     std::erase_if(columns_, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
     std::ranges::move(measure::map::worst_columns(shapes), std::back_inserter(columns_));
     fault_columns_ = measure::map::fault_columns();
+    if (by_.empty()) return;
+    by_ = file::csv_text(by_);  // a column may be called like a formula, or like one of ours
+    const auto own = columns();
+    while (std::ranges::count(own, by_, &Column::name) > 1) by_ = "file_" + by_;
 }
 
 std::vector<Column> SummaryTable::columns() const {
-    std::vector<Column> columns{{"form", "string", "", "form under test"},
-                                {"format", "string", "", "format it computes in"}};
+    std::vector<Column> columns;
+    if (!by_.empty()) columns.push_back({by_, "string", "", "what the rays of this row have there; missing: all rays"});
+    columns.push_back({"form", "string", "", "form under test"});
+    columns.push_back({"format", "string", "", "format it computes in"});
     for (const SummaryColumn& c : columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
     columns.push_back({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again"});
     for (const SummaryColumn& c : fault_columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
@@ -70,6 +77,19 @@ void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, co
     csv.add(command(&summary.worst));
     for (const SummaryColumn& c : fault_columns_) csv.add(cell_of(c, summary));
     csv.add(command(summary.fault()));
+}
+
+void SummaryTable::add_all(file::CsvWriter& csv, std::size_t r, const measure::map::MapRow& row,
+                           const measure::map::MapSummary& summary, const measure::map::Groups& groups,
+                           const NameOfRay& name_of_ray) const {
+    if (!by_.empty()) csv.add(Cell());
+    add(csv, row, summary, name_of_ray);
+    csv.end_row();
+    for (const measure::map::Group& group : groups.all()) {
+        csv.add(group.value.empty() ? "(empty)" : group.value);
+        add(csv, row, group.summaries[r], name_of_ray);
+        csv.end_row();
+    }
 }
 
 std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {

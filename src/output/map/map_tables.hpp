@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/map/groups.hpp"
 #include "measure/map/summary_columns.hpp"
 #include "output/file/csv.hpp"
 
@@ -18,16 +19,22 @@ using NameOfRay = std::function<std::string(const measure::map::WorstRay&)>;
 /// `fault_columns`, the last two with the command that explains the ray. Empty where there is no sample.
 class SummaryTable {
 public:
-    /// `meshes`: the rays are at meshes, and have the outcomes of those.
+    /// `meshes`: the rays are at meshes, and have the outcomes of those. `by`: the column whose values rays are grouped
+    /// by, in front of the others; empty: none.
     SummaryTable(const std::vector<const measure::metric::Metric*>& metrics, const std::vector<Shape>& shapes,
-                 bool meshes = false);
+                 bool meshes = false, std::string by = {});
 
     [[nodiscard]] std::vector<file::Column> columns() const;
     /// The cells of one row, from `form` on; the caller ends the row.
     void add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
              const NameOfRay& name_of_ray) const;
+    /// Whole rows: of all rays, and then of each of the groups. `row` is the `r`th of the run.
+    void add_all(file::CsvWriter& csv, std::size_t r, const measure::map::MapRow& row,
+                 const measure::map::MapSummary& summary, const measure::map::Groups& groups,
+                 const NameOfRay& name_of_ray) const;
 
 private:
+    std::string by_;
     std::vector<measure::map::SummaryColumn> columns_, fault_columns_;
 };
 

@@ -136,9 +136,20 @@ void fields(Bits& bits, measure::judge::WorstRays& worst) {
 }
 
 template <class Bits>
+void fields(Bits& bits, measure::map::Group& group) {
+    auto& [value, summaries] = group;
+    bits(value, summaries);
+}
+
+template <class Bits>
+void fields(Bits& bits, measure::map::Groups& groups) {
+    groups.fields(bits);
+}
+
+template <class Bits>
 void fields(Bits& bits, measure::judge::JudgeResult& result) {
-    auto& [summaries, rays, rounded, answers, floats, digits, decimals, first] = result;
-    bits(summaries, rays, rounded, answers, floats, digits, decimals, first);
+    auto& [summaries, rays, rounded, answers, floats, digits, decimals, first, groups] = result;
+    bits(summaries, rays, rounded, answers, floats, digits, decimals, first, groups);
 }
 
 template <class Bits>

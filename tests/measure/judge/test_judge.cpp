@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/judge/files_of_answers.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "measure/rows.hpp"
 #include "measure/seeded.hpp"
@@ -19,47 +20,9 @@ using namespace lostbits;
 using namespace lostbits::measure;
 using judge::JudgeRequest, judge::JudgeResult;
 using scene::test::Columns, testing::Seeded;
+using testing::add_answers, testing::all_metrics, testing::ray_columns, testing::require_same;
 
 namespace {
-
-const std::vector<const metric::Metric*> all_metrics{
-    metric::find_metric("lost_bits"),      metric::find_metric("ulp_error"),  metric::find_metric("relative_error"),
-    metric::find_metric("absolute_error"), metric::find_metric("residual"),   metric::find_metric("herbie_bits"),
-    metric::find_metric("excess_bits"),    metric::find_metric("input_error")};
-
-Columns ray_columns(const scene::rays::RayBlock& rays) {
-    Columns columns;
-    const char* const names[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
-    const std::vector<double>* const from[] = {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
-    for (std::size_t k = 0; k < 6; ++k) columns.add(names[k], *from[k]);
-    return columns;
-}
-
-void add_answers(Columns& columns, const answer::Answers& answers) {
-    columns.add("hit", {answers.hit.begin(), answers.hit.end()});
-    columns.add("t", answers.t);
-}
-
-/// The same numbers in every place of a summary.
-void require_same(const map::MapSummary& a, const map::MapSummary& b) {
-    CHECK(a.rays == b.rays);
-    CHECK(a.outcomes == b.outcomes);
-    CHECK(a.true_hits == b.true_hits);
-    REQUIRE(a.metrics.size() == b.metrics.size());
-    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-    for (std::size_t m = 0; m < a.metrics.size(); ++m) {
-        CHECK(a.metrics[m].count() == b.metrics[m].count());
-        CHECK(same(a.metrics[m].mean(), b.metrics[m].mean()));
-        for (const double q : {0.5, 0.99, 1.0}) CHECK(same(a.metrics[m].quantile(q), b.metrics[m].quantile(q)));
-    }
-    CHECK(a.worst.x == b.worst.x);
-    CHECK(a.worst.y == b.worst.y);
-    CHECK(a.worst.object == b.worst.object);
-    CHECK(a.worst.t == b.worst.t);
-    CHECK(same(a.worst.ulps, b.worst.ulps));
-    REQUIRE((a.fault() == nullptr) == (b.fault() == nullptr));
-    if (a.fault()) CHECK(a.fault()->x == b.fault()->x);
-}
 
 /// The answers of these forms as a file, judged: what a map of the scene says of them.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {

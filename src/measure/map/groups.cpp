@@ -1,0 +1,79 @@
+#include "measure/map/groups.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+#include "number/error.hpp"
+
+namespace lostbits::measure::map {
+
+namespace {
+
+/// Numbers by size, of equal ones and of words the texts.
+struct Rank {
+    bool is_word;
+    double number;
+    const std::string& text;
+
+    explicit Rank(const std::string& value) : is_word(true), number(0), text(value) {
+        double x = 0;
+        const char* const end = value.data() + value.size();
+        if (value.empty() || std::from_chars(value.data(), end, x).ptr != end || std::isnan(x)) return;
+        is_word = false;
+        number = x;
+    }
+    friend bool operator<(const Rank& a, const Rank& b) {
+        return std::tie(a.is_word, a.number, a.text) < std::tie(b.is_word, b.number, b.text);
+    }
+};
+
+}  // namespace
+
+std::size_t Groups::place_of(const std::string& value) const {
+    const auto is_before = [](const Group& group, const std::string& v) { return Rank(group.value) < Rank(v); };
+    return static_cast<std::size_t>(std::lower_bound(all_.begin(), all_.end(), value, is_before) - all_.begin());
+}
+
+void Groups::insert(std::size_t at, Group&& group) {
+    if (all_.size() == most)
+        throw InputError("more than " + std::to_string(most) + " values, such as " + all_.front().value + ", " +
+                         group.value + "; group by what many rays share, as a depth, a material or an instance");
+    all_.insert(all_.begin() + static_cast<std::ptrdiff_t>(at), std::move(group));
+}
+
+void Groups::add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics) {
+    const std::size_t at = place_of(value);
+    if (has(value, at)) return;
+    Group made{value, {}};
+    for (std::size_t r = 0; r < rows; ++r) made.summaries.emplace_back(metrics);
+    insert(at, std::move(made));
+}
+
+void Groups::append(Groups&& after) {
+    for (Group& group : after.all_) {
+        const std::size_t at = place_of(group.value);
+        if (!has(group.value, at)) {
+            insert(at, std::move(group));
+            continue;
+        }
+        for (std::size_t r = 0; r < group.summaries.size(); ++r)
+            all_[at].summaries.at(r).append(std::move(group.summaries[r]));
+    }
+}
+
+std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step) {
+    std::vector<RaysOfValue> all;
+    std::unordered_map<std::string, std::size_t> places;
+    for (std::size_t i = 0; i * step < values.size(); ++i) {
+        const std::string& value = values[i * step];
+        const auto [place, is_new] = places.try_emplace(value, all.size());
+        if (is_new) all.push_back({value, {}});
+        all[place->second].rays.push_back(static_cast<std::uint32_t>(i));
+    }
+    return all;
+}
+
+}  // namespace lostbits::measure::map

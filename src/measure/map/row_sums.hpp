@@ -1,0 +1,35 @@
+// What a row found on a band, as summaries take it up.
+#pragma once
+
+#include "measure/columns/columns.hpp"
+#include "measure/map/measure_row.hpp"
+
+namespace lostbits::measure::map {
+
+/// Looks at what is measured, and outlives none of it.
+class RowSums {
+public:
+    /// `ulps`: the ulp_error of each ray, NaN of all but correct hits.
+    RowSums(const RowRequest& request, const BandResult& result, const columns::TrueLengths& truth, const double* ulps)
+        : request_(request), row_(request.row), result_(result), truth_(truth), ulps_(ulps) {}
+
+    /// The first of the rays that are farthest off; `largest` is the largest |ulps|.
+    void keep_worst(MapSummary& summary, double largest) const;
+    /// The first ray of each wrong decision.
+    void keep_faults(MapSummary& summary) const;
+    /// All that a summary has, of some rays.
+    void add(const BandPart& part) const;
+
+private:
+    /// Ray i as a summary names it.
+    [[nodiscard]] WorstRay named(std::size_t i, answer::Outcome outcome) const;
+    [[nodiscard]] WorstRay worst(std::size_t i) const;
+
+    const RowRequest& request_;
+    const MapRow& row_;
+    const BandResult& result_;
+    const columns::TrueLengths& truth_;
+    const double* ulps_;
+};
+
+}  // namespace lostbits::measure::map

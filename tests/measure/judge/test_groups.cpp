@@ -1,0 +1,78 @@
+// Rays that are grouped by a column of their file, beside the same rays judged alone.
+#include "measure/judge/files_of_answers.hpp"
+#include "measure/judge/judge.hpp"
+#include "measure/rows.hpp"
+
+namespace test_groups {
+using namespace lostbits;
+using namespace lostbits::measure;
+using judge::JudgeRequest, judge::JudgeResult;
+using scene::test::Columns;
+using testing::add_answers, testing::all_metrics, testing::ray_columns, testing::require_same;
+
+TEST_CASE("what a summary has of a group is what it has of those rays alone") {
+    const map::MapRow row = testing::row("sphere.press", "f32");
+    const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}};
+    scene::rays::RayBlock rays;
+    std::vector<double> kinds;
+    for (int i = 0; i < 40000; ++i) {  // more than one piece
+        const double x = 2.4 * (i % 200) / 200 - 1.2, y = 2.4 * (i / 200) / 200.0 - 1.2;
+        rays.push({{static_cast<float>(x), static_cast<float>(y), -900}, {0, 0, 1}});
+        kinds.push_back(i % 7 == 0 ? 2 : i % 3);
+    }
+    rays.width = static_cast<int>(rays.size());
+    rays.y1 = 1;
+    const truth::Band band(scene::rays::RayGroup{rays, solids, {}});
+    const auto answers = answer::evaluate(*row.form, band.inputs(row.format, {}));
+    const auto judged = [&](const std::optional<double> only) {
+        scene::rays::RayBlock some;
+        answer::Answers of_some;
+        std::vector<double> own;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (only && kinds[i] != *only) continue;
+            some.push(rays[i]);
+            of_some.t.push_back(answers.t[i]);
+            of_some.hit.push_back(answers.hit[i]);
+            own.push_back(kinds[i]);
+        }
+        Columns columns = ray_columns(some);
+        add_answers(columns, of_some);
+        columns.add("kind", own);
+        const scene::test::DumpFile file("kinds.bin", scene::test::as_bytes<float>(columns));
+        const auto dump = scene::dump::open_dump(
+            file.path(), {.columns = columns.joined_names(":f32"), .solid = Shape::sphere, .keep = true});
+        JudgeRequest request{.solids = solids, .answered = true, .metrics = all_metrics};
+        const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
+        request.rows = {{&form.form(), row.format}};
+        if (!only) request.by = 0;
+        return judge::run_judge(*dump, request, {});
+    };
+    const JudgeResult all = judged({});
+    REQUIRE(all.groups.all().size() == 3);
+    for (const map::Group& group : all.groups.all()) {
+        INFO(group.value);
+        JudgeResult alone = judged(std::stod(group.value));
+        // Their places are others.
+        alone.summaries[0].worst.x = group.summaries[0].worst.x;
+        for (std::size_t k = 0; k < alone.summaries[0].faults.size(); ++k) {
+            REQUIRE((alone.summaries[0].faults[k] == nullptr) == (group.summaries[0].faults[k] == nullptr));
+            if (alone.summaries[0].faults[k]) alone.summaries[0].faults[k]->x = group.summaries[0].faults[k]->x;
+        }
+        require_same(alone.summaries[0], group.summaries[0]);
+    }
+}
+
+TEST_CASE("groups stand in the order of their numbers, and words behind them") {
+    map::Groups groups, more;
+    for (const char* value : {"10", "glass", "9", "-2.5", "1e3", "", "9"}) groups.add(value, 1, {});
+    groups.at("9").summaries[0].rays = 4;
+    for (const char* value : {"9", "100"}) more.add(value, 1, {});
+    more.at("9").summaries[0].rays = 3;
+    groups.append(std::move(more));
+    std::string all;
+    for (const map::Group& group : groups.all()) all += group.value + ";";
+    CHECK(all == "-2.5;9;10;100;1e3;;glass;");
+    CHECK(groups.at("9").summaries[0].rays == 7);
+}
+
+}  // namespace test_groups
