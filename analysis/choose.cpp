@@ -27,7 +27,8 @@ struct ChooseOptions : choice::RayFileWords {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
     std::string size, variant, at = "p99", out;
     std::vector<std::string> forms{"*"}, formats{"f32", "f64"}, set;
-    double bits = 0, wrong = 0;
+    std::string tolerance, unit;
+    double bits = -1, wrong = 0;
     bool single = false, bulk = false, quick = false;
 };
 
@@ -96,7 +97,11 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::str
 
 ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
     ChoiceRequest request;
-    request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_named(o.at)};
+    if (o.bits < 0 && o.tolerance.empty())
+        throw InputError("choose: nothing is wished; say --bits 16, of t, or --tolerance 0.001, of the hit point");
+    request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_named(o.at)};
+    if (!o.tolerance.empty()) request.wish.tolerance = choice::tolerance_in_units(o.tolerance, o.unit);
+    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is not there");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {
@@ -215,7 +220,10 @@ void add_choose(const shell::Command& program, const Common& common) {
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
         .required();
-    command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
+    command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53));
+    command.add("--tolerance", o->tolerance,
+                "How far the hit point may be from the true one along the ray, in the scene's unit of length");
+    command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");

@@ -38,6 +38,28 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
     CHECK(std::filesystem::exists(folder / "front.png"));
 }
 
+TEST_CASE("choose takes a length for a wish") {
+    const Scratch scratch;
+    const std::string scene = "rtg-fig-7-3-4100-oblique", forms = " -i sphere.unified,sphere.schoolbook -f f32,f64";
+    const auto r = choose(scene + " --tolerance 0.5mm --unit m --at max" + forms, scratch);
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "every hit at most 0.0005 off, no wrong decision"));
+    CHECK(has(r.out, " off, no wrong decision in 1024 rays"));
+    for (const auto& row : read_csv(scratch.path() / scene / "choose.csv")) {
+        const bool near = !row.at("distance_error").empty() && std::stod(row.at("distance_error")) <= 0.0005;
+        CHECK(row.at("meets") == (near && row.at("wrong") == "0" ? "1" : "0"));
+    }
+    const auto none = choose(scene + " --tolerance 0" + forms, scratch);
+    CHECK(none.code == 1);
+    CHECK(has(none.out, "Nothing meets the wish. Nearest is"));
+    CHECK(has(none.out, "What limits it"));
+    const auto both = choose(scene + " --tolerance 1 --bits 40" + forms, scratch);
+    CHECK(both.code == 0);
+    CHECK(has(both.out, "40 correct bits of 99 of 100 hits and at most 1 off"));
+    CHECK(has(choose(scene, scratch).err, "nothing is wished; say --bits 16"));
+}
+
 TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);

@@ -24,9 +24,14 @@ double quantile_named(const std::string& text) {
     return percent / 100;
 }
 
+std::vector<const metric::Metric*> Wish::metrics() const {
+    std::vector<const metric::Metric*> all{metric::find_metric("lost_bits")};
+    if (has_tolerance()) all.push_back(metric::find_metric("distance_error"));
+    return all;
+}
+
 std::vector<Worth> worth_of(const ChoiceRequest& request) {
-    const metric::Metric* const lost = metric::find_metric("lost_bits");
-    map::MapRequest asked{.scene = request.scene, .rows = request.rows, .metrics = {lost}};
+    map::MapRequest asked{.scene = request.scene, .rows = request.rows, .metrics = request.wish.metrics()};
     asked.limit = request.limit;
     asked.progress = request.progress;
     auto sinks = request.sinks;
@@ -45,7 +50,8 @@ Worth worth_of(const map::MapSummary& s, const MapRow& row, const Wish& wish) {
             .wrong = s.wrong_count(),
             .first = s.wrong(),
             .kept_bits = row.format.shape.precision - s.metrics[0].quantile(wish.quantile),
-            .hits = s.true_hits};
+            .hits = s.true_hits,
+            .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};
 }
 
 truth::BandNeeds needs_of(const MapRow& row) {
@@ -57,9 +63,9 @@ Worth worth_on(const truth::Band& band, const MapRow& row, const Wish& wish) {
 }
 
 Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const MapRow& row, const Wish& wish) {
-    const std::vector<const metric::Metric*> lost{metric::find_metric("lost_bits")};
-    map::MapSummary summary(lost);
-    map::measure_row({row, lost}, band, inputs, summary);
+    const std::vector<const metric::Metric*> metrics = wish.metrics();
+    map::MapSummary summary(metrics);
+    map::measure_row({row, metrics}, band, inputs, summary);
     return worth_of(summary, row, wish);
 }
 
@@ -121,6 +127,13 @@ bool is_more_accurate(const Candidate& a, const Candidate& b) {
     return wrong_a != wrong_b ? wrong_a < wrong_b : bits_of(a) > bits_of(b);
 }
 
+/// How near a candidate comes: by bits; where there is a tolerance by those that are wished, and then by how far it is
+/// off.
+std::pair<double, double> nearness(const Candidate& c, const Wish& wish) {
+    if (!wish.has_tolerance()) return {bits_of(c), 0};
+    return {std::min(bits_of(c), wish.bits), std::isnan(c.worth.off) ? -HUGE_VAL : -c.worth.off};
+}
+
 }  // namespace
 
 std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Wish& wish) {
@@ -141,7 +154,7 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all) {
 std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish) {
     const auto deciding = least_of(
         all, [&wish](const Candidate& c) { return c.worth.decides(wish); },
-        [](const Candidate& a, const Candidate& b) { return bits_of(a) > bits_of(b); });
+        [&wish](const Candidate& a, const Candidate& b) { return nearness(a, wish) > nearness(b, wish); });
     return deciding ? deciding : most_accurate(all);
 }
 

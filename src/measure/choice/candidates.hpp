@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,11 @@ struct Wish {
     double bits = 0;   ///< correct bits of t, at least
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another solid
     double quantile = 0.99;  ///< of the agreed hits, so many keep those bits; 1: every one
+    double tolerance = std::numeric_limits<double>::infinity();  ///< `distance_error` of as many, at most
+
+    [[nodiscard]] bool has_tolerance() const { return tolerance < std::numeric_limits<double>::infinity(); }
+    /// What is measured for it: `lost_bits`, and where there is a tolerance `distance_error`.
+    [[nodiscard]] std::vector<const metric::Metric*> metrics() const;
 };
 
 /// `p99`, `p99.9`, `max`: the share of the hits. InputError for any other word.
@@ -33,12 +39,15 @@ struct Worth {
     std::optional<answer::Outcome> first{};  ///< the most frequent way
     double kept_bits = 0;    ///< p − lost bits, at the wish's quantile of the agreed hits; NaN where none is agreed
     std::uint64_t hits = 0;  ///< rays that truly hit
+    double off = truth::missing;  ///< `distance_error` at the same quantile; NaN where the wish has no tolerance
 
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
     }
     [[nodiscard]] bool decides(const Wish& wish) const { return wrong_fraction() <= wish.wrong; }
-    [[nodiscard]] bool meets(const Wish& wish) const { return decides(wish) && kept_bits >= wish.bits; }
+    [[nodiscard]] bool meets(const Wish& wish) const {
+        return decides(wish) && kept_bits >= wish.bits && (!wish.has_tolerance() || off <= wish.tolerance);
+    }
 };
 
 /// A form in a format, as it would be called.
@@ -68,7 +77,7 @@ struct ChoiceRequest {
     [[nodiscard]] const std::string& id() const;
 };
 
-/// What a summary, of `lost_bits` alone, is worth to the wish.
+/// What a summary, of the wish's metrics, is worth to it.
 Worth worth_of(const map::MapSummary& summary, const map::MapRow& row, const Wish& wish);
 /// The same of a row on a band.
 Worth worth_on(const truth::Band& band, const map::MapRow& row, const Wish& wish);

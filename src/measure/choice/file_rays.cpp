@@ -55,7 +55,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     judge::JudgeRequest asked{.solids = terms.solids,
                               .rows = request.rows,
                               .answered = dump.layout().has_answers(),
-                              .metrics = {metric::find_metric("lost_bits")},
+                              .metrics = request.wish.metrics(),
                               .limit = request.limit};
     asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;

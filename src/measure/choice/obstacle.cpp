@@ -23,7 +23,7 @@ constexpr std::size_t most_problems = 1 << 17, most_listed = 1024;
 /// The truth of what is stored, held against the truth of what was meant, as an answer that is never rounded.
 Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, const Wish& wish) {
     Worth worth;
-    metric::Distribution lost;
+    metric::Distribution lost, off;
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < meant.pixels(); ++i) {
         const Truth is = stored.truth(i, row.convention()), should_be = meant.truth(i, row.convention());
@@ -37,24 +37,32 @@ Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, cons
             const auto& [x, y] = unit ? std::pair(is.distance, should_be.distance) : std::pair(is.t, should_be.t);
             const double ulps = truth::scaled_difference(x, y, ulp_exponent(binary64, y.floor_log2()));
             lost.add(truth::lost_bits(ulps, binary64.precision));
+            off.add(std::fabs(truth::scaled_difference(is.distance, should_be.distance, 0)));
         }
     }
     worth.kept_bits = binary64.precision - lost.quantile(wish.quantile);
+    if (wish.has_tolerance()) worth.off = off.quantile(wish.quantile);
     return worth;
 }
 
-/// What half an ulp of a format in each input leaves of its bits.
-double inherent_kept(const Band& band, const MapRow& row, const Format& format, const Wish& wish) {
+/// What half an ulp of a format in each input leaves of its bits, and how far it moves the hit point.
+struct Inherent {
+    double kept, off;
+};
+Inherent inherent(const Band& band, const MapRow& row, const Format& format, const Wish& wish) {
     const intersect::Direction unit = row.form->info->direction;
-    metric::Distribution lost;
+    metric::Distribution lost, off;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const Truth found = band.truth(i, row.convention());
         if (!found.is_hit()) continue;
         const double reach = band.reach(i, row.convention(), unit, {.format = format});
         const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
         lost.add(truth::inherent_bits(reach, t, format.shape));
+        // Of a length in units of the direction its share of t*, which is that of the distance.
+        const double length = truth::scaled_difference(found.distance, {}, 0), own = truth::scaled_difference(t, {}, 0);
+        off.add(own == 0 ? reach : reach * std::fabs(length / own));
     }
-    return format.shape.precision - lost.quantile(wish.quantile);
+    return {format.shape.precision - lost.quantile(wish.quantile), off.quantile(wish.quantile)};
 }
 
 /// The inputs that a solid has: a box has no radius.
@@ -152,7 +160,8 @@ Obstacle::Cause cause_of(const Obstacle& found, const MapRow& row, const Wish& w
     if (wish.bits > row.format.shape.precision) return Cause::width;
     if (!found.exact.meets(wish)) return Cause::inputs;
     // Within the envelope the problem is hard; beyond it the formula is bad.
-    const bool hard = found.inherent_kept < wish.bits && !(reached.kept_bits < found.inherent_kept);
+    const bool hard = (found.inherent_kept < wish.bits && !(reached.kept_bits < found.inherent_kept)) ||
+                      (found.inherent_off > wish.tolerance && !(reached.off > found.inherent_off));
     return reached.decides(wish) && hard ? Cause::inherent : Cause::formula;
 }
 
@@ -179,8 +188,10 @@ Obstacle find_obstacle(const ChoiceRequest& request, const MapRow& row, int pixe
         given.emplace(few, request.limit);
         ideal = ideal_of(few);
     }
-    found.inherent_kept = inherent_kept(*given, row, row.format, request.wish);
-    found.inherent_kept_f64 = inherent_kept(*given, row, *find_format("f64"), request.wish);
+    const Inherent own = inherent(*given, row, row.format, request.wish);
+    found.inherent_kept = own.kept;
+    found.inherent_off = own.off;
+    found.inherent_kept_f64 = inherent(*given, row, *find_format("f64"), request.wish).kept;
     const Worth reached = worth_on(*given, row, request.wish);
     found.base = found.rounded_before ? binary32 : row.format.shape;
     found.wider_than_f64 = found.base == binary64;

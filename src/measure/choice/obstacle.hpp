@@ -36,6 +36,7 @@ struct Obstacle {
     double inherent_kept = 0;  ///< p − inherent_bits at the wish's quantile: what half an ulp in each input leaves; NaN
                                ///< where nothing is hit
     double inherent_kept_f64 = 0;  ///< the same of binary64
+    double inherent_off = 0;       ///< how far half an ulp of the format in each input moves the hit point, as above
 
     bool rounded_before = false;  ///< the inputs of all formats were rounded to binary32 before: trials are about that
     FloatFormat base{};           ///< the format of all inputs in the trials but those that come wider

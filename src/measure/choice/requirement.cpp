@@ -12,11 +12,14 @@ using map::MapRow;
 void MeetsAt::band(const map::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost = result.metrics.front();
+    // A form that does not tell t has no lost bits, and NaN keeps none.
+    const auto keeps = [&](std::size_t i) {
+        return precision_ - lost[i] >= wish_.bits &&
+               (!wish_.has_tolerance() || result.metrics[1][i] <= wish_.tolerance);
+    };
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const Outcome outcome = result.outcomes[i];
-        // A form that does not tell t has no lost bits, and NaN keeps none.
-        meets_[first + i] =
-            outcome == Outcome::agree_miss || (outcome == Outcome::agree_hit && precision_ - lost[i] >= bits_);
+        meets_[first + i] = outcome == Outcome::agree_miss || (outcome == Outcome::agree_hit && keeps(i));
         unresolved_[first + i] = outcome == Outcome::unresolved;
     }
 }
@@ -24,8 +27,7 @@ void MeetsAt::band(const map::BandResult& result) {
 std::uint64_t MeetsAt::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
 Meetings::Meetings(const ChoiceRequest& request, const std::vector<MapRow>& of) {
-    for (const MapRow& row : of)
-        rows.emplace_back(request.scene->pixels(), request.wish.bits, row.format.shape.precision);
+    for (const MapRow& row : of) rows.emplace_back(request.scene->pixels(), request.wish, row.format.shape.precision);
 }
 
 std::vector<map::MapSink*> Meetings::sinks() {
@@ -116,8 +118,7 @@ Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candi
 
     Meetings emulated(request, request.untimed);
     if (!request.untimed.empty()) {
-        map::MapRequest asked{
-            .scene = request.scene, .rows = request.untimed, .metrics = {metric::find_metric("lost_bits")}};
+        map::MapRequest asked{.scene = request.scene, .rows = request.untimed, .metrics = request.wish.metrics()};
         asked.limit = request.limit;
         asked.progress = request.progress;
         (void)map::run_map(asked, emulated.sinks());

@@ -11,12 +11,12 @@
 namespace lostbits::measure::choice {
 
 /// Of each pixel, whether a row meets the wish there: it decides rightly and, where the ray hits, t keeps the wished
-/// bits. The wish's shares (`wrong`, `quantile`) are of many pixels and say nothing of one. The first metric of the
-/// request is `lost_bits`.
+/// bits, within the tolerance. The wish's shares (`wrong`, `quantile`) are of many pixels and say nothing of one. The
+/// metrics of the request are the wish's.
 class MeetsAt final : public map::MapSink {
 public:
-    MeetsAt(std::size_t pixels, double bits, int precision)
-        : bits_(bits), precision_(precision), meets_(pixels), unresolved_(pixels) {}
+    MeetsAt(std::size_t pixels, const Wish& wish, int precision)
+        : wish_(wish), precision_(precision), meets_(pixels), unresolved_(pixels) {}
 
     void band(const map::BandResult& result) override;
     [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
@@ -25,7 +25,7 @@ public:
     [[nodiscard]] std::uint64_t count() const;
 
 private:
-    double bits_;
+    Wish wish_;
     int precision_;
     std::vector<bool> meets_, unresolved_;
 };

@@ -32,6 +32,8 @@ std::vector<Column> candidate_columns() {
          {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
          {"wrong_fraction", "number", "1", "wrong/rays"},
          {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
+         {"distance_error", "number", "length",
+          "how far the hit point is off along the ray, at the same share; missing: the wish has no tolerance"},
          {"meets", "boolean", "", "whether it meets the wish"},
          {"chosen", "boolean", "", "the cheapest that does"}});
     return columns;
@@ -48,14 +50,15 @@ std::vector<Column> room_columns() {
              "tried)"},
             {"wrong", "integer", "", "rays decided wrongly where it fails"},
             {"rays", "integer", "", "of so many"},
-            {"kept_bits", "number", "bits", "kept there"}};
+            {"kept_bits", "number", "bits", "kept there"},
+            {"distance_error", "number", "length", "off there; missing: the wish has no tolerance"}};
 }
 
 namespace {
 
 void add_worth(file::CsvWriter& csv, const measure::choice::Worth& worth) {
     csv.add(worth.rays).add(worth.hits).add(worth.wrong).add(worth.wrong_fraction());
-    csv.add(number_or_missing(worth.kept_bits));
+    csv.add(number_or_missing(worth.kept_bits)).add(number_or_missing(worth.off));
 }
 
 plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
@@ -131,6 +134,7 @@ void add_rooms(file::CsvWriter& csv, const Chosen& chosen) {
         csv.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
         csv.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());
         csv.add(fails ? number_or_missing(room.broken.kept_bits) : Cell());
+        csv.add(fails ? number_or_missing(room.broken.off) : Cell());
         csv.end_row();
     }
 }

@@ -69,7 +69,8 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
 
 std::string kept(const Worth& worth, int precision, const Wish& wish) {
     return std::isnan(worth.kept_bits) ? "no hit to keep bits of"
-                                       : fmt::format("{} of {} bits", bits_beside(worth.kept_bits, wish), precision);
+                                       : fmt::format("{} of {} bits{}", bits_beside(worth.kept_bits, wish), precision,
+                                                     off_beside(worth.off, wish));
 }
 
 std::string decisions(const Worth& worth) {
@@ -217,13 +218,26 @@ std::string bits_beside(double kept, const Wish& wish) {
     return text;
 }
 
+std::string off_beside(double off, const Wish& wish) {
+    if (!wish.has_tolerance() || std::isnan(off)) return "";
+    std::string text;
+    for (int digits = 2; digits <= 17; ++digits) {
+        text = fmt::format("{:.{}g}", off, digits);
+        if ((file::number_in(text).value_or(off) <= wish.tolerance) == (off <= wish.tolerance)) break;
+    }
+    return ", " + text + " off";
+}
+
 std::string in_words(const Wish& wish) {
     // Of all the digits that were typed: p99.99999 is not every hit.
     const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", wish.quantile * 100);
     const std::string wrong = wish.wrong == 0
                                   ? "no wrong decision"
                                   : fmt::format("at most {:.12g}% of the rays decided wrongly", wish.wrong * 100);
-    return fmt::format("{:g} correct bits of {}, {}", wish.bits, hits, wrong);
+    if (!wish.has_tolerance()) return fmt::format("{:g} correct bits of {}, {}", wish.bits, hits, wrong);
+    const std::string off = fmt::format("at most {} off", wish.tolerance);
+    if (wish.bits == 0) return fmt::format("{} {}, {}", hits, off, wrong);
+    return fmt::format("{:g} correct bits of {} and {}, {}", wish.bits, hits, off, wrong);
 }
 
 std::string in_words(const Chosen& chosen) {

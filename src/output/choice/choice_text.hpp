@@ -25,6 +25,8 @@ struct Chosen {
 
 /// Bits to one decimal, or to as many as show on which side of the wish they are: 15.96 beside a wish of 16.
 std::string bits_beside(double kept, const measure::choice::Wish& wish);
+/// `, 0.0012 off`, with as many digits as tell it from the wish's tolerance; empty where there is none.
+std::string off_beside(double off, const measure::choice::Wish& wish);
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.
 std::string in_words(const measure::choice::Wish& wish);

@@ -18,14 +18,15 @@ using measure::choice::Worth;
 
 namespace {
 
-std::string bits(double kept, const Wish& wish) {
-    return std::isnan(kept) ? "no hit" : bits_beside(kept, wish) + " bits";
+std::string bits(double kept, const Wish& wish, double off = measure::truth::missing) {
+    return std::isnan(kept) ? "no hit" : bits_beside(kept, wish) + " bits" + off_beside(off, wish);
 }
 
 /// What is kept, and the decisions where the wish minds them.
 std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
-    if (worth.decides(wish)) return bits(worth.kept_bits, wish);
-    return fmt::format("{} and decides {} of {} rays wrongly", bits(worth.kept_bits, wish), worth.wrong, worth.rays);
+    const std::string kept = bits(worth.kept_bits, wish, worth.off);
+    if (worth.decides(wish)) return kept;
+    return fmt::format("{} and decides {} of {} rays wrongly", kept, worth.wrong, worth.rays);
 }
 
 /// `the centres and the radii`.
@@ -95,6 +96,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const std::string& format = near.row.format.name;
     const int precision = near.row.format.shape.precision;
     const std::string exact = kept_and_wrong(found.exact, wish);
+    const std::string left = bits(found.inherent_kept, wish, found.inherent_off);
     const std::string in_f64 =
         format == "f64" ? "" : fmt::format(" Half an ulp of f64 would leave {}.", bits(found.inherent_kept_f64, wish));
     switch (found.cause) {
@@ -119,7 +121,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
                        "{:.1f} "
                        "of its {} bits and leave {}; what is kept beyond that is owed to inputs that are exact.{}\n",
-                       format, precision - found.inherent_kept, precision, bits(found.inherent_kept, wish), in_f64) +
+                       format, precision - found.inherent_kept, precision, left, in_f64) +
                    of_the_rounded_scene(chosen, near);
         case Obstacle::Cause::formula: break;
     }
@@ -130,7 +132,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
                   "would leave {}",
-                  format, bits(found.inherent_kept, wish));
+                  format, left);
     return fmt::format("  What limits it: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
 }
 

@@ -121,11 +121,12 @@ void write_requirement(file::CsvWriter& csv, const Chosen& chosen, const Require
 void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, const Requirement& r) {
     const Colours colours(chosen, r);
     const int gap = std::max(1, r.width / 32);
+    const measure::choice::Wish& wish = chosen.request.wish;
     image::HeatmapSpec spec;
     spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
     spec.subtitle = {
-        fmt::format("Wished at each pixel: the right decision, and {:g} correct bits of t where the ray hits",
-                    chosen.request.wish.bits),
+        fmt::format("Wished at each pixel: the right decision, and {:g} correct bits of t where the ray hits{}",
+                    wish.bits, wish.has_tolerance() ? fmt::format(", at most {} off", wish.tolerance) : ""),
         "left: the cheapest form and format that does it, by the times of this run",
         "right: the narrowest format in which any of the forms does it"};
     spec.width = 2 * r.width + gap;
