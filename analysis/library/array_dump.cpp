@@ -46,6 +46,12 @@ double number_at(const ArrayColumn& column, std::size_t i) {
     return x;
 }
 
+/// The shortest decimal, as files of rays have it.
+std::string text_at(const ArrayColumn& column, std::size_t i) {
+    const double x = number_at(column, i);
+    return column.type == ArrayColumn::Type::f32 ? fmt::format("{}", static_cast<float>(x)) : fmt::format("{}", x);
+}
+
 }  // namespace
 
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format) {
@@ -77,11 +83,16 @@ Chunk ArrayDump::decode(const Records& records) const {
     ChunkWriter writer(layout_, terms(), records.count, chunk);
     for (std::size_t i = records.first; i < records.first + records.count; ++i) {
         for (std::size_t c = 0; c < columns_.size(); ++c) {
+            const auto slot = layout_.columns()[c].slot;
+            if (!slot) {
+                chunk.kept.push_back(text_at(columns_[c], i));
+                continue;
+            }
             const double x = number_at(columns_[c], i), stored = scene::dump::number_in(x, format());
             if (std::isinf(stored) && !std::isinf(x))
                 throw InputError(fmt::format("{}: ray {}: {} is {}, larger than the largest number of {}", name(), i,
                                              columns_[c].name, x, format().name));
-            writer.put(layout_.columns()[c].slot.value(), stored, stored == x || std::isnan(x));
+            writer.put(*slot, stored, stored == x || std::isnan(x));
         }
         writer.end_record([&](std::size_t) { return fmt::format("{}: ray {}", name(), i); });
     }

@@ -20,8 +20,8 @@ struct ArrayColumn {
 /// Number i of a column, rounded once to the format.
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format);
 
-/// The columns of `count` rays, which outlive the dump. What is wrong with a ray is an InputError that begins with
-/// `name` and its place from 0.
+/// The columns of `count` rays, which outlive the dump; one of no name that files know is kept. What is wrong with a
+/// ray is an InputError that begins with `name` and its place from 0.
 class ArrayDump final : public scene::dump::Dump {
 public:
     /// `options` as of a file, of which format, solid, open and stop are read. Without a format answers are of that of

@@ -48,6 +48,9 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
     return static_cast<int>(code);
 }
 
+/// What the program says of its options, for those who have arguments instead: `--metric culprit` as `metrics culprit`.
+std::string in_arguments(std::string text);
+
 /// `act()`, which gives an Exit, with arithmetic as IEEE 754 asks and with what it throws as a code and a text.
 template <class Act>
 int guarded(lostbits_error* error, const Act& act) {
@@ -58,7 +61,7 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const Interrupted&) {
         return put_error(error, Exit::interrupted, "interrupted: the call was asked to stop");
     } catch (const Error& e) {
-        return put_error(error, e.code(), e.what());
+        return put_error(error, e.code(), in_arguments(e.what()));
     } catch (const std::bad_alloc&) {
         return put_error(error, Exit::environment, "there is not enough memory; ask for fewer rays, forms or metrics");
     } catch (const std::exception& e) {

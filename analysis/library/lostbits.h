@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 1
+#define LOSTBITS_ABI 2
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -83,6 +83,10 @@ LOSTBITS_API int lostbits_scene_mesh(lostbits_scene* scene, const double* vertic
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);
 LOSTBITS_API void lostbits_scene_free(lostbits_scene* scene);
 
+/* The shapes there are, in the order of lb_form.shape, and the keys of each: a table `shapes` with shape, key, and how
+ * many numbers the key has. */
+LOSTBITS_API int lostbits_shapes(lostbits_result** result, lostbits_error* error);
+
 /* ---- Forms of one's own ---- */
 
 /* A form as `lostbits_plugin.h` describes it, one or one for each of two formats; texts are copied, `own` is kept. Its
@@ -113,7 +117,7 @@ typedef struct lostbits_choice {
     lostbits_form* const* own; /* forms of one's own, which come first */
     size_t own_count;
     lostbits_words formats; /* "f32", "bf16", "p5..p12"; empty: f32 and f64 */
-    lostbits_words metrics; /* beside the default ones */
+    lostbits_words metrics; /* beside the default ones: "culprit", "tolerance:0.001", "enough_bits:16" */
     int rows;               /* not 0: also a table a form and format with a row a ray */
     int written;            /* not 0: of forms of one's own, f32 and f64 are what their operations give */
 } lostbits_choice;
@@ -141,7 +145,8 @@ typedef struct lostbits_array {
 typedef struct lostbits_rays {
     size_t count;
     lostbits_array origin, direction; /* count x 3 */
-    lostbits_array tmin, tmax;        /* count: where each ray begins and ends */
+    lostbits_array tmin, tmax;        /* count: where each ray begins and ends, both ends being part of it */
+    const char* open_ends;            /* but for "tmin", "tmax" or "both"; NULL: none */
     const char* shape;                /* of the solids; or NULL where `scene` has them */
     lostbits_array solids;            /* solid_count x numbers */
     size_t solid_count;
@@ -151,10 +156,11 @@ typedef struct lostbits_rays {
     const char* format;              /* that the answers were computed in; NULL: by the type of t */
     int unit;                        /* not 0: t is a distance, of the direction normalised */
     int touching, at_origin, inside; /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
+    lostbits_array by;               /* count: a number by which the summary of a judgement is grouped as well */
 } lostbits_rays;
 
 /* Rays of one's own, and answers if there are any: as `lostbits judge`. Tables as of a map, the answers being those of
- * the form `file.arrays`. */
+ * the form `file.arrays`; with `by` the summary has rows for each of its values too, and a column `by` in front. */
 LOSTBITS_API int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                                 lostbits_result** result, lostbits_error* error);
 /* What the chosen forms answer to the rays, unjudged: a table FORM.FORMAT each, with hit and t (NaN of a miss). */
@@ -171,12 +177,24 @@ LOSTBITS_API int lostbits_sweep(const char* sweep, int is_text, const char* data
  * 0 what `lostbits explain` says, 1 the same as JSON. */
 LOSTBITS_API int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_choice* choice,
                                   lostbits_result** result, lostbits_error* error);
-/* The cheapest form and format that keeps `bits` bits of `at` ("p99", "max"; NULL: p99) of the hits and decides at most
- * a share `wrong` of the rays wrongly. Tables `choose` and `room`; text 0 in words. LOSTBITS_NO with a result where
- * nothing meets the wish. */
-LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, double bits, double wrong, const char* at,
-                                 const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
-                                 lostbits_error* error);
+/* By how much the origin of the next ray must move, and what strategies do (docs/offsets.md): a table `offsets`, as
+ * summary.csv of `lostbits offsets`. `strategies`: names and globs; all where there are none. `points`: "computed",
+ * "projected", or both where NULL. Where `choice` names no form or no format the usual ones are asked. */
+LOSTBITS_API int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategies, const char* points,
+                                  const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                                  lostbits_error* error);
+
+typedef struct lostbits_wish {
+    double bits;      /* correct bits of t, 0 to 53 */
+    double tolerance; /* how far the hit point may be off along the ray, in the scene's unit of length; below 0: any */
+    double wrong;     /* share of the rays that may be decided wrongly */
+    const char* at;   /* of how many hits that is asked: "p99", "max"; NULL: p99 */
+} lostbits_wish;
+
+/* The cheapest form and format that meets the wish. Tables `choose` and `room`; text 0 in words. LOSTBITS_NO with a
+ * result where nothing meets it. */
+LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
+                                 const lostbits_run* run, lostbits_result** result, lostbits_error* error);
 
 /* ---- Results: tables of columns, and texts ---- */
 

@@ -39,13 +39,12 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     }
     const auto summaries = measure::map::run_map(request, sinks);
     auto csv = table.writer();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        summary.add(csv, request.rows[r], summaries[r], [&](const measure::map::WorstRay& ray) {
-            return given.named.empty() ? std::string()
-                                       : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
-        });
-        csv.end_row();
-    }
+    const auto name_of = [&](const measure::map::WorstRay& ray) {
+        return given.named.empty() ? std::string()
+                                   : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
+    };
+    for (std::size_t r = 0; r < request.rows.size(); ++r)
+        summary.add_all(csv, r, request.rows[r], summaries[r], {}, name_of);
     return result;
 }
 

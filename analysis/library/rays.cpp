@@ -62,6 +62,12 @@ std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape sha
     return solids;
 }
 
+OpenEnds open_ends_of(const std::string& word) {
+    for (const char* const each : {"none", "tmin", "tmax", "both"})
+        if (word == each) return open_ends_named(word);
+    throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
+}
+
 GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers a ray; give both");
@@ -72,7 +78,9 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     put_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
     put_columns(columns, rays.t, std::array<std::string, 1>{"t"});
     put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
+    put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // by is a number of cylinders
     scene::dump::DumpOptions options{.stop = running.stop()};
+    if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
     if (rays.format != nullptr) options.format = choice::select_formats({rays.format}, "format").front();
     GivenRays made;
     if (rays.scene != nullptr) {
@@ -138,6 +146,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     GivenRays all = given(rays, running);
     measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
     request.answered = all.dump->layout().has_answers();
+    if (rays.by.data != nullptr) request.by = 0;
     intersect::Info contract = contract_of_arrays(rays);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", all.shape, contract);
@@ -166,7 +175,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         if (all.solids.empty() ? row.shape == all.shape : std::ranges::any_of(all.solids, of))
             shapes.push_back(row.shape);
     }
-    const output::map::SummaryTable summary(request.metrics, shapes);
+    const output::map::SummaryTable summary(request.metrics, shapes, false, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     std::deque<JudgedRows> judged;
@@ -180,9 +189,8 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     const auto found = measure::judge::run_judge(*all.dump, request, sinks);
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        summary.add(csv, request.rows[r], found.summaries[r],
-                    [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); });
-        csv.end_row();
+        summary.add_all(csv, r, request.rows[r], found.summaries[r], found.groups,
+                        [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); });
     }
     return result;
 }

@@ -208,5 +208,22 @@ int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, l
     });
 }
 
+int lostbits_shapes(lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(result, "result");
+        auto found = std::make_unique<lostbits_result>();
+        auto csv =
+            found->tables
+                .emplace_back("shapes",
+                              std::vector<output::file::Column>{{"shape", "string", "", "as it is called"},
+                                                                {"key", "string", "", "of its numbers, in their order"},
+                                                                {"numbers", "integer", "", "how many the key has"}})
+                .writer();
+        for (const ShapeRow& row : shape_rows)
+            for (const Key& key : row.keys) csv.add(row.name).add(key.name).add(key.count()).end_row();
+        return hand_over(std::move(found), result);
+    });
+}
+
 void lostbits_scene_free(lostbits_scene* scene) { delete scene; }
 }

@@ -1,12 +1,16 @@
-// Sweeps, explained rays and choices.
+// Sweeps, explained rays, offsets and choices.
+#include <cmath>
+
 #include "analysis/choice/timed.hpp"
 #include "analysis/library/handles.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/choice/candidates.hpp"
+#include "measure/offset/offsets.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/choice/choice_text.hpp"
+#include "output/offset/offset_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -64,19 +68,50 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     return result;
 }
 
-struct WishWords {
-    double bits, wrong;
-    const char* at;
-};
+std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, const lostbits_words* strategies,
+                                            const std::string& points, Choosing& chosen, CallRun& running) {
+    measure::offset::require_few_solids(scene);
+    if (points != "both" && points != "computed" && points != "projected")
+        throw InputError("points is \"" + points + "\"; write computed, projected or both");
+    std::erase_if(chosen.rows, [](const MapRow& row) { return !measure::offset::can_be_asked(*row.form); });
+    chosen.keep_those_for("scene " + scene.id,
+                          [&scene](Shapes forms) { return !forms.has(Shape::sdf) && scene.meets(forms); });
+    measure::offset::OffsetRequest request{
+        .scene = &scene,
+        .rows = {},
+        .strategies = choice::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
+                                                                                    : std::vector<std::string>{"*"}),
+        .limit = {.stop = running.stop()}};
+    for (const MapRow& row : chosen.rows) {
+        if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});
+        if (points != "computed") request.rows.push_back({row, measure::offset::HitPoint::projected});
+    }
+    request.progress = running.advancing(scene.pixels() * request.rows.size());
+    const auto summaries = measure::offset::run_offsets(request);
+    auto result = std::make_unique<lostbits_result>();
+    auto csv = result->tables.emplace_back("offsets", output::offset::offset_summary_columns()).writer();
+    output::offset::add_summary_rows(request, summaries, csv);
+    return result;
+}
+
+/// Texts of the program's as a list of the interface's; they end with a zero byte.
+template <std::size_t n>
+std::array<const char*, n> words_in(const std::array<std::string_view, n>& texts) {
+    std::array<const char*, n> words;
+    std::ranges::transform(texts, words.begin(), &std::string_view::data);
+    return words;
+}
 
 /// Whether anything meets the wish; the result says what.
-bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const WishWords& wish, Choosing& chosen,
+bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const lostbits_wish& wish, Choosing& chosen,
                  CallRun& running) {
     if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits are from 0 to 53");
     if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays, from 0 to 1");
+    if (std::isnan(wish.tolerance)) throw InputError("tolerance is not a number; it is a length, below 0 where any is");
     measure::choice::ChoiceRequest request;
     request.wish = {
         .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : "p99")};
+    if (wish.tolerance >= 0) request.wish.tolerance = wish.tolerance;
     request.limit.stop = request.plan.stop = running.stop();
     request.scene = &scene;
     request.rows = choice::timed_on(scene.id, {chosen.rows, chosen.forms, true},
@@ -134,16 +169,34 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
     });
 }
 
-int lostbits_choose(const lostbits_scene* scene, double bits, double wrong, const char* at,
-                    const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
-                    lostbits_error* error) {
+int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategies, const char* points,
+                     const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                     lostbits_error* error) {
     return guarded(error, [&] {
         require(scene, "scene");
+        require(result, "result");
+        const auto usual = words_in(measure::offset::usual_forms);
+        const char* const format = measure::offset::usual_format.data();
+        ;
+        lostbits_choice given = choice ? *choice : lostbits_choice{};
+        if (given.forms.count == 0 && given.own_count == 0) given.forms = {usual.data(), usual.size()};
+        if (given.formats.count == 0) given.formats = {&format, 1};
+        Choosing chosen(&given);
+        CallRun running(run);
+        return hand_over(offsets_of(scene->scene, strategies, points ? points : "both", chosen, running), result);
+    });
+}
+
+int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
+                    const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(wish, "wish");
         require(result, "result");
         Choosing chosen(choice);
         CallRun running(run);
         auto found = std::make_unique<lostbits_result>();
-        const bool meets = choose_into(*found, scene->scene, {bits, wrong, at}, chosen, running);
+        const bool meets = choose_into(*found, scene->scene, *wish, chosen, running);
         return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
     });
 }

@@ -1,28 +1,52 @@
-"""Arrays of one's own, read where they lie, and what a call chooses and raises."""
+"""Arrays of one's own, read where they lie, and the words that say what they mean."""
 
 from __future__ import annotations
 
-import ctypes as c
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._forms import INSIDE, SHAPES, YES_NO, Intersector, word
+from ._tables import tables_of
 
 Floats = NDArray[Any]
+ROOTS = {"both": 0, "near": 1, "first": 2, "none": 3}
+_contracts = {"direction": {"any": 0, "unit": 1}, "touching": {"hit": 0, "miss": 1},
+              "at_origin": {"hit": 0, "miss": 1, "exit": 2},
+              "inside": {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64}}
+
+
+def _shapes() -> dict[str, list[tuple[str, int]]]:
+    """The keys of each shape and how many numbers they have, in the order of lostbits_plugin.h."""
+    table, made = tables_of(lib.result_of("lostbits_shapes"))["shapes"], dict[str, list[tuple[str, int]]]()
+    for shape, key, numbers in zip(table["shape"], table["key"], table["numbers"]):
+        made.setdefault(shape, []).append((key, int(numbers)))
+    return made
+
+
+SHAPES = _shapes()
 COUNTS = {shape: sum(count for _, count in keys) for shape, keys in SHAPES.items()}
 
 
-class HasScene:
-    """Something with the handle of a scene."""
+def word(value: Any, of: dict[str, Any], name: str) -> Any:
+    """What a word stands for, or a sentence about the words there are."""
+    if not isinstance(value, str) or value not in of:
+        raise lib.InputError(f"{name} is {value!r}; it is one of {', '.join(of)}")
+    return of[value]
 
-    handle: lib.Handle
+
+def contract(**words: str) -> dict[str, int]:
+    """direction, touching, at_origin and inside as C has them."""
+    return {name: word(value, _contracts[name], name) for name, value in words.items()}
 
 
-def array_of(value: Any, name: str, columns: int, rows: Optional[int] = None,
-             kinds: str = "f") -> Tuple[Any, lib.Array]:
+def with_article(value: Any) -> str:
+    kind = type(value).__name__
+    return ("an " if kind[0] in "aeiou" else "a ") + kind
+
+
+def array_of(value: Any, name: str, columns: int, rows: int | None = None, kinds: str = "f") -> tuple[Any, lib.Array]:
     """An array of one's own, whatever its strides, and how C finds its items. A sentence for what it cannot be."""
     if value is None:
         return None, lib.Array()
@@ -35,38 +59,34 @@ def array_of(value: Any, name: str, columns: int, rows: Optional[int] = None,
     if not value.dtype.isnative:
         raise lib.InputError(f"{name} has its bytes in the other order ({value.dtype.str}); write "
                              f"{name}.astype({name}.dtype.newbyteorder('='))")
-    wanted_shape = "n" if columns == 0 else f"n x {columns}"
     if columns and value.ndim == 1 and rows is None and len(value) == columns:
         value = value[None]
     if value.ndim != (2 if columns else 1) or columns and value.shape[1] != columns:
-        raise lib.InputError(f"{name} has shape {value.shape}; it is {wanted_shape}")
+        raise lib.InputError(f"{name} has shape {value.shape}; it is {f'n x {columns}' if columns else 'n'}")
     if rows is not None and len(value) != rows:
         raise lib.InputError(f"{name} has {len(value)} rows and o has {rows}; there is one a ray")
     return value, lib.Array(value.ctypes.data, value.strides[0], value.strides[1] if columns else 0,
                             8 * value.dtype.itemsize)
 
 
-def with_article(value: Any) -> str:
-    kind = type(value).__name__
-    return ("an " if kind[0] in "aeiou" else "a ") + kind
-
-
 class Rays:
-    """Arrays as lostbits_rays; it keeps them alive."""
+    """Arrays as lostbits_rays; it keeps them alive. `values`: what the numbers of `by` stand for."""
 
-    def __init__(self, o: Any, d: Any, solids: Any, shape: str, t: Any = None, hit: Any = None, tmin: Any = None,
-                 tmax: Any = None, paired: bool = False, format: Optional[str] = None, direction: str = "any",
-                 touching: str = "hit", at_origin: str = "hit", inside: str = "usual") -> None:
-        o, origin = array_of(o, "o", 3)
-        n = len(o) if o is not None else 0
+    def __init__(self, o: Any, d: Any, solids: Any, shape: str, paired: bool = False, *, t: Any = None, hit: Any = None,
+                 tmin: Any = None, tmax: Any = None, by: Any = None, open_ends: str = "none",
+                 format: str | None = None, **words: str) -> None:
         if o is None or d is None:
             raise lib.InputError("o and d are the origins and directions of rays, n x 3; give both")
+        o, origin = array_of(o, "o", 3)
+        n = self.count = len(o)
         d, along = array_of(d, "d", 3, n)
         if n == 0:
             raise lib.InputError("o is empty: there are no rays to ask about")
         self.kept = [o, d]
-        raw = lib.Rays(count=n, origin=origin, direction=along)
-        if isinstance(solids, HasScene):
+        meant = contract(**words)
+        raw = self.raw = lib.Rays(count=n, origin=origin, direction=along, open_ends=open_ends.encode(),
+                                  format=format.encode() if format else None, unit=meant.pop("direction", 0), **meant)
+        if isinstance(getattr(solids, "handle", None), lib.Handle):  # a scene
             raw.scene, self.kept = solids.handle.pointer, [*self.kept, solids]
         else:
             count = word(shape, COUNTS, "shape")
@@ -75,36 +95,18 @@ class Rays:
                 raise lib.InputError(f"solids is None; give an array of {count} numbers a {shape}, or a scene")
             raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(paired)
             self.kept.append(solids)
-        if t is not None and hit is None and isinstance(t, np.ndarray) and t.dtype.kind == "f" and (t < 0).any():
-            raise lib.InputError("t has numbers below 0, which may be misses or hits; say which by hit=t >= 0")
-        for field, value, kinds in (("t", t, "f"), ("hit", hit, "b"), ("tmin", tmin, "f"), ("tmax", tmax, "f")):
+        codes = None
+        if by is not None:
+            by = np.asarray(by)
+            if by.shape != (n,):
+                raise lib.InputError(f"by has shape {by.shape} and there are {n} rays; it has one item a ray")
+            try:
+                self.values, codes = np.unique(by, return_inverse=True)
+            except TypeError:
+                raise lib.InputError("by has items without an order; give numbers, or texts") from None
+            codes = codes.astype(np.float64)
+        for field, value, kinds in (("t", t, "f"), ("hit", hit, "b"), ("tmin", tmin, "f"), ("tmax", tmax, "f"),
+                                    ("by", codes, "f")):
             value, array = array_of(value, field, 0, n, kinds)
             setattr(raw, field, array)
             self.kept.append(value)
-        raw.format = format.encode() if format else None
-        raw.unit = word(direction, {"any": 0, "unit": 1}, "direction")
-        raw.touching = word(touching, {"hit": 0, "miss": 1}, "touching")
-        raw.at_origin, raw.inside = word(at_origin, YES_NO, "at_origin"), word(inside, INSIDE, "inside")
-        self.raw, self.count = raw, n
-
-
-def choice_of(own: Sequence[Intersector], names: Sequence[str], formats: Sequence[str], metrics: Sequence[str] = (),
-            rows: bool = False, written: bool = False) -> lib.Choice:
-    handles = (c.c_void_p * len(own))(*[form.handle.pointer for form in own])
-    formats = [formats] if isinstance(formats, str) else formats
-    metrics = [metrics] if isinstance(metrics, str) else metrics
-    texts = [lib.words(list(each)) for each in (names, formats, metrics)]
-    made = lib.Choice(texts[0], c.cast(handles, c.POINTER(c.c_void_p)), len(own), texts[1], texts[2], int(rows),
-                      int(written))
-    made.kept = (handles, texts, own)
-    return made
-
-
-def measured(name: str, *arguments: Any, own: Sequence[Intersector] = (), **how: Any) -> Tuple[int, lib.Handle]:
-    """A long call; what a function of the user's raised on the way is raised here."""
-    try:
-        return lib.long_call(name, *arguments, **how)
-    except lib.Error:
-        for form in own:
-            form.raise_own()
-        raise

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 import threading
-from typing import Any, Callable, Dict, Sequence, Tuple
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
-from ._sums import filled
-from ._trace import ALWAYS, NUMPY, PACKAGE, Tape, Traced, Unfollowed, here, traced, user_line
+from ._sums import CREATED, filled
+from ._trace import ALWAYS, NUMPY, PACKAGE, Tape, Traced, Unfollowed, here, traced
 
 _lock = threading.Lock()
 
@@ -17,21 +17,18 @@ _lock = threading.Lock()
 class _Creating:
     """While it lives, this thread's np.full, np.zeros, np.ones and np.empty make arrays that can be followed."""
 
-    names = {"full": lambda shape, fill_value, *a, **o: filled(shape, fill_value),
-             "zeros": lambda shape, *a, **o: filled(shape, 0), "empty": lambda shape, *a, **o: filled(shape, 0),
-             "ones": lambda shape, *a, **o: filled(shape, 1)}
-
     def __enter__(self) -> None:
         _lock.acquire()
-        self.before = {name: getattr(np, name) for name in self.names}
+        self.before = {name: getattr(np, name) for name in ("full", *CREATED)}
         me = threading.get_ident()
-        for name, make in self.names.items():
-            own = self.before[name]
+        for name, own in self.before.items():
 
-            def chosen(shape: Any, *a: Any, _make: Any = make, _own: Any = own, **o: Any) -> Any:
-                mine = threading.get_ident() == me and not user_line()[0] == "?" and _asked_by_user()
+            def chosen(shape: Any, *a: Any, _name: str = name, _own: Any = own, **o: Any) -> Any:
+                by_user = not sys._getframe(1).f_code.co_filename.startswith((PACKAGE, NUMPY))
                 boolean = np.dtype(o.get("dtype") or (a[-1] if a and isinstance(a[-1], type) else float)) == bool
-                return _make(shape, *a, **o) if mine and not boolean else _own(shape, *a, **o)
+                if threading.get_ident() != me or not by_user or boolean:
+                    return _own(shape, *a, **o)
+                return filled(shape, CREATED[_name] if _name in CREATED else o.get("fill_value", a[0] if a else None))
 
             setattr(np, name, chosen)
 
@@ -41,16 +38,12 @@ class _Creating:
         _lock.release()
 
 
-def _asked_by_user() -> bool:
-    return not sys._getframe(2).f_code.co_filename.startswith((PACKAGE, NUMPY))
-
-
 class _Names:
     """Gives operations the names that the function's variables have."""
 
     def __init__(self, written: Tape, file: str) -> None:
         self.written, self.file = written, file
-        self.seen: Dict[Tuple[int, str], int] = {}
+        self.seen: dict[tuple[int, str], int] = {}
 
     def __call__(self, frame: Any, event: str, _: Any) -> Any:
         if frame.f_code.co_filename != self.file:
@@ -67,7 +60,7 @@ class _Names:
 
 
 def follow(function: Callable[..., Any], counts: Sequence[int], dtype: Any, roots: str,
-           implicit: bool) -> Tuple[Tape, int, int]:
+           implicit: bool) -> tuple[Tape, int, int]:
     """The list of what `function(o, d, *keys)` does to one ray, the place of its decision and that of its t. `counts`:
     how many numbers each key has."""
     written = Tape(dtype, implicit)

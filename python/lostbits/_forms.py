@@ -4,53 +4,33 @@ from __future__ import annotations
 
 import ctypes as c
 import inspect
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
+from ._arrays import ROOTS, SHAPES, Floats, Rays, contract, word
 from ._follow import follow
+from ._tables import Table, tables_of
 from ._trace import Tape, Unfollowed
 
-# Of lostbits_plugin.h: the shapes in their order, with how many numbers each key has.
-SHAPES: Dict[str, Tuple[Tuple[str, int], ...]] = {
-    "sphere": (("centre", 3), ("radius", 1)),
-    "box": (("lo", 3), ("hi", 3)),
-    "triangle": (("a", 3), ("b", 3), ("c", 3)),
-    "ellipsoid": (("centre", 3), ("radii", 3)),
-    "cylinder": (("base", 3), ("top", 3), ("radius", 1)),
-    "capsule": (("start", 3), ("end", 3), ("radius", 1)),
-    "tube": (("bottom", 3), ("top", 3), ("radius", 1)),
-    "cone": (("base", 3), ("top", 3), ("base_radius", 1), ("top_radius", 1)),
-    "disc": (("centre", 3), ("normal", 3), ("outer_radius", 1), ("inner_radius", 1)),
-    "plane": (("through", 3), ("normal", 3)),
-}
-ROOTS = {"both": 0, "near": 1, "first": 2, "none": 3}
-YES_NO = {"hit": 0, "miss": 1, "exit": 2}
-INSIDE = {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64}
 _one_thread = 4
-
-
-def word(value: str, of: Dict[str, Any], name: str) -> Any:
-    """What a word stands for, or a sentence about the words there are."""
-    if value not in of:
-        raise lib.InputError(f"{name} is {value!r}; it is one of {', '.join(of)}")
-    return of[value]
+_formats = {"f32": (32, np.float32), "f64": (64, np.float64)}
+Sample = Callable[[Any], tuple[Floats, Floats, Floats]]
 
 
 class Intersector:
     """A numpy function as a form, `py.NAME`; it can still be called as the function that it is."""
 
-    def __init__(self, function: Callable[..., Any], shape: str, roots: str = "first", direction: str = "any",
-                 touching: str = "hit", at_origin: str = "hit", inside: str = "usual",
-                 name: Optional[str] = None) -> None:
+    def __init__(self, function: Callable[..., Any], shape: str, roots: str = "first", name: str | None = None,
+                 **words: str) -> None:
+        self.keys = word(shape, SHAPES, "shape")
+        self.counts = [count for _, count in self.keys]
         if not callable(function):
             raise lib.InputError("intersector: is given to a function, as in @lb.intersector(\"sphere\")")
-        self.keys = word(shape, SHAPES, "shape")
         self.function, self.shape, self.roots = function, shape, roots
-        own_name = str(name or getattr(function, "__name__", "form"))
-        self.name = "py." + own_name
+        self.name = "py." + str(name or getattr(function, "__name__", "form"))
         wanted = 2 + len(self.keys)
         try:
             inspect.signature(function).bind(*[None] * wanted)
@@ -58,20 +38,14 @@ class Intersector:
             raise lib.InputError(f"{self.name}: a form for a {shape} takes {wanted} arrays: o, d, "
                                  + ", ".join(key for key, _ in self.keys)) from None
         self.__doc__ = function.__doc__
-        self.failed: Optional[BaseException] = None
-        self.tapes: Dict[int, Tape] = {}
-        self.why_not: Optional[Exception] = None
-        self._kept: List[Any] = []
-        words = []
-        for bits, dtype in ((32, np.float32), (64, np.float64)):
-            run = lib.RunBatch(self._answering(dtype))
-            words.append(lib.FormWords(
-                self.name.encode(), None, None, list(SHAPES).index(shape), bits,
-                word(direction, {"any": 0, "unit": 1}, "direction"), word(roots, ROOTS, "roots"),
-                word(touching, {"hit": 0, "miss": 1}, "touching"), word(at_origin, YES_NO, "at_origin"),
-                word(inside, INSIDE, "inside") | _one_thread, None, run))
-            self._kept.append(run)
-        array = (lib.FormWords * 2)(*words)
+        self.failed: BaseException | None = None
+        self.tapes: dict[str, Tape] = {}
+        meant, promised = contract(**words), word(roots, ROOTS, "roots")
+        flags = meant.pop("inside", 0) | _one_thread
+        self._kept: list[Any] = [lib.RunBatch(self._answering(np.dtype(dtype))) for _, dtype in _formats.values()]
+        array = (lib.FormWords * 2)(*[
+            lib.FormWords(name=self.name.encode(), shape=list(SHAPES).index(shape), format=bits, roots=promised,
+                          flags=flags, run=run, **meant) for (bits, _), run in zip(_formats.values(), self._kept)])
         self.handle = lib.Handle("form")
         lib.call("lostbits_form_make", array, c.c_size_t(2), c.byref(self.handle.pointer))
 
@@ -83,31 +57,21 @@ class Intersector:
 
     # ---- asked by the library ----
 
-    def _answering(self, dtype: Any) -> Callable[[Any], Optional[int]]:
-        size = np.dtype(dtype).itemsize
-        numbers = sum(count for _, count in self.keys)
+    def _answering(self, dtype: np.dtype[Any]) -> Callable[[int], int | None]:
+        def view(address: int, n: int, columns: int, of: np.dtype[Any] = dtype) -> NDArray[Any]:
+            memory: Any = (c.c_char * (n * columns * of.itemsize)).from_address(address)
+            return np.frombuffer(memory, dtype=of).reshape(n, columns)
 
-        def view(address: int, shape: Tuple[int, ...]) -> NDArray[Any]:
-            bytes_ = int(np.prod(shape)) * size
-            memory: Any = (c.c_char * bytes_).from_address(address)
-            array: NDArray[Any] = np.frombuffer(memory, dtype=dtype).reshape(shape)
-            return array
-
-        def run(batch: Any) -> Optional[int]:
-            b = batch.contents
+        def run(address: int) -> int | None:
+            b = lib.Batch.from_address(address)
             n = int(b.size)
             try:
-                rays = view(b.rays, (n, 6))
-                solids = view(b.solids, (n if b.solid_stride else 1, numbers))
-                keys, place = [], 0
-                for _, count in self.keys:
-                    part = solids[:, place] if count == 1 else solids[:, place:place + count]
-                    keys.append(np.broadcast_to(part, (n,) if count == 1 else (n, count)))
-                    place += count
+                rays, solids = view(b.rays, n, 6), view(b.solids, n if b.solid_stride else 1, sum(self.counts))
+                parts = np.split(np.broadcast_to(solids, (n, solids.shape[1])), np.cumsum(self.counts)[:-1], axis=1)
+                keys = [part if part.shape[1] > 1 else part[:, 0] for part in parts]
                 with np.errstate(all="ignore"):
                     answer = self.function(rays[:, :3], rays[:, 3:], *keys)
-                self._put(answer, n, np.dtype(dtype), view(b.near_far, (n, 2)),
-                          np.ctypeslib.as_array(c.cast(b.hit, c.POINTER(c.c_ubyte)), (n,)))
+                self._put(answer, n, dtype, view(b.near_far, n, 2), view(b.hit, n, 1, np.dtype(np.uint8))[:, 0])
                 return None
             except BaseException as error:  # what it raises is raised again where the call was made
                 self.failed = self.failed or error
@@ -118,94 +82,79 @@ class Intersector:
 
     def _put(self, answer: Any, n: int, dtype: Any, near_far: NDArray[Any], hit: NDArray[Any]) -> None:
         if self.roots == "none":
-            hits = checked(answer, (n,), np.dtype(bool), f"{self.name} returned")
-            hit[:] = hits
+            hit[:] = self._checked(answer, (n,), np.dtype(bool))
             return
-        if self.roots == "both":
-            if not isinstance(answer, tuple) or len(answer) != 2:
-                raise lib.InputError(f"{self.name}: roots=\"both\" returns two arrays, near and far")
-        else:
+        if self.roots != "both":
             answer = (answer, answer)
-        near, far = (checked(a, (n,), dtype, f"{self.name} returned") for a in answer)
-        hit[:] = ~np.isnan(near)
-        near_far[:, 0], near_far[:, 1] = near, far
+        elif not isinstance(answer, tuple) or len(answer) != 2:
+            raise lib.InputError(f"{self.name}: roots=\"both\" returns two arrays, near and far")
+        near_far[:, 0], near_far[:, 1] = (self._checked(each, (n,), dtype) for each in answer)
+        hit[:] = ~np.isnan(near_far[:, 0])
 
-    def raise_own(self) -> None:
-        """What the function itself raised, where it did."""
-        failed, self.failed = self.failed, None
-        if failed is not None:
-            raise failed
+    def _checked(self, array: Any, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+        """What the function returned, held to what it must be."""
+        if not isinstance(array, np.ndarray):
+            raise lib.InputError(f"{self.name} returned {type(array).__name__}; return a numpy array, one item a ray: "
+                                 "the function is given whole batches")
+        if array.shape != shape:
+            raise lib.InputError(f"{self.name} returned an array of shape {array.shape}; it is {shape}, one item a ray")
+        if array.dtype != dtype:
+            raise lib.InputError(f"{self.name} returned {array.dtype} where the rays are {dtype}: something in it "
+                                 "computes in another type, so that it is not the arithmetic that is measured; give "
+                                 "arrays of constants the type of the rays")
+        return array
 
     # ---- its operations ----
 
-    def write(self, sample: Callable[[Any], Tuple[NDArray[Any], ...]]) -> None:
+    def write(self, sample: Sample) -> None:
         """Follows the function and says its operations to the library. `sample(dtype)` gives rays (o, d, solids) on
         which the operations must give the function's own bits. Unfollowed, which says where, if they do not."""
-        if self.tapes:
-            return
-        counts = [count for _, count in self.keys]
-        for bits, dtype in ((32, np.float32), (64, np.float64)):
-            first: Optional[str] = None
+        for format, (bits, dtype) in _formats.items():
+            if format in self.tapes:
+                continue
+            first: str | None = None
             for implicit in (False, True):
-                written, hit, t = follow(self.function, counts, dtype, self.roots, implicit)
+                written, hit, t = follow(self.function, self.counts, dtype, self.roots, implicit)
                 self._say(bits, written, hit, t)
-                wrong = self._differs(bits, sample(dtype))
+                wrong = self._differs(format, *sample(dtype))
                 if wrong is None:
-                    self.tapes[bits] = written
+                    self.tapes[format] = written
                     break
                 first = first or wrong
             else:
                 self.tapes.clear()
-                raise Unfollowed(f"{self.name}: {first}")
+                where = [f"{line}: `if` on any() or all() asks all rays at once; " for line in written.branches[:1]]
+                raise Unfollowed("".join(where) + f"{self.name}: {first}")
 
     def _say(self, bits: int, written: Tape, hit: int, t: int) -> None:
         array = (lib.Operation * len(written.ops))()
         for i, (op, operands, value) in enumerate(written.ops):
             label = written.labels.get(i)
-            array[i] = lib.Operation(op.encode(), (c.c_int32 * 3)(*operands), value,
-                                     None if label is None else label.encode())
+            array[i] = lib.Operation(op.encode(), (c.c_int32 * 3)(*operands), value, label.encode() if label else None)
         lib.call("lostbits_form_write", self.handle.pointer, bits, array, c.c_size_t(len(array)), c.c_int32(hit),
                  c.c_int32(t))
 
-    def _differs(self, bits: int, sample: Tuple[NDArray[Any], ...]) -> Optional[str]:
-        from ._measure import ask
-
-        o, d, solids = sample
-        form = "f32" if bits == 32 else "f64"
-        own = ask(self, o, d, solids, shape=self.shape, format=form, paired=True)
-        said = ask(self, o, d, solids, shape=self.shape, format=form, paired=True, written=True)
-        same = (own.hit == said.hit) & ((own.t == said.t) | ~own.hit)
-        if same.all():
+    def _differs(self, format: str, o: Floats, d: Floats, solids: Floats) -> str | None:
+        """A sentence about the first ray on which the operations do not give what the function gives."""
+        rays = Rays(o, d, solids, self.shape, True)
+        own, said = (Asked(self, format, written=written).answers(rays) for written in (False, True))
+        i = int(np.argmax((own.hit != said.hit) | ((own.t != said.t) & own.hit)))
+        if own.hit[i] == said.hit[i] and (own.t[i] == said.t[i] or not own.hit[i]):
             return None
-        i = int(np.flatnonzero(~same)[0])
-        return (f"in {form} it gives t = {own.t[i]!r} (hit: {bool(own.hit[i])}) on a ray, and the operations that were "
-                f"followed give {said.t[i]!r} (hit: {bool(said.hit[i])}); something in it was not followed")
-
-
-def checked(array: Any, shape: Tuple[int, ...], dtype: Any, who: str) -> NDArray[Any]:
-    """What a function returned, held to what it must be."""
-    if not isinstance(array, np.ndarray):
-        raise lib.InputError(f"{who} {type(array).__name__}; return a numpy array, one item a ray: the function is "
-                             "given whole batches")
-    if array.shape != shape:
-        raise lib.InputError(f"{who} an array of shape {array.shape}; it is {shape}, one item a ray")
-    if array.dtype != dtype:
-        raise lib.InputError(f"{who} {array.dtype} where the rays are {dtype}: something in it computes in another "
-                             "type, so that it is not the arithmetic that is measured; give arrays of constants the "
-                             "type of the rays")
-    return array
+        return (f"in {format} it gives t = {own.t[i]!r} (hit: {bool(own.hit[i])}) on a ray, and the operations that "
+                f"were followed give {said.t[i]!r} (hit: {bool(said.hit[i])}); something in it was not followed")
 
 
 def intersector(shape: str, roots: str = "first", direction: str = "any", touching: str = "hit",
                 at_origin: str = "hit", inside: str = "usual",
-                name: Optional[str] = None) -> Callable[[Callable[..., Any]], Intersector]:
+                name: str | None = None) -> Callable[[Callable[..., Any]], Intersector]:
     """Makes a numpy function a form that lostbits measures.
 
     The function is given whole batches: `o` and `d`, n x 3 (origins and directions, as the scene has them, or of length
     one with direction="unit"), and then an array for each key of the shape, n x 3 or n: sphere centre, radius; box lo,
-    hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; capsule start, end, radius. All are of
-    the type that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where
-    it misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near,
+    hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; lb.SHAPES lists all. They are of the type
+    that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where it
+    misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near,
     far); "none": booleans. touching, at_origin and inside say what is right in the cases that geometry leaves open, as
     in docs/your-own-intersector.md.
 
@@ -214,33 +163,60 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
     """
     if callable(shape):
         raise lib.InputError("intersector: write the shape, as in @lb.intersector(\"sphere\")")
-
-    def make(function: Callable[..., Any]) -> Intersector:
-        return Intersector(function, shape, roots, direction, touching, at_origin, inside, name)
-
-    return make
+    return lambda function: Intersector(function, shape, roots, name, direction=direction, touching=touching,
+                                        at_origin=at_origin, inside=inside)
 
 
 Form = Union[str, Intersector]
+Forms = Union[Form, Sequence[Form], None]
+Texts = Union[str, Sequence[str]]
 
 
-def forms_of(forms: Union[Form, Sequence[Form], None]) -> Tuple[List[Intersector], List[str]]:
-    """Forms of one's own, and the names of others."""
-    if forms is None:
-        return [], []
-    if isinstance(forms, (str, Intersector)) or callable(forms):
-        forms = [forms]  # type: ignore[list-item]
-    own: List[Intersector] = []
-    names: List[str] = []
-    for form in forms:
-        if isinstance(form, Intersector):
-            own.append(form)
-        elif isinstance(form, str):
-            names.append(form)
-        elif callable(form):  # a function without its decorator
-            raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a function; say what it meets first: "
-                                 "@lb.intersector(\"sphere\")")
-        else:
-            raise lib.InputError(f"a form is a name such as \"sphere.unified\" or an intersector, not "
-                                 f"{type(form).__name__}")
-    return own, names
+def texts(value: Texts) -> list[str]:
+    return [value] if isinstance(value, str) else list(value)
+
+
+class Asked:
+    """Forms, formats and metrics as lostbits_choice, which it keeps alive; and the calls that take one."""
+
+    def __init__(self, forms: Forms, formats: Texts, metrics: Texts = (), rows: bool = False,
+                 written: bool = False) -> None:
+        single = isinstance(forms, str) or callable(forms)
+        listed: list[Any] = [] if forms is None else [forms] if single else list(forms)  # type: ignore[arg-type]
+        for form in listed:
+            if callable(form) and not isinstance(form, Intersector):
+                raise lib.InputError(f"{getattr(form, '__name__', form)!r} is a function; say what it meets first: "
+                                     "@lb.intersector(\"sphere\")")
+            if not isinstance(form, (str, Intersector)):
+                raise lib.InputError(f"a form is a name such as \"sphere.unified\" or an intersector, not "
+                                     f"{type(form).__name__}")
+        self.own = [form for form in listed if isinstance(form, Intersector)]
+        self.names = [form for form in listed if isinstance(form, str)]
+        self.formats, self.metrics = texts(formats), texts(metrics)
+        handles = (c.c_void_p * len(self.own))(*[form.handle.pointer for form in self.own])
+        words = [lib.Words(each) for each in (self.names, self.formats, self.metrics)]
+        self.raw = lib.Choice(words[0], c.cast(handles, c.c_void_p), len(self.own), *words[1:], int(rows), int(written))
+        self._kept = (handles, words, self.own)
+
+    def write_for(self, sample_of: Callable[[str], Sample], always: bool = False) -> None:
+        """The operations of one's own forms, where something is asked that needs them."""
+        plain = all(format in _formats for format in self.formats)
+        if always or not plain or any(not m.startswith(("tolerance:", "enough_bits:")) for m in self.metrics):
+            for form in self.own:
+                form.write(sample_of(form.shape))
+
+    def call(self, name: str, *arguments: Any, quick: bool = False, **how: Any) -> tuple[int, lib.Handle]:
+        """A call that takes this choice behind its own arguments; what a function of the user's raised is raised."""
+        try:
+            if quick:
+                return 0, lib.result_of(name, *arguments, c.byref(self.raw))
+            return lib.long_call(name, *arguments, c.byref(self.raw), **how)
+        except lib.Error:
+            for form in self.own:
+                failed, form.failed = form.failed, None
+                if failed is not None:
+                    raise failed from None
+            raise
+
+    def answers(self, rays: Rays, **how: Any) -> Table:
+        return next(iter(tables_of(self.call("lostbits_answers", c.byref(rays.raw), **how)[1]).values()))

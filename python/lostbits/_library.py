@@ -1,7 +1,4 @@
-"""liblostbits.so through ctypes: its structs, its calls, and its results as arrays.
-
-One struct here is one of analysis/library/lostbits.h, field by field.
-"""
+"""liblostbits.so through ctypes: its structs, its calls, and what is raised where one fails."""
 
 from __future__ import annotations
 
@@ -11,9 +8,9 @@ import os
 import sys
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, Sequence
 
-ABI = 1
+ABI = 2
 
 
 class Error(Exception):
@@ -40,77 +37,50 @@ class NothingSelected(Error, LookupError):
     code = 4
 
 
-_errors = {2: InputError, 3: EnvironmentFault, 4: NothingSelected}
-
-
-class ErrorText(c.Structure):
-    _fields_ = [("code", c.c_int), ("text", c.c_char * 4000)]
-
-
 class Words(c.Structure):
-    _fields_ = [("words", c.POINTER(c.c_char_p)), ("count", c.c_size_t)]
+    """A list of texts as C has it; it keeps them alive."""
 
+    _fields_ = [("words", c.c_void_p), ("count", c.c_size_t)]
 
-class Where(c.Structure):
-    _fields_ = [("data", c.c_char_p), ("width", c.c_int), ("height", c.c_int), ("set", Words)]
-
-
-class Batch(c.Structure):
-    """lb_batch of lostbits_plugin.h."""
-
-    _fields_ = [("size", c.c_size_t), ("rays", c.c_void_p), ("ends", c.c_void_p), ("solids", c.c_void_p),
-                ("solid_stride", c.c_size_t), ("near_far", c.c_void_p), ("hit", c.c_void_p), ("own", c.c_void_p),
-                ("starts", c.c_void_p)]
-
-
-RunBatch = c.CFUNCTYPE(c.c_void_p, c.POINTER(Batch))
-
-
-class FormWords(c.Structure):
-    """lb_form of lostbits_plugin.h."""
-
-    _fields_ = [("name", c.c_char_p), ("title", c.c_char_p), ("source", c.c_char_p), ("shape", c.c_int),
-                ("format", c.c_int), ("direction", c.c_int), ("roots", c.c_int), ("touching", c.c_int),
-                ("at_origin", c.c_int), ("flags", c.c_uint), ("own", c.c_void_p), ("run", RunBatch)]
-
-
-class Operation(c.Structure):
-    _fields_ = [("op", c.c_char_p), ("operands", c.c_int32 * 3), ("value", c.c_double), ("label", c.c_char_p)]
-
-
-class Choice(c.Structure):
-    _fields_ = [("forms", Words), ("own", c.POINTER(c.c_void_p)), ("own_count", c.c_size_t), ("formats", Words),
-                ("metrics", Words), ("rows", c.c_int), ("written", c.c_int)]
-
-
-Progress = c.CFUNCTYPE(None, c.c_void_p, c.c_uint64, c.c_uint64)
-
-
-class Run(c.Structure):
-    _fields_ = [("threads", c.c_int), ("stop", c.POINTER(c.c_ubyte)), ("progress", Progress), ("own", c.c_void_p)]
+    def __init__(self, texts: Sequence[str] = ()) -> None:
+        self.kept = (c.c_char_p * len(texts))(*[text.encode() for text in texts])
+        super().__init__(c.cast(self.kept, c.c_void_p), len(texts))
 
 
 class Array(c.Structure):
     _fields_ = [("data", c.c_void_p), ("step", c.c_ssize_t), ("item_step", c.c_ssize_t), ("bits", c.c_int)]
 
 
-class Rays(c.Structure):
-    _fields_ = [("count", c.c_size_t), ("origin", Array), ("direction", Array), ("tmin", Array), ("tmax", Array),
-                ("shape", c.c_char_p), ("solids", Array), ("solid_count", c.c_size_t), ("paired", c.c_int),
-                ("scene", c.c_void_p), ("t", Array), ("hit", Array), ("format", c.c_char_p), ("unit", c.c_int),
-                ("touching", c.c_int), ("at_origin", c.c_int), ("inside", c.c_int)]
+_kinds = {"int": c.c_int, "unsigned": c.c_uint, "size": c.c_size_t, "double": c.c_double, "text": c.c_char_p,
+          "texts": c.POINTER(c.c_char_p), "pointer": c.c_void_p, "words": Words, "array": Array}
+RunBatch = c.CFUNCTYPE(c.c_void_p, c.c_void_p)
+Progress = c.CFUNCTYPE(None, c.c_void_p, c.c_uint64, c.c_uint64)
 
 
-class TableWords(c.Structure):
-    _fields_ = [("name", c.c_char_p), ("columns", c.c_size_t), ("rows", c.c_size_t)]
+def _struct(name: str, fields: str, **others: Any) -> Any:
+    """A struct of lostbits.h or lostbits_plugin.h, field by field: `kind name, name; kind name`, `name` of `others`."""
+    listed = []
+    for part in fields.split("; "):
+        kind, _, names = part.partition(" ")
+        listed += [(word, _kinds[kind]) for word in names.split(", ")] if names else [(kind, others[kind])]
+    return type(name, (c.Structure,), {"_fields_": listed})
 
 
-class ColumnWords(c.Structure):
-    _fields_ = [("name", c.c_char_p), ("type", c.c_char_p), ("unit", c.c_char_p), ("meaning", c.c_char_p),
-                ("numbers", c.POINTER(c.c_double)), ("texts", c.POINTER(c.c_char_p)),
-                ("categories", c.POINTER(c.c_ubyte)), ("names", c.POINTER(c.c_char_p)), ("name_count", c.c_size_t)]
-
-
+ErrorText = _struct("ErrorText", "int code; text", text=c.c_char * 4000)
+Where = _struct("Where", "text data; int width, height; words set")
+Batch = _struct("Batch", "size size; pointer rays, ends, solids; size solid_stride; pointer near_far, hit, own, starts")
+FormWords = _struct("FormWords", "text name, title, source; int shape, format, direction, roots, touching, at_origin; "
+                    "unsigned flags; pointer own; run", run=RunBatch)
+Operation = _struct("Operation", "text op; operands; double value; text label", operands=c.c_int32 * 3)
+Choice = _struct("Choice", "words forms; pointer own; size own_count; words formats, metrics; int rows, written")
+Run = _struct("Run", "int threads; stop; progress; pointer own", stop=c.POINTER(c.c_ubyte), progress=Progress)
+Rays = _struct("Rays", "size count; array origin, direction, tmin, tmax; text open_ends, shape; array solids; "
+               "size solid_count; int paired; pointer scene; array t, hit; text format; "
+               "int unit, touching, at_origin, inside; array by")
+Wish = _struct("Wish", "double bits, tolerance, wrong; text at")
+TableWords = _struct("TableWords", "text name; size columns, rows")
+ColumnWords = _struct("ColumnWords", "text name, type, unit, meaning; pointer numbers; texts texts; "
+                      "pointer categories; texts names; size name_count")
 _here = Path(__file__).resolve().parent
 
 
@@ -118,22 +88,18 @@ def _find_library() -> str:
     """$LOSTBITS_LIBRARY, the package's own, that of the tree that the package lies in, then the system's."""
     places = [os.environ.get("LOSTBITS_LIBRARY", ""), str(_here / "lib" / "liblostbits.so"),
               str(_here.parent.parent / "build" / "liblostbits.so")]
-    for place in places:
-        if place and os.path.isfile(place):
-            return place
-    found = ctypes.util.find_library("lostbits")
-    if found:
-        return found
-    raise EnvironmentFault("liblostbits.so is not in the package, in build/ or on the system; build it "
-                           "(ninja -C build lostbits_library) or name it in $LOSTBITS_LIBRARY")
+    found = next((p for p in places if p and os.path.isfile(p)), None) or ctypes.util.find_library("lostbits")
+    if not found:
+        raise EnvironmentFault("liblostbits.so is not in the package, in build/ or on the system; build it "
+                               "(ninja -C build lostbits_library) or name it in $LOSTBITS_LIBRARY")
+    return found
 
 
-def data_folder() -> Optional[bytes]:
-    """The folder with scenes/ and sweeps/: $LOSTBITS_DATA, the package's, the tree's; None leaves it to the library."""
-    for place in (os.environ.get("LOSTBITS_DATA", ""), str(_here / "data"), str(_here.parent.parent / "data")):
-        if place and os.path.isdir(os.path.join(place, "scenes")):
-            return place.encode()
-    return None
+def data_folder(given: str | None = None) -> bytes | None:
+    """The folder with scenes/ and sweeps/: as given, $LOSTBITS_DATA, the package's, the tree's; None leaves it to C."""
+    places = (os.environ.get("LOSTBITS_DATA", ""), str(_here / "data"), str(_here.parent.parent / "data"))
+    found = given or next((p for p in places if p and os.path.isdir(os.path.join(p, "scenes"))), None)
+    return found.encode() if found else None
 
 
 def _load() -> c.CDLL:
@@ -145,14 +111,9 @@ def _load() -> c.CDLL:
     if loaded.lostbits_abi() != ABI:
         raise EnvironmentFault(f"{path}: is of version {loaded.lostbits_abi()} of lostbits.h and this package of "
                                f"{ABI}; install the two that belong together")
-    loaded.lostbits_version.restype = c.c_char_p
-    loaded.lostbits_result_text.restype = c.c_char_p
-    for name in ("scene", "form", "result"):
-        free = getattr(loaded, f"lostbits_{name}_free")
-        free.restype, free.argtypes = None, [c.c_void_p]
-    loaded.lostbits_result_text.argtypes = [c.c_void_p, c.c_size_t]
-    loaded.lostbits_result_table.argtypes = [c.c_void_p, c.c_size_t, c.c_void_p]
-    loaded.lostbits_result_column.argtypes = [c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p]
+    loaded.lostbits_version.restype = loaded.lostbits_result_text.restype = c.c_char_p
+    for kind in ("scene", "form", "result"):
+        getattr(loaded, f"lostbits_{kind}_free").argtypes = [c.c_void_p]
     return loaded
 
 
@@ -167,59 +128,46 @@ class Handle:
         self._free = getattr(library, f"lostbits_{kind}_free")
 
     def __del__(self) -> None:
-        if self.pointer:
-            self._free(self.pointer)
-            self.pointer = c.c_void_p()
+        self._free(self.pointer)
 
 
-def words(texts: Sequence[str]) -> Words:
-    """A list of texts as C has it; it keeps them alive."""
-    array = (c.c_char_p * len(texts))(*[text.encode() for text in texts])
-    made = Words(c.cast(array, c.POINTER(c.c_char_p)), len(texts))
-    made.kept = array
-    return made
-
-
-def raise_for(code: int, text: str) -> None:
-    """The exception that a code stands for; 0 and 1 are none."""
+def raise_for(code: int, error: Any) -> int:
+    """Raises what a code stands for; 0 and 1 are returned."""
     if code == 130:
         raise KeyboardInterrupt
     if code not in (0, 1):
-        raise _errors.get(code, Error)(text)
+        kinds = {kind.code: kind for kind in (InputError, EnvironmentFault, NothingSelected)}
+        raise kinds.get(code, Error)(error.text.decode(errors="replace"))
+    return code
 
 
 def call(name: str, *arguments: Any) -> int:
     """A call that takes no time: its code, 0 or 1. Raises what the other codes stand for."""
     error = ErrorText()
-    code = int(getattr(library, name)(*arguments, c.byref(error)))
-    raise_for(code, error.text.decode(errors="replace"))
-    return code
+    return raise_for(getattr(library, name)(*arguments, c.byref(error)), error)
+
+
+def result_of(name: str, *arguments: Any) -> Handle:
+    """The result of such a call."""
+    result = Handle("result")
+    call(name, *arguments, c.byref(result.pointer))
+    return result
 
 
 _workers = ThreadPoolExecutor(max_workers=64, thread_name_prefix="lostbits")
 
 
-def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False,
-              title: str = "") -> Tuple[int, Handle]:
+def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = False) -> tuple[int, Handle]:
     """A call that measures: in a thread of its own, so that Ctrl-C ends it within a second and leaves nothing behind.
 
     `arguments` are those before `run`.
     """
-    stop = c.c_ubyte(0)
-    error, result = ErrorText(), Handle("result")
-    bar = Bar(title) if progress else None
-
-    def advance(_own: int, done: int, of: int) -> None:
-        if bar is not None:
-            bar.advance(done, of)
-
-    run = Run(threads, c.pointer(stop), Progress(advance) if bar else c.cast(0, Progress), None)
-
-    def work() -> int:
-        return int(getattr(library, name)(*arguments, c.byref(run), c.byref(result.pointer), c.byref(error)))
-
+    stop, error, result = c.c_ubyte(0), ErrorText(), Handle("result")
+    bar = Bar(name.removeprefix("lostbits_")) if progress else None
+    run = Run(threads, c.pointer(stop), Progress(bar.advance) if bar else c.cast(0, Progress), None)
     # Threads that stay: one that is new to the library's scheduler, and goes, costs 4 ms.
-    working = _workers.submit(work)
+    working = _workers.submit(getattr(library, name), *arguments, c.byref(run), c.byref(result.pointer),
+                              c.byref(error))
     try:
         while not working.done():
             wait([working], 0.05)
@@ -230,9 +178,7 @@ def long_call(name: str, *arguments: Any, threads: int = 0, progress: bool = Fal
     finally:
         if bar is not None:
             bar.close()
-    code = working.result()
-    raise_for(code, error.text.decode(errors="replace"))
-    return code, result
+    return raise_for(working.result(), error), result
 
 
 class Bar:
@@ -242,7 +188,7 @@ class Bar:
         self.title, self.shown = title, -1
         self.wanted = sys.stderr.isatty() or "ipykernel" in sys.modules
 
-    def advance(self, done: int, of: int) -> None:
+    def advance(self, _own: int, done: int, of: int) -> None:
         share = min(100, 100 * done // max(of, 1))
         if self.wanted and share != self.shown:
             self.shown = share

@@ -1,4 +1,4 @@
-"""The questions: maps, judged rays, truths, sweeps, explained rays, choices."""
+"""The questions: maps, judged rays, truths, sweeps, explained rays, offsets, choices."""
 
 from __future__ import annotations
 
@@ -6,32 +6,23 @@ import ctypes as c
 import json
 import os
 import tomllib
-from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._arrays import Floats, Rays, choice_of, measured
-from ._forms import Form, Intersector, forms_of
-from ._results import Choice, Explanation, Judgement, Map, Sweep, Truths
+from ._arrays import Floats, Rays
+from ._forms import Asked, Form, Forms, Texts, texts
+from ._results import Choice, Explanation, Judgement, Map, Offsets, Sweep, Truths
 from ._scene import Scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
-
-def _write_all(own: Sequence[Intersector], on: Optional[Scene], formats: Sequence[str], metrics: Sequence[str]) -> None:
-    """The operations of one's own forms, where something is asked that needs them."""
-    formats = [formats] if isinstance(formats, str) else formats
-    if all(f in ("f32", "f64") for f in formats) and not metrics:
-        return
-    for form in own:
-        if on is not None:
-            form.write(lambda dtype, form=form: on.sample(form.shape, dtype))  # type: ignore[misc]
+_both = ("f32", "f64")
 
 
-def map(scene: Union[Scene, str], forms: Union[Form, Sequence[Form], None] = None,
-        formats: Sequence[str] = ("f32", "f64"), metrics: Sequence[str] = (), *, pixels: bool = True, threads: int = 0,
-        progress: bool = True) -> Map:
+def map(scene: Union[Scene, str], forms: Forms = None, formats: Texts = _both, metrics: Texts = (), *,
+        pixels: bool = True, threads: int = 0, progress: bool = True) -> Map:
     """Every form in every format over the pixels of a scene, against the certified truth: where bits are lost.
 
     `forms`: names and globs ("sphere.unified", "box.*") and intersectors of one's own; none: all that fit. `formats`:
@@ -42,111 +33,124 @@ def map(scene: Union[Scene, str], forms: Union[Form, Sequence[Form], None] = Non
 
     >>> m = lb.map("near-benign", ["sphere.unified", "sphere.schoolbook"])
     """
-    on = scene_of(scene)
-    own, names = forms_of(forms)
-    _write_all(own, on, formats, metrics)
-    _, result = measured("lostbits_map", on.handle.pointer, c.byref(choice_of(own, names, formats, metrics, pixels)),
-                          own=own, threads=threads, progress=progress, title="map")
+    on, asked = scene_of(scene), Asked(forms, formats, metrics, pixels)
+    asked.write_for(on.sampler)
+    _, result = asked.call("lostbits_map", on.handle.pointer, threads=threads, progress=progress)
     return Map(tables_of(result), on.size)
 
 
-def judge(o: Floats, d: Floats, t: Optional[Floats], hit: Optional[NDArray[np.bool_]] = None, solids: Any = None, *,
-          shape: str = "sphere", paired: bool = False, forms: Union[Form, Sequence[Form], None] = None,
-          formats: Sequence[str] = (), metrics: Sequence[str] = (), rows: bool = True, threads: int = 0,
-          progress: bool = True, tmin: Optional[Floats] = None, tmax: Optional[Floats] = None,
-          format: Optional[str] = None, direction: str = "any", touching: str = "hit", at_origin: str = "hit",
-          inside: str = "usual") -> Judgement:
+def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None = None, solids: Any = None, *,
+          shape: str = "sphere", paired: bool = False, forms: Forms = None, formats: Texts = (), metrics: Texts = (),
+          by: Any = None, bits: float | None = None, tolerance: float | None = None, rows: bool = True,
+          threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
+          open_ends: str = "none", format: str | None = None, direction: str = "any", touching: str = "hit",
+          at_origin: str = "hit", inside: str = "usual") -> Judgement:
     """Rays and the answers that some code gave to them, against the certified truth.
 
     `o`, `d`: n x 3, float32 or float64, read where they lie, whatever their strides. `t`: n, in lengths of d (of d
     normalised with direction="unit"), nan where it misses; `hit`: n booleans, where t does not say it. `solids`: m x k
-    numbers of a `shape`, which every ray is aimed at, or with paired=True one a ray, or a scene. `forms`: others that
-    answer to the same rays. `format`: what t was computed in; by its type where absent. The result: `.summary`,
-    `.frame`, `.rays` (a row a ray: outcome, lost_bits, truth, ...), `.of["sphere.unified", "f32"]`.
+    numbers of a `shape`, which every ray is aimed at, or with paired=True one a ray, or a scene. `tmin`, `tmax`: where
+    each ray begins and ends, both ends being part of it but for open_ends="tmin", "tmax" or "both". `forms`: others
+    that answer to the same rays. `format`: what t was computed in; by its type where absent.
+
+    The result: `.summary`, `.frame`, `.rays` (a row a ray: outcome, lost_bits, truth, ...), `.of["sphere.unified",
+    "f32"]`. `by`, an item a ray (depth, material, instance): the summary also has a row for each value, in its column
+    `by`. `bits`: counts, in enough_bits_too_few, the hits that keep fewer. `tolerance`, in the unit of length of the
+    numbers given: in tolerance_beyond those farther than it from the true point, along the ray.
     """
-    own, names = forms_of(forms)
-    given = Rays(o, d, solids, shape, t, hit, tmin, tmax, paired, format, direction, touching, at_origin, inside)
-    formats = list(formats) or [format or ("f64" if t is not None and t.dtype == np.float64 else "f32")]
-    _, result = measured("lostbits_judge", c.byref(given.raw), c.byref(choice_of(own, names, formats, metrics, rows)),
-                          own=own, threads=threads, progress=progress, title="judge")
-    return Judgement(tables_of(result))
+    wished = [f"enough_bits:{bits!r}"] if bits is not None else []
+    if tolerance is not None:
+        wished += ["distance_error", f"tolerance:{float(tolerance)!r}"]
+    given = Rays(o, d, solids, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, open_ends=open_ends,
+                 format=format, direction=direction, touching=touching, at_origin=at_origin, inside=inside)
+    own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
+    asked = Asked(forms, formats or own_format, [*texts(metrics), *wished], rows)
+    _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
+    tables = tables_of(result)
+    if by is not None:
+        tables["summary"].columns["by"].rename(given.values)
+    return Judgement(tables)
 
 
 def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", format: str = "f32",
-        paired: bool = False, written: bool = False, threads: int = 0) -> Table:
+        paired: bool = False, written: bool = False, tmin: Floats | None = None, tmax: Floats | None = None,
+        threads: int = 0) -> Table:
     """What a form answers to rays, in any format: a table of `hit` (n booleans) and `t` (n, nan where it misses).
 
     `written`: of an intersector of one's own, what its operations give, which other formats than f32 and f64 run.
     """
-    own, names = forms_of(form)
-    given = Rays(o, d, solids, own[0].shape if own else shape, paired=paired)
-    if own and not written and format not in ("f32", "f64"):
-        dtype_of = given.kept
-        own[0].write(lambda dtype: _paired_sample(dtype_of, paired, dtype))
-    _, result = measured("lostbits_answers", c.byref(given.raw),
-                          c.byref(choice_of(own, names, [format], (), False, written)), own=own, threads=threads)
-    return next(iter(tables_of(result).values()))
+    asked = Asked(form, format, written=written)
+    given = Rays(o, d, solids, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
 
+    def sample(dtype: Any) -> Any:
+        o, d, solids = (np.asarray(a, dtype=dtype)[:4096] for a in given.kept[:3])
+        return o, d, solids if paired else solids[np.arange(len(o)) * len(solids) // len(o)]
 
-def _paired_sample(kept: Sequence[Any], paired: bool, dtype: Any) -> Tuple[Floats, Floats, Floats]:
-    o, d, solids = (np.asarray(a, dtype=dtype)[:4096] for a in kept[:3])
-    return o, d, solids if paired else solids[np.arange(len(o)) * len(solids) // len(o)]
+    asked.write_for(lambda _: sample)
+    return asked.answers(given, threads=threads)
 
 
 def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
-          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", tmin: Optional[Floats] = None,
-          tmax: Optional[Floats] = None, threads: int = 0) -> Truths:
+          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", tmin: Floats | None = None,
+          tmax: Floats | None = None, open_ends: str = "none", threads: int = 0) -> Truths:
     """The certified truth of rays: `hit` (booleans), `t` (the nearest double, nan of a miss) and `t_lo` (what is
     left, so that t + t_lo is the exact t to 2^-72 of itself), `solid` (which is hit first, from 0; -1 of a miss),
     `resolved`.
 
     `o`, `d`: n x 3 of float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre,
-    radius), or a scene.
+    radius), or a scene. `tmin`, `tmax`, `open_ends`: where each ray begins and ends, as in lb.judge.
     """
-    given = Rays(o, d, solids, shape, None, None, tmin, tmax, paired, "f64", direction, touching, at_origin, inside)
-    _, result = measured("lostbits_truth", c.byref(given.raw), threads=threads)
-    return Truths(tables_of(result)["truth"])
+    given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, open_ends=open_ends, format="f64",
+                 direction=direction, touching=touching, at_origin=at_origin, inside=inside)
+    return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])
 
 
-def sweep(of: Union[Scene, str], forms: Union[Form, Sequence[Form], None] = None,
-          formats: Sequence[str] = ("f32", "f64"), *, along: Union[str, Mapping[str, float], None] = None,
-          start: Optional[float] = None, to: Optional[float] = None, steps: int = 41, spacing: str = "log2",
-          metrics: Sequence[str] = (), data: Optional[str] = None, threads: int = 0, progress: bool = True) -> Sweep:
+def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", strategies: Texts = (),
+            points: str = "both", *, threads: int = 0, progress: bool = True) -> Offsets:
+    """By how much the origin of the next ray must move, point by point, and what published strategies do.
+
+    `forms` find the points and are asked for self-hits: of spheres or boxes; none: sphere.half_b, box.ieee_minmax.
+    `strategies`: names and globs; none: all. `points`: "computed", "projected" (put back onto the surface) or "both".
+    The result: `.summary`, a row a strategy, side, point, form and format, with lengths in the scene's own unit.
+    """
+    on, asked, words = scene_of(scene), Asked(forms, formats), lib.Words(texts(strategies))
+    _, result = asked.call("lostbits_offsets", on.handle.pointer, c.byref(words), points.encode(), threads=threads,
+                           progress=progress)
+    return Offsets(tables_of(result)["offsets"])
+
+
+def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
+          along: Union[str, Mapping[str, float], None] = None, start: float | None = None, to: float | None = None,
+          steps: int = 41, spacing: str = "log2", metrics: Texts = (), data: str | None = None, threads: int = 0,
+          progress: bool = True) -> Sweep:
     """The numbers of a map along a parameter, and where they first go wrong.
 
     `of`: a sweep that ships with lostbits, a path to one, its text; or a scene, with `along` the path of the number
     that changes ("sphere[0].radius"), several paths and the factor of each ({"camera.eye[2]": 2}), or "distance": the
-    one sphere of the scene moves away from the camera. The number goes from `start` (of "distance":
-    what it is in the scene) `to`, in `steps`, spacing "log2" or "linear". The result: `.samples`, `.onsets`, `.frame`, `.plot()`.
+    one sphere of the scene moves away from the camera. The number goes from `start` (of "distance": what it is in the
+    scene) `to`, in `steps`, spacing "log2" or "linear". The result: `.samples`, `.onsets`, `.frame`, `.plot()`.
     """
-    own, names = forms_of(forms)
-    folder = data.encode() if data else lib.data_folder()
-    text, is_text, on = (of, "\n" in of, None) if isinstance(of, str) else ("", True, of)
-    if along is not None:
-        on = scene_of(of)
-        text, is_text = _sweep_text(on, along, start, to, steps, spacing, folder), True
-    elif on is not None:
-        raise lib.InputError("sweep: of a scene, say what changes: along=\"sphere[0].radius\", to=1e6")
-    _write_all(own, on, formats, metrics)
-    _, result = measured("lostbits_sweep", text.encode(), int(is_text), folder,
-                          c.byref(choice_of(own, names, formats, metrics)), own=own, threads=threads, progress=progress,
-                          title="sweep")
+    folder, asked = lib.data_folder(data), Asked(forms, formats, metrics)
+    on = of if isinstance(of, Scene) else None
+    text = _sweep_text(scene_of(of), along, start, to, steps, spacing, folder) if along is not None else of
+    if not isinstance(text, str):
+        raise lib.InputError(f"sweep: of {scene_of(text)!r}, say what changes: along=\"sphere[0].radius\", to=1e6")
+    if on is not None:
+        asked.write_for(on.sampler)
+    _, result = asked.call("lostbits_sweep", text.encode(), int("\n" in text), folder, threads=threads,
+                           progress=progress)
     return Sweep(tables_of(result))
 
 
-def _scene_path(on: Scene, folder: Optional[bytes]) -> str:
-    if on.name is None:
-        raise lib.InputError("sweep: this scene has no file; save its text as one, and name that")
-    path = os.path.join((folder or b"data").decode(), "scenes", on.name + ".toml")
-    return on.name if os.path.isfile(on.name) else path
-
-
-def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: Optional[float], to: Optional[float],
-                steps: int, spacing: str, folder: Optional[bytes]) -> str:
+def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float | None, to: float | None, steps: int,
+                spacing: str, folder: bytes | None) -> str:
     if to is None:
         raise lib.InputError("sweep: say how far, as in to=1e6")
-    path = os.path.abspath(_scene_path(on, folder))
-    bases: Optional[List[float]] = None
+    if on.name is None:
+        raise lib.InputError("sweep: this scene has no file; save its text as one, and name that")
+    in_data = os.path.join((folder or b"data").decode(), "scenes", on.name + ".toml")
+    path = os.path.abspath(on.name if os.path.isfile(on.name) else in_data)
+    bases: list[float] = []
     name = "value"
     if along == "distance":
         with open(path, "rb") as file:
@@ -160,58 +164,49 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: Option
         start = at if start is None else start
         along = {f"sphere[0].centre[{k}]": float(view[k]) for k in range(3)}
         bases, name = [float(x) for x in eye], "distance"
-    paths = {along: 1.0} if isinstance(along, str) else dict(along)
     if start is None:
         raise lib.InputError(f"sweep: along={along!r} is a number of the scene, and says nothing of where it begins; "
                              "write start=1, or along=\"distance\"")
+    paths = {along: 1.0} if isinstance(along, str) else dict(along)
+    axis = {"name": name, "unit": "world", "spacing": spacing, "from": float(start), "to": float(to),
+            "steps": int(steps), "set": list(paths), "factors": list(paths.values())}
+    if any(bases):
+        axis["bases"] = bases
     lines = ['schema = "lostbits-sweep/1"', f"title = {toml_text(f'{on.name} along {name}')}", 'source = "-"',
-             f"scene = {toml_text(path)}",
-             "[[axis]]", f"name = {toml_text(name)}", 'unit = "world"', f"spacing = {toml_text(spacing)}",
-             f"from = {toml_text(float(start))}", f"to = {toml_text(float(to))}", f"steps = {int(steps)}",
-             f"set = {toml_text(list(paths))}", f"factors = {toml_text(list(paths.values()))}"]
-    if bases is not None and any(bases):
-        lines.append(f"bases = {toml_text(bases)}")
+             f"scene = {toml_text(path)}", "[[axis]]", *(f"{key} = {toml_text(value)}" for key, value in axis.items())]
     return "\n".join(lines) + "\n"
 
 
-def explain(form: Form, scene: Union[Scene, str], pixel: Tuple[int, int], format: str = "f32") -> Explanation:
+def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format: str = "f32") -> Explanation:
     """One ray of a scene, operation by operation: which one loses the bits.
 
     `form`: a name, or an intersector of one's own, whose unchanged function is followed; what cannot be followed is an
     Unfollowed with the file and line. `pixel`: column and row, from the left and from the top. The result prints what
     `lostbits explain` says; `.operations` is a table of them (`.frame` in pandas), `.culprit` names the one to blame.
     """
-    on = scene_of(scene)
-    own, names = forms_of(form)
-    if len(own) + len(names) != 1:
+    on, asked = scene_of(scene), Asked(form, format)
+    if len(asked.own) + len(asked.names) != 1:
         raise lib.InputError("explain looks at one form; name one")
     if not (isinstance(pixel, tuple) and len(pixel) == 2):
         raise lib.InputError(f"pixel is (column, row), such as (100, 90), not {pixel!r}")
-    for mine in own:
-        mine.write(lambda dtype: on.sample(mine.shape, dtype))
-    result = lib.Handle("result")
-    try:
-        lib.call("lostbits_explain", on.handle.pointer, c.c_int(pixel[0]), c.c_int(pixel[1]),
-                 c.byref(choice_of(own, names, [format])), c.byref(result.pointer))
-    except lib.Error:
-        for mine in own:
-            mine.raise_own()
-        raise
+    asked.write_for(on.sampler, always=True)
+    _, result = asked.call("lostbits_explain", on.handle.pointer, c.c_int(pixel[0]), c.c_int(pixel[1]), quick=True)
     text, found = texts_of(result)
-    lines = own[0].tapes[64 if format == "f64" else 32] if own else None
-    return Explanation(text, json.loads(found), lines)
+    tapes = asked.own[0].tapes if asked.own else {}
+    return Explanation(text, json.loads(found), tapes.get(format, tapes.get("f32")))
 
 
-def choose(scene: Union[Scene, str], bits: float, *, wrong: float = 0, at: str = "p99",
-           forms: Union[Form, Sequence[Form], None] = None, formats: Sequence[str] = ("f32", "f64"), threads: int = 0,
+def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: float | None = None, wrong: float = 0,
+           at: str = "p99", forms: Forms = None, formats: Texts = _both, threads: int = 0,
            progress: bool = True) -> Choice:
-    """The cheapest form and format that keeps `bits` correct bits of t on `at` ("p99", "max") of the hits and decides
-    at most a share `wrong` of the rays wrongly. The result: `.chosen`, (form, format) or None; `.candidates`, cheapest
-    first; `.room`, how far it holds; `.text`. Times are measured anew each time.
+    """The cheapest form and format that keeps `bits` correct bits of t on `at` ("p99", "max") of the hits, whose hit
+    point is no farther than `tolerance` from the true one along the ray (in the scene's own unit of length), and that
+    decides at most a share `wrong` of the rays wrongly. The result: `.chosen`, (form, format) or None; `.candidates`,
+    cheapest first; `.room`, how far it holds; `.text`. Times are measured anew each time.
     """
-    on = scene_of(scene)
-    own, names = forms_of(forms)
-    code, result = measured("lostbits_choose", on.handle.pointer, c.c_double(bits), c.c_double(wrong),
-                             at.encode(), c.byref(choice_of(own, names, formats)), own=own, threads=threads,
-                             progress=progress, title="choose")
+    if bits is None and tolerance is None:
+        raise lib.InputError("choose: nothing is wished; say bits=16, of t, or tolerance=0.001, of the hit point")
+    on, asked = scene_of(scene), Asked(forms, formats)
+    wish = lib.Wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at.encode())
+    code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)
     return Choice(tables_of(result), texts_of(result)[0], code == 0)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Tuple
+import functools
+from typing import Any, Callable
 
 import numpy as np
 
 from ._trace import Traced, elementwise, fail, known, tape, traced
 
 
-_orders: Dict[Any, Any] = {}
+_orders: dict[Any, Any] = {}
 _numbers = np.random.default_rng(1).random(1 << 14)
-_candidates: Dict[int, Dict[str, Callable[[Any, Any], Any]]] = {
+_candidates: dict[int, dict[str, Callable[[Any, Any], Any]]] = {
     3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]), 
         "last pair first": lambda p, add: add(p[0], add(p[1], p[2])),
         "ends first": lambda p, add: add(add(p[0], p[2]), p[1])},
@@ -22,13 +23,17 @@ _candidates: Dict[int, Dict[str, Callable[[Any, Any], Any]]] = {
 }
 
 
-def _random(shape: Tuple[int, ...], which: int = 0) -> Any:
+def _random(shape: tuple[int, ...], which: int = 0) -> Any:
     """Numbers of many rays, which rounding tells apart; those of `which` differ."""
     many = (64, *shape[1:]) if shape and shape[0] == 1 else shape
     return np.roll(_numbers, 4111 * which)[:int(np.prod(many))].reshape(many).astype(tape().dtype)
 
 
-def _order(key: Any, terms: int, ask: Callable[[], Tuple[Any, List[Any]]]) -> Any:
+def _plus(x: Any, y: Any) -> Traced:
+    return elementwise(np.add, [x, y])
+
+
+def _order(key: Any, terms: int, ask: Callable[[], tuple[Any, list[Any]]]) -> Any:
     """How numpy adds: the order that gives its very bits on random numbers. `ask()` returns what numpy makes of
     them and the terms."""
     if key not in _orders:
@@ -50,7 +55,7 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
     if out is not None or initial is not None and initial is not getattr(np, "_NoValue", None):
         raise fail(f"np.{name}.reduce with out= or initial= is not followed")
     if name in ("logical_or", "logical_and") and (axis is None or axis == 0) and array.ndim == 1:
-        made = Traced(np.array(True), np.array(0))
+        made = Traced(np.array(name == "logical_or"), np.array(0))
         made.of_batch = True
         return made
     if axis is None and array.ndim != 1 or isinstance(axis, tuple) and len(axis) != 1:
@@ -61,7 +66,7 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
     parts = [array[(slice(None),) * at + (k,)] for k in range(array.shape[at])]
     combine: Any = lambda x, y: elementwise(ufunc, [x, y])
     if name == "add":
-        def ask() -> Tuple[Any, List[Any]]:
+        def ask() -> tuple[Any, list[Any]]:
             numbers = _random(array.shape)
             return np.add.reduce(numbers, axis=at), [numbers.take(k, at) for k in range(len(parts))]
         made = _order(("sum", array.shape, at, tape().dtype), len(parts), ask)(parts, combine)
@@ -99,13 +104,13 @@ def _einsum(subscripts: str, *operands: Any, **options: Any) -> Traced:
             return taken[key]
         raise fail(f"np.einsum({subscripts!r}) moves axes, which is not followed")
 
-    def ask() -> Tuple[Any, List[Any]]:
+    def ask() -> tuple[Any, list[Any]]:
         x, y = _random(a.shape), _random(b.shape, 1)
         return np.einsum(spec, x, y), [items(x, 0, k) * items(y, 1, k) for k in range(a.shape[axes[0]])]
 
     order = _order((spec, a.shape, b.shape, tape().dtype), a.shape[axes[0]], ask)
     parts = [items(a, 0, k) * items(b, 1, k) for k in range(a.shape[axes[0]])]
-    return order(parts, lambda x, y: elementwise(np.add, [x, y]))  # type: ignore[no-any-return]
+    return order(parts, _plus)  # type: ignore[no-any-return]
 
 
 def _product(function: Any, a: Any, b: Any) -> Traced:
@@ -116,13 +121,12 @@ def _product(function: Any, a: Any, b: Any) -> Traced:
     if b.ndim != 1:
         raise fail(f"np.{function.__name__} with a matrix second is not followed; write np.einsum('ij,ij->i', a, b)")
 
-    def ask() -> Tuple[Any, List[Any]]:
+    def ask() -> tuple[Any, list[Any]]:
         x, y = _random(a.shape), _random(b.shape, 1)
         return function(x, y), [x[..., k] * y[k] for k in range(len(y))]
 
     order = _order((function.__name__, a.shape, b.shape, tape().dtype), len(b), ask)
-    return order([a[..., k] * b[k] for k in range(len(b))],  # type: ignore[no-any-return]
-                 lambda x, y: elementwise(np.add, [x, y]))
+    return order([a[..., k] * b[k] for k in range(len(b))], _plus)  # type: ignore[no-any-return]
 
 
 def _cross(a: Any, b: Any, axisa: int = -1, axisb: int = -1, axisc: int = -1, axis: Any = None) -> Traced:
@@ -155,6 +159,9 @@ def _moved(function: Any) -> Callable[..., Traced]:
     return run
 
 
+CREATED = {"zeros": 0, "empty": 0, "ones": 1}  # what np.NAME fills an array with
+
+
 def filled(shape: Any, value: Any) -> Traced:
     made = traced(value, tape().dtype)
     return Traced(np.full(shape, made.value, dtype=tape().dtype), np.full(shape, made.nodes),
@@ -167,23 +174,18 @@ def _clip(a: Any, low: Any = None, high: Any = None, **_: Any) -> Traced:
 
 
 known.update({
-    "reduce": _reduce, np.matmul: lambda a, b: _product(np.matmul, a, b), np.einsum: _einsum,
-    np.dot: lambda a, b: _product(np.dot, a, b), np.cross: _cross,
-    np.inner: lambda a, b: _product(np.inner, a, b), np.linalg.norm: _norm, np.clip: _clip,
-    np.sum: lambda a, axis=None, **o: _reduce(np.add, a, axis, **o),
-    np.min: lambda a, axis=None, **o: _reduce(np.minimum, a, axis, **o),
-    np.max: lambda a, axis=None, **o: _reduce(np.maximum, a, axis, **o),
-    np.any: lambda a, axis=None, **o: _reduce(np.logical_or, a, axis, **o),
-    np.all: lambda a, axis=None, **o: _reduce(np.logical_and, a, axis, **o),
+    "reduce": _reduce, np.einsum: _einsum, np.cross: _cross, np.linalg.norm: _norm, np.clip: _clip,
     np.shape: lambda a: a.shape, np.ndim: lambda a: a.ndim, np.size: lambda a: a.size,
-    np.zeros_like: lambda a, **o: filled(o.get("shape") or a.shape, 0),
-    np.empty_like: lambda a, **o: filled(o.get("shape") or a.shape, 0),
-    np.ones_like: lambda a, **o: filled(o.get("shape") or a.shape, 1),
     np.full_like: lambda a, fill_value, **o: filled(o.get("shape") or a.shape, fill_value),
 })
+for _function in (np.matmul, np.dot, np.inner):
+    known[_function] = functools.partial(_product, _function)
+for _name, _ufunc in (("sum", np.add), ("min", np.minimum), ("max", np.maximum), ("amin", np.minimum),
+                      ("amax", np.maximum), ("any", np.logical_or), ("all", np.logical_and)):
+    known[getattr(np, _name)] = functools.partial(_reduce, _ufunc)
+for _name, _value in CREATED.items():
+    known[getattr(np, _name + "_like")] = functools.partial(known[np.full_like], fill_value=_value)
 for _name in ("stack", "concatenate", "moveaxis", "transpose", "reshape", "squeeze", "expand_dims", "broadcast_to",
               "copy", "swapaxes", "atleast_1d", "atleast_2d", "ravel", "take", "roll", "flip", "vstack",
               "column_stack"):
     known[getattr(np, _name)] = _moved(getattr(np, _name))
-for _alias in ("amin", "amax"):
-    known[getattr(np, _alias)] = known[getattr(np, _alias[1:])]

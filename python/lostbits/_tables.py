@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 import difflib
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,49 @@ from numpy.typing import NDArray
 from ._library import ColumnWords, EnvironmentFault, Handle, TableWords, library
 
 
-def _view(address: int, rows: int, item: Any, keeps: Handle) -> NDArray[Any]:
+def frame_of(columns: Any) -> Any:
+    """A pandas.DataFrame of arrays by name, or of rows."""
+    try:
+        import pandas
+    except ImportError:
+        raise EnvironmentFault("pandas is not installed; the arrays are there without it") from None
+    return pandas.DataFrame(columns)
+
+
+class Column:
+    """A column of a table: `values` (floats with nan where missing, texts with None, or codes), unit and meaning."""
+
+    def __init__(self, raw: Any, rows: int, keeps: Handle) -> None:
+        self.name, self.type, self.unit, self.meaning = (
+            text.decode() for text in (raw.name, raw.type, raw.unit, raw.meaning))
+        self.codes: NDArray[np.uint8] | None = None
+        if raw.categories:
+            self.codes = _view(raw.categories, rows, c.c_uint8, keeps)
+            self.categories = [raw.names[i].decode() for i in range(raw.name_count)]
+        elif raw.texts:
+            texts = [raw.texts[i] for i in range(rows)]
+            self._kept = np.array([None if text is None else text.decode() for text in texts], dtype=object)
+        else:
+            self._kept = _view(raw.numbers, rows, c.c_double, keeps)
+
+    def rename(self, values: NDArray[Any]) -> None:
+        """Texts that are places among values become those values."""
+        self._kept = np.array([None if text is None else values[int(text)] for text in self._kept], dtype=object)
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """As numpy has them: integers where none is missing, categories as texts."""
+        if self.codes is not None:
+            names = np.array([*self.categories, *[None] * (256 - len(self.categories))], dtype=object)
+            return names[self.codes]
+        if self.type in ("integer", "boolean") and not np.isnan(self._kept).any():
+            return self._kept.astype(bool if self.type == "boolean" else np.int64)
+        return self._kept
+
+
+def _view(address: int | None, rows: int, item: Any, keeps: Handle) -> NDArray[Any]:
     """The memory of a result as an array, without a copy. The array keeps the result for as long as it lives."""
-    if rows == 0:
+    if rows == 0 or address is None:
         return np.empty(0, dtype=np.dtype(item))
     memory = (item * rows).from_address(address)
     memory.keeps = keeps
@@ -23,40 +63,10 @@ def _view(address: int, rows: int, item: Any, keeps: Handle) -> NDArray[Any]:
     return array
 
 
-class Column:
-    """A column of a table: `values` (floats with nan where missing, texts with None, or codes), unit and meaning."""
-
-    def __init__(self, raw: ColumnWords, rows: int, keeps: Handle) -> None:
-        self.name, self.type = raw.name.decode(), raw.type.decode()
-        self.unit, self.meaning = raw.unit.decode(), raw.meaning.decode()
-        self.categories: Optional[List[str]] = None
-        self.codes: Optional[NDArray[np.uint8]] = None
-        self._texts: Optional[List[Optional[str]]] = None
-        if raw.categories:
-            self.codes = _view(c.addressof(raw.categories.contents), rows, c.c_uint8, keeps)
-            self.categories = [raw.names[i].decode() for i in range(raw.name_count)]
-        elif raw.texts:
-            self._texts = [None if raw.texts[i] is None else raw.texts[i].decode() for i in range(rows)]
-        else:
-            self._numbers = _view(c.addressof(raw.numbers.contents) if rows else 0, rows, c.c_double, keeps)
-
-    @property
-    def values(self) -> NDArray[Any]:
-        """As numpy has them: integers where none is missing, categories as texts."""
-        if self.codes is not None and self.categories is not None:
-            names = np.array([*self.categories, *[None] * (256 - len(self.categories))], dtype=object)
-            return names[self.codes]
-        if self._texts is not None:
-            return np.array(self._texts, dtype=object)
-        if self.type in ("integer", "boolean") and not np.isnan(self._numbers).any():
-            return self._numbers.astype(bool if self.type == "boolean" else np.int64)
-        return self._numbers
-
-
 class Table:
     """Columns of one length, as the CSV files of the program have them: `table["false_miss"]`, `table.frame`."""
 
-    def __init__(self, name: str, columns: Dict[str, Column], rows: int) -> None:
+    def __init__(self, name: str, columns: dict[str, Column], rows: int) -> None:
         self.name, self.columns, self._rows = name, columns, rows
 
     def __len__(self) -> int:
@@ -78,33 +88,29 @@ class Table:
     def _no(self, column: str) -> str:
         names = list(self.__dict__.get("columns", {}))
         near = difflib.get_close_matches(column, names, 3) or names[:8]
-        return (f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}. Columns of a metric are there "
-                "where it was asked for, as in metrics=[\"lost_bits\", \"culprit\"]")
+        return (f"no column {column!r}; there are {len(names)}, such as {', '.join(near)}. Columns of a metric are "
+                "there where it was asked for, as in metrics=[\"lost_bits\", \"culprit\"]")
 
-    def __dir__(self) -> List[str]:
+    def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.columns]
 
     @property
     def frame(self) -> Any:
         """The table as a pandas.DataFrame."""
-        try:
-            import pandas
-        except ImportError:
-            raise EnvironmentFault("pandas is not installed; table['COLUMN'] gives arrays without it") from None
-        return pandas.DataFrame({name: self[name] for name in self.columns})
+        return frame_of({name: column.values for name, column in self.columns.items()})
 
     def __repr__(self) -> str:
         return f"<lostbits table {self.name}: {self._rows} rows of {', '.join(self.columns)}>"
 
 
-def tables_of(result: Handle) -> Dict[str, Table]:
+def tables_of(result: Handle) -> dict[str, Table]:
     """All tables of a result, by their names."""
-    tables: Dict[str, Table] = {}
+    tables: dict[str, Table] = {}
     table, column = TableWords(), ColumnWords()
-    while library.lostbits_result_table(result.pointer, len(tables), c.byref(table)) == 0:
-        columns: Dict[str, Column] = {}
+    while library.lostbits_result_table(result.pointer, c.c_size_t(len(tables)), c.byref(table)) == 0:
+        columns: dict[str, Column] = {}
         for k in range(table.columns):
-            library.lostbits_result_column(result.pointer, len(tables), k, c.byref(column))
+            library.lostbits_result_column(result.pointer, c.c_size_t(len(tables)), c.c_size_t(k), c.byref(column))
             made = Column(column, table.rows, result)
             columns[made.name] = made
         name = table.name.decode()
@@ -112,10 +118,9 @@ def tables_of(result: Handle) -> Dict[str, Table]:
     return tables
 
 
-def texts_of(result: Handle) -> List[str]:
+def texts_of(result: Handle) -> list[str]:
     """All texts of a result."""
-    texts: List[str] = []
-    while (text := library.lostbits_result_text(result.pointer, len(texts))) is not None:
+    texts: list[str] = []
+    while (text := library.lostbits_result_text(result.pointer, c.c_size_t(len(texts)))) is not None:
         texts.append(text.decode())
     return texts
-

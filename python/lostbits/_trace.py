@@ -12,7 +12,7 @@ import math
 import sys
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Iterator
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -26,7 +26,7 @@ class Unfollowed(TypeError):
     """Something in a function that cannot be followed; says where."""
 
 
-def user_line() -> Tuple[str, int]:
+def user_line() -> tuple[str, int]:
     frame: Any = sys._getframe(1)
     while frame is not None:
         name = frame.f_code.co_filename
@@ -46,10 +46,11 @@ class Tape:
 
     def __init__(self, dtype: Any, implicit: bool) -> None:
         self.dtype, self.implicit = np.dtype(dtype), implicit
-        self.ops: List[Tuple[str, Tuple[int, int, int], float]] = []
-        self.labels: Dict[int, str] = {}
-        self.lines: List[int] = []
-        self._made: Dict[Tuple[str, Tuple[int, int, int], float], int] = {}
+        self.ops: list[tuple[str, tuple[int, int, int], float]] = []
+        self.labels: dict[int, str] = {}
+        self.branches: list[str] = []  # where `if` asked the whole batch
+        self.lines: list[int] = []
+        self._made: dict[tuple[str, tuple[int, int, int], float], int] = {}
 
     def add(self, op: str, *operands: int, value: float = 0.0) -> int:
         a, b, k = (*operands, -1, -1, -1)[:3]
@@ -77,7 +78,7 @@ class Tape:
 
 here = threading.local()
 # What is followed of numpy's functions, each by itself; `_sums` adds to it.
-known: Dict[Any, Callable[..., Any]] = {}
+known: dict[Any, Callable[..., Any]] = {}
 
 
 def tape() -> Tape:
@@ -102,12 +103,6 @@ class Traced(NDArrayOperatorsMixin):
         self.valid = np.full(self.nodes.shape, ALWAYS) if valid is None else np.asarray(valid, dtype=np.int64)
         self.of_batch = False
 
-    shape = property(lambda self: self.value.shape)
-    ndim = property(lambda self: self.value.ndim)
-    size = property(lambda self: self.value.size)
-    dtype = property(lambda self: self.value.dtype)
-    T = property(lambda self: self.transpose())
-
     def __len__(self) -> int:
         return len(self.value)
 
@@ -118,8 +113,9 @@ class Traced(NDArrayOperatorsMixin):
         return Traced(change(self.value), change(self.nodes), change(self.valid))
 
     def __bool__(self) -> bool:
-        if self.of_batch:
-            return True  # a short cut for batches without a hit, or with nothing but hits, changes no answer
+        if self.of_batch:  # of any(): yes; of all(): no. What a batch of both kinds gives is right for each ray
+            tape().branches.append("{}:{}".format(*user_line()))
+            return bool(self.value)
         raise fail("`if` (or `and`, `or`, `not`) on an array of rays: each ray may differ; write np.where or a mask")
 
     def _no_number(self, *_: Any, **__: Any) -> Any:
@@ -149,6 +145,10 @@ class Traced(NDArrayOperatorsMixin):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
+        if name in ("shape", "ndim", "size", "dtype"):
+            return getattr(self.value, name)
+        if name == "T":
+            return self.transpose()
         if name in ("reshape", "transpose", "copy", "ravel", "flatten", "squeeze", "swapaxes", "take"):
             return lambda *a, **o: self._like(lambda x: getattr(x, name)(*a, **o))
         if name in ("sum", "min", "max", "any", "all", "dot", "clip"):
@@ -190,7 +190,7 @@ class Traced(NDArrayOperatorsMixin):
         return run(*arguments, **options)
 
 
-def _mask_of(key: Any) -> Optional[Traced]:
+def _mask_of(key: Any) -> Traced | None:
     """The decision that an index is; None of an index of places."""
     if isinstance(key, Traced):
         if key.dtype != bool:
@@ -201,6 +201,15 @@ def _mask_of(key: Any) -> Optional[Traced]:
     return None
 
 
+def _each(value: Any, parts: list[Any], one: Callable[..., tuple[int, int]]) -> Traced:
+    """An array of that value, whose items `one` makes of those of the parts: the place and the decision of each."""
+    nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
+    parts = [np.broadcast_to(part, value.shape) for part in parts]
+    for i in np.ndindex(value.shape):
+        nodes[i], valid[i] = one(*(part[i].item() for part in parts))
+    return Traced(value, nodes, valid)
+
+
 def traced(x: Any, dtype: Any) -> Traced:
     """Constants too: their items are operations of the list."""
     if isinstance(x, Traced):
@@ -208,20 +217,18 @@ def traced(x: Any, dtype: Any) -> Traced:
     value = np.asarray(x) if dtype is None else np.asarray(x, dtype=dtype)
     if value.dtype == object:
         raise fail(f"{type(x).__name__} is not an array of numbers")
-    nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
     written = tape()
-    for i in np.ndindex(value.shape):
+
+    def one(item: Any) -> tuple[int, int]:
         if value.dtype == bool:
             zero, one = written.add("constant", value=0.0), written.add("constant", value=1.0)
-            nodes[i] = written.add("less", zero, one) if value[i] else written.add("less", one, zero)
-            continue
-        number = float(written.dtype.type(value[i]))
+            return written.add("less", *((zero, one) if item else (one, zero))), ALWAYS
+        number = float(written.dtype.type(item))
         nan = math.isnan(number)
-        nodes[i] = written.add("constant", value=0.0 if nan else number)
-        valid[i] = written.never() if nan else ALWAYS
-    if value.ndim and value.dtype != bool:
-        value = value.astype(np.float64 if dtype is None else dtype)
-    return Traced(value, nodes, valid)
+        return written.add("constant", value=0.0 if nan else number), written.never() if nan else ALWAYS
+
+    weak = value.ndim == 0 or value.dtype == bool
+    return _each(value if weak else value.astype(np.float64 if dtype is None else dtype), [value], one)
 
 
 def _computed(made: Any, what: str) -> Any:
@@ -233,7 +240,7 @@ def _computed(made: Any, what: str) -> Any:
     return made
 
 
-def elementwise(ufunc: Any, inputs: List[Traced]) -> Traced:
+def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
     name, written = ufunc.__name__, tape()
     if name == "power":
         return _power(*inputs)
@@ -241,20 +248,16 @@ def elementwise(ufunc: Any, inputs: List[Traced]) -> Traced:
         # One item has a type of its own; a constant is weak beside arrays.
         given = [x.value if x.ndim or x.value.dtype == bool else x.value[()].item() for x in inputs]
         value = _computed(ufunc(*given), name)
-    nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
-    of = [np.broadcast_to(x.nodes, value.shape) for x in inputs]
-    when = [np.broadcast_to(x.valid, value.shape) for x in inputs]
-    for i in np.ndindex(value.shape):
-        nodes[i], valid[i] = _one(written, name, [a[i] for a in of], [a[i] for a in when])
-    return Traced(value, nodes, valid)
+    n = len(inputs)
+    return _each(value, [x.nodes for x in inputs] + [x.valid for x in inputs],
+                 lambda *items: _one(written, name, list(items[:n]), list(items[n:])))
 
 
-def _one(written: Tape, name: str, a: List[int], valid: List[int]) -> Tuple[int, int]:
+def _one(written: Tape, name: str, a: list[int], valid: list[int]) -> tuple[int, int]:
     """One item: its place in the list, and under which decision it is a number."""
-    a = [int(k) for k in a]
     all_valid = ALWAYS
     for v in valid:
-        all_valid = written.both(all_valid, int(v))
+        all_valid = written.both(all_valid, v)
     if name in _plain:
         return written.add(_plain[name], *a), all_valid
     if name == "sqrt":
@@ -299,28 +302,25 @@ def where(condition: Any, a: Any = None, b: Any = None) -> Traced:
     written = tape()
     m, x, y = traced(condition, None), traced(a, None), traced(b, None)
     with np.errstate(all="ignore"):
-        sides: List[Any] = [v.value if v.ndim else v.value[()].item() for v in (x, y)]
+        sides: list[Any] = [v.value if v.ndim else v.value[()].item() for v in (x, y)]
         value = np.where(m.value, sides[0], sides[1])
     if value.dtype != bool:
         value = value.astype(written.dtype)
-    nodes, valid = np.empty(value.shape, dtype=np.int64), np.full(value.shape, ALWAYS)
-    parts = [np.broadcast_to(p, value.shape) for p in (m.nodes, x.nodes, x.valid, y.nodes, y.valid)]
-    for i in np.ndindex(value.shape):
-        k, xn, xv, yn, yv = (int(p[i]) for p in parts)
+
+    def one(k: int, xn: int, xv: int, yn: int, yv: int) -> tuple[int, int]:
         never = written.never() if ALWAYS not in (xv, yv) or xv != yv else ALWAYS
         if value.dtype == bool:
-            nodes[i] = written.add("either", written.both(k, xn), written.both(written.opposite(k), yn))
-        elif yv == never and yv != ALWAYS:
-            nodes[i], valid[i] = xn, written.both(k, xv)
-        elif xv == never and xv != ALWAYS:
-            nodes[i], valid[i] = yn, written.both(written.opposite(k), yv)
-        else:
-            nodes[i] = xn if xn == yn else written.add("select", k, xn, yn)
-            if xv != yv:
-                valid[i] = written.add("either", written.both(k, xv), written.both(written.opposite(k), yv))
-            else:
-                valid[i] = xv
-    return Traced(value, nodes, valid)
+            return written.add("either", written.both(k, xn), written.both(written.opposite(k), yn)), ALWAYS
+        if yv == never and yv != ALWAYS:
+            return xn, written.both(k, xv)
+        if xv == never and xv != ALWAYS:
+            return yn, written.both(written.opposite(k), yv)
+        node = xn if xn == yn else written.add("select", k, xn, yn)
+        if xv == yv:
+            return node, xv
+        return node, written.add("either", written.both(k, xv), written.both(written.opposite(k), yv))
+
+    return _each(value, [m.nodes, x.nodes, x.valid, y.nodes, y.valid], one)
 
 
 known[np.where] = where

@@ -215,6 +215,87 @@ int client_judges_arrays(void) {
     return 0;
 }
 
+/* Three times the same ray at a sphere: from 0 on, from inside of the sphere on, and ending before it. */
+int client_gives_ranges_and_groups(void) {
+    lostbits_error error;
+    lostbits_result *result = NULL, *truth = NULL;
+    lostbits_table table;
+    lostbits_column column;
+    const double origin[] = {0, 0, -5}, direction[] = {0, 0, 1}, sphere[] = {0, 0, 0, 1};
+    const double tmin[] = {0, 4.5, 0}, tmax[] = {10, 10, 3}, material[] = {7, 2.5, 7}, t[] = {4, 6, -1};
+    lostbits_choice choice = {{NULL, 0}, NULL, 0, {NULL, 0}, {NULL, 0}, 0, 0};
+    lostbits_rays rays;
+    memset(&rays, 0, sizeof rays);
+    rays.count = 3;
+    rays.origin.data = origin, rays.origin.item_step = 8, rays.origin.bits = 64;
+    rays.direction = rays.origin;
+    rays.direction.data = direction;
+    rays.solids = rays.origin;
+    rays.solids.data = sphere;
+    rays.shape = "sphere";
+    rays.solid_count = 1;
+    rays.tmin.data = tmin, rays.tmin.step = 8, rays.tmin.bits = 64;
+    rays.tmax = rays.t = rays.by = rays.tmin;
+    rays.tmax.data = tmax;
+    rays.t.data = NULL;
+    rays.by.data = material;
+    HOLDS(lostbits_truth(&rays, NULL, &truth, &error) == LOSTBITS_OK);
+    HOLDS(column_named(truth, 0, "t_hi", &column) && column.numbers[0] == 4 && column.numbers[1] == 6);
+    HOLDS(isnan(column.numbers[2]));
+    lostbits_result_free(truth);
+    rays.open_ends = "left";
+    HOLDS(lostbits_truth(&rays, NULL, &truth, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(strstr(error.text, "none, tmin, tmax or both") != NULL);
+    rays.open_ends = "both";
+    rays.t.data = t;
+    HOLDS(lostbits_judge(&rays, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT); /* -1: a miss, or a hit? */
+    HOLDS(strstr(error.text, "give hit too") != NULL && strstr(error.text, "--") == NULL);
+    rays.hit = rays.t;
+    {
+        const unsigned char hit[] = {1, 1, 0};
+        rays.hit.data = hit, rays.hit.step = 1, rays.hit.bits = 8;
+        HOLDS(lostbits_judge(&rays, &choice, NULL, &result, &error) == LOSTBITS_OK);
+    }
+    HOLDS(lostbits_result_table(result, 0, &table) == LOSTBITS_OK && table.rows == 3); /* all, 2.5, 7 */
+    HOLDS(column_named(result, 0, "by", &column) && column.texts[0] == NULL && strcmp(column.texts[1], "2.5") == 0);
+    HOLDS(strcmp(column.texts[2], "7") == 0);
+    HOLDS(column_named(result, 0, "agree_hit", &column) && column.numbers[0] == 2 && column.numbers[1] == 1);
+    HOLDS(column_named(result, 0, "agree_miss", &column) && column.numbers[1] == 0 && column.numbers[2] == 1);
+    lostbits_result_free(result);
+    return 0;
+}
+
+int client_asks_for_offsets_and_a_choice(void) {
+    lostbits_error error;
+    lostbits_scene* scene = NULL;
+    lostbits_result* result = NULL;
+    lostbits_table table;
+    lostbits_column column;
+    const char* const forms[] = {"sphere.unified"};
+    lostbits_choice choice = {{forms, 1}, NULL, 0, {NULL, 0}, {NULL, 0}, 0, 0};
+    lostbits_wish wish = {0, 1e-4, 0, "max"};
+    HOLDS(lostbits_shapes(&result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 0, "shape", &column) && strcmp(column.texts[0], "sphere") == 0);
+    HOLDS(column_named(result, 0, "numbers", &column) && column.numbers[0] == 3 && column.numbers[1] == 1);
+    lostbits_result_free(result);
+    HOLDS(lostbits_scene_text(scene_text, NULL, &scene, &error) == LOSTBITS_OK);
+    HOLDS(lostbits_offsets(scene, NULL, "computed", NULL, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(lostbits_result_table(result, 0, &table) == LOSTBITS_OK && table.rows > 10);
+    HOLDS(column_named(result, 0, "form", &column) && strcmp(column.texts[0], "sphere.half_b") == 0);
+    HOLDS(column_named(result, 0, "point", &column) && strcmp(column.texts[table.rows - 1], "computed") == 0);
+    lostbits_result_free(result);
+    HOLDS(lostbits_offsets(scene, NULL, "all", NULL, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 0, "distance_error", &column) && column.numbers[0] > 0 && column.numbers[0] <= 1e-4);
+    lostbits_result_free(result);
+    wish.tolerance = 0;
+    HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_NO);
+    HOLDS(strstr(lostbits_result_text(result, 0), "Nothing meets the wish") != NULL);
+    lostbits_result_free(result);
+    lostbits_scene_free(scene);
+    return 0;
+}
+
 static unsigned char stopped = 1;
 
 int client_stops(void) {

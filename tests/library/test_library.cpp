@@ -10,6 +10,8 @@ int client_hears_what_is_wrong(void);
 int client_measures_its_own_form(void);
 int client_writes_operations(void);
 int client_judges_arrays(void);
+int client_gives_ranges_and_groups(void);
+int client_asks_for_offsets_and_a_choice(void);
 int client_stops(void);
 int client_runs_in_threads(void);
 }
@@ -21,6 +23,8 @@ TEST_CASE("a C program hears what is wrong", "[library]") { CHECK(client_hears_w
 TEST_CASE("a C program measures a form of its own", "[library]") { CHECK(client_measures_its_own_form() == 0); }
 TEST_CASE("a form is run from the list of its operations", "[library]") { CHECK(client_writes_operations() == 0); }
 TEST_CASE("arrays are judged where they lie", "[library]") { CHECK(client_judges_arrays() == 0); }
+TEST_CASE("rays begin and end, and are grouped", "[library]") { CHECK(client_gives_ranges_and_groups() == 0); }
+TEST_CASE("offsets and a choice by length", "[library]") { CHECK(client_asks_for_offsets_and_a_choice() == 0); }
 TEST_CASE("a call that is stopped says so, and the next one runs", "[library]") { CHECK(client_stops() == 0); }
 TEST_CASE("several threads map at once", "[library]") { CHECK(client_runs_in_threads() == 0); }
 
@@ -38,7 +42,7 @@ TEST_CASE("the library shows the functions of lostbits.h and nothing else", "[li
         own += name.starts_with("lostbits_");
     }
     CHECK(pclose(names) == 0);
-    CHECK(own == 22);
+    CHECK(own == 24);
 }
 
 }  // namespace lostbits::test

@@ -87,6 +87,77 @@ class Bits(unittest.TestCase):
         np.testing.assert_array_equal(j.rays.truth, as_numbers(rows, "truth"))
         self.assertGreater(np.isfinite(j.rays.lost_bits).sum(), 500)
 
+    def dump(self, o, d, **columns):
+        """A file of these rays, all numbers of one type."""
+        path = os.path.join(self.out, "own.npy")
+        names = ["ox", "oy", "oz", "dx", "dy", "dz"]
+        rays = np.empty(len(o), dtype=[(name, o.dtype) for name in names] +
+                        [(name, column.dtype) for name, column in columns.items()])
+        for k, name in enumerate(names):
+            rays[name] = (o if k < 3 else d)[:, k % 3]
+        for name, column in columns.items():
+            rays[name] = column
+        np.save(path, rays)
+        return path
+
+    def test_ranges_groups_and_tolerances(self):
+        o, d, spheres = lb.scene("rtg-fig-7-3-100-oblique", size=(48, 48)).arrays()
+        t = lb.ask("sphere.press", o, d, spheres).t.astype(np.float32)
+        middle = np.float32(np.nanmedian(t))
+        tmin, tmax = np.full_like(t, middle), np.full_like(t, np.nanmax(t))
+        hit = (t >= middle) & (t < tmax)
+        material = (np.arange(len(t)) % 3).astype(np.int32) * 10
+        path = self.dump(o, d, hit=hit, t=t, tmin=tmin, tmax=tmax, material=material)
+        sphere = ",".join(str(float(x)) for x in spheres[0])
+        run("judge", path, f"--sphere={sphere}", "--open-ends", "tmax", "--by", "material", "--bits", "21",
+            "--tolerance", "0.05mm", "--unit", "m", "--rows", "-o", self.out)
+        with np.errstate(invalid="ignore"):
+            j = lb.judge(o, d, t, hit, spheres, tmin=tmin, tmax=tmax, open_ends="tmax", by=material, bits=21.0,
+                         tolerance=0.05 / 1000, progress=False)
+        rows = rows_of(os.path.join(self.out, "own", "summary.csv"))
+        self.assertEqual([row["material"] for row in rows], ["", "0", "10", "20"])
+        self.assertEqual(list(j.summary.by), [None, 0, 10, 20])
+        self.hold_table(j.summary, rows, without=("form", "material"))
+        for name in ("rays", "agree_hit", "false_hit", "false_miss", "tolerance_beyond", "enough_bits_too_few"):
+            counts = as_numbers(rows, name)
+            self.assertEqual(counts[0], counts[1:].sum(), name)
+        self.assertGreater(as_numbers(rows, "tolerance_beyond")[0], 0)
+        self.assertGreater(as_numbers(rows, "tolerance_within")[0], 0)
+        self.assertGreater(as_numbers(rows, "enough_bits_too_few")[0], 0)
+        # The certified truth of the same ranges, in every bit that the file has of it.
+        rows = rows_of(os.path.join(self.out, "own", "file.own.f32.csv"))
+        truth = lb.truth(o, d, spheres, tmin=tmin, tmax=tmax, open_ends="tmax")
+        exact = np.array([float.fromhex(row["truth_hex"]) if row["truth_hex"] else np.nan for row in rows])
+        np.testing.assert_array_equal(truth.t, exact)
+        self.assertTrue((truth.t[truth.hit] >= middle).all())
+        self.assertGreater(lb.truth(o, d, spheres).hit.sum(), truth.hit.sum() + 100)
+        np.testing.assert_array_equal(j.rays.distance_error, as_numbers(rows, "distance_error"))
+        answers = lb.ask("sphere.press", o, d, spheres, tmin=tmin, tmax=tmax)
+        self.assertTrue((answers.t[answers.hit] >= middle).all())
+
+    def test_groups_have_any_values(self):
+        o, d, spheres = lb.scene("near-benign", size=(32, 32)).arrays()
+        t = lb.ask("sphere.unified", o, d, spheres).t
+        names = np.where(o[:, 0] + d[:, 0] > 0, "glass", "steel")
+        j = lb.judge(o, d, t, None, spheres, by=names, rows=False, progress=False)
+        self.assertEqual(list(j.summary.by), [None, "glass", "steel"])
+        for name, rays in zip(j.summary.by[1:], j.summary.rays[1:]):
+            alone = lb.judge(o[names == name], d[names == name], t[names == name], None, spheres, progress=False)
+            self.assertEqual(alone.summary.rays[0], rays)
+            for column in ("agree_hit", "lost_bits_max", "lost_bits_p50", "lost_bits_mean", "worst_ulp_error"):
+                i = list(j.summary.by).index(name)
+                self.assertEqual(alone.summary[column][0], j.summary[column][i], column)
+
+    def test_offsets(self):
+        run("offsets", "near-benign", "--size", "40x30", "-i", "sphere.half_b,sphere.unified", "--points", "computed",
+            "--strategy", "*", "-o", self.out)
+        found = lb.offsets(lb.scene("near-benign", size=(40, 30)), ["sphere.half_b", "sphere.unified"],
+                           points="computed", progress=False)
+        self.hold_table(found.summary, rows_of(os.path.join(self.out, "near-benign", "summary.csv")))
+        one = lb.offsets(lb.scene("near-benign", size=(16, 16)), strategies=found.summary.strategy[0], progress=False)
+        self.assertEqual(set(one.frame["point"]), {"computed", "projected"})
+        self.assertEqual(len(set(one.frame["strategy"])), 1)
+
     def test_sweep(self):
         run("sweep", "triangle-distance", "-i", "triangle.pbrt", "-f", "f32", "-o", self.out)
         s = lb.sweep("triangle-distance", "triangle.pbrt", "f32", progress=False)
@@ -98,6 +169,7 @@ class Bits(unittest.TestCase):
         run("choose", "near-benign", "--bits", "16", "--quick", "-i", "sphere.un*", "-o", self.out)
         c = lb.choose("near-benign", 16, forms="sphere.un*", progress=False)
         worth = ("rays", "true_hits", "wrong", "kept_bits", "meets")
+        self.assertTrue(np.isnan(c.candidates["distance_error"]).all())
         rows = rows_of(os.path.join(self.out, "near-benign", "choose.csv"))
         files = {(row["form"], row["format"]): row for row in rows}
         self.assertEqual(len(files), len(c.candidates))
@@ -105,6 +177,26 @@ class Bits(unittest.TestCase):
             for name in worth:
                 self.assertEqual(float(c.candidates[name][i]), float(files[key][name]), (key, name))
         self.assertIn(c.chosen, files)
+
+    def test_choose_by_length(self):
+        run("choose", "near-benign", "--tolerance", "0.0001cm", "--unit", "m", "--at", "max", "--quick", "-i",
+            "sphere.un*", "-o", self.out)
+        c = lb.choose("near-benign", tolerance=0.0001 / 100, at="max", forms="sphere.un*", progress=False)
+        rows = rows_of(os.path.join(self.out, "near-benign", "choose.csv"))
+        files = {(row["form"], row["format"]): row for row in rows}
+        for i, key in enumerate(zip(c.candidates["form"], c.candidates["format"])):
+            off = c.candidates["distance_error"][i]
+            self.assertEqual(off, float(files[key]["distance_error"]))
+            self.assertEqual(bool(c.candidates["meets"][i]), off <= 1e-6 and c.candidates["wrong"][i] == 0)
+        self.assertGreater(c.candidates["distance_error"].max(), 1e-7)
+        # It is |t - t*| times the length of the direction, of the worst hit.
+        on = lb.scene("near-benign")
+        o, d, spheres = on.arrays()
+        pixels = lb.map(on, "sphere.unified", "f32", "distance_error", progress=False).pixels["sphere.unified", "f32"]
+        truth, answers = lb.truth(o, d, on), lb.ask("sphere.unified", o, d, on)
+        off = np.abs((answers.t - truth.t) - truth.t_lo) * np.linalg.norm(d.astype(np.float64), axis=1)
+        np.testing.assert_allclose(pixels.distance_error.ravel(), np.where(truth.hit & answers.hit, off, np.nan),
+                                   rtol=1e-12)
 
     def test_explain(self):
         e = lb.explain("sphere.schoolbook", "near-benign", (100, 90), "f32")

@@ -163,6 +163,35 @@ class Blame(unittest.TestCase):
             lb.explain(lb.intersector("sphere")(changes), "near-benign", (100, 90))
         self.assertIn("was not followed", str(caught.exception))
 
+    def test_a_branch_for_the_whole_batch_is_refused_with_its_line(self):
+        def branches(o, d, centre, radius):
+            f = o - centre
+            b, c = np.sum(f * d, axis=1), np.sum(f * f, axis=1) - radius * radius
+            if (b < 0).all():
+                return -b
+            return c
+
+        self.hold_refused(branches, "asks all rays at once")
+        with self.assertRaises(lb.Unfollowed) as caught:
+            lb.explain(lb.intersector("sphere")(branches), "near-benign", (100, 90))
+        self.assertIn(f":{branches.__code__.co_firstlineno + 3}: ", str(caught.exception))
+
+    def test_a_short_cut_for_batches_of_one_kind_is_followed(self):
+        @lb.intersector("sphere", name="short_cut")
+        def short_cut(o, d, centre, radius):
+            f = o - centre
+            a, b = np.sum(d * d, axis=1), 2 * np.sum(f * d, axis=1)
+            disc = b * b - 4 * a * (np.sum(f * f, axis=1) - radius * radius)
+            hit = disc >= 0
+            if (~hit).all():
+                return np.full_like(disc, np.nan)
+            t = (-b - np.sqrt(np.where(hit, disc, 0))) / (2 * a)
+            if hit.all():
+                return t
+            return np.where(hit, t, np.nan)
+
+        self.assertTrue(lb.explain(short_cut, "rtg-fig-7-3-4100-oblique", (100, 90)).culprit)
+
     def test_numpy_is_as_it_was(self):
         before = (np.full, np.zeros, np.empty, np.ones)
         lb.explain(lb.intersector("sphere")(with_masks.function), "near-benign", (100, 90))

@@ -19,6 +19,7 @@ D = np.zeros((N, 3), np.float32)
 D[:, 2] = -1
 S = np.array([[0, 0, 0, 1]], np.float32)
 T = np.full(N, 4, np.float32)
+CAMERA = {"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}
 
 
 def form(body):
@@ -35,6 +36,7 @@ class Mistakes(unittest.TestCase):
         self.assertIn(words, said)
         self.assertLess(len(said), 500)
         self.assertNotIn("\n", said.strip())
+        self.assertNotRegex(said, r"(^|[ (])(--?[a-z])", "it speaks of options, not of arguments")
 
     def test_arrays(self):
         wrong = lb.InputError
@@ -55,10 +57,15 @@ class Mistakes(unittest.TestCase):
             ("ray 0: ox is nan", lambda: lb.truth(O * np.float32(np.nan), D, S)),
             ("direction is zero", lambda: lb.truth(O, D * 0, S)),
             ("radius", lambda: lb.truth(O, D, -S)),
-            ("t has numbers below 0", lambda: lb.judge(O, D, T - 9, None, S)),
+            ("give hit too", lambda: lb.judge(O, D, T - 9, None, S)),
             ("hit is an array of int64; it is of booleans", lambda: lb.judge(O, D, T, np.ones(N, np.int64), S)),
             ("t has shape (50, 1); it is n", lambda: lb.judge(O, D, T[:, None], None, S)),
             ("direction is 'units'", lambda: lb.judge(O, D, T, None, S, direction="units")),
+            ("open_ends is \"left\"; write none", lambda: lb.truth(O, D, S, tmin=T, open_ends="left")),
+            ("tmin is -4", lambda: lb.truth(O, D, S, tmin=-T)),
+            ("tmax has 49 rows", lambda: lb.truth(O, D, S, tmax=T[1:])),
+            ("by has shape (49,)", lambda: lb.judge(O, D, T, None, S, by=T[1:])),
+            ("number from 0", lambda: lb.judge(O, D, T, None, S, tolerance=-1)),
         ):
             with self.subTest(words):
                 self.hold(wrong, words, ask)
@@ -97,14 +104,34 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "a scene is a name", lambda: lb.map(3)),
             (lb.InputError, "no name and no camera", lambda: lb.scene(spheres=S)),
             (lb.InputError, "no solids", lambda: lb.scene(camera={"kind": "pinhole"})),
-            (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera={
-                "kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}, spheres=[[0, 0, 0]])),
+            (lb.InputError, "spheres has shape (1, 3)", lambda: lb.scene(camera=CAMERA, spheres=[[0, 0, 0]])),
             (lb.InputError, "fov_deg", lambda: lb.scene(camera={"kind": "pinhole", "eye": [0, 0, 5],
              "look_at": [0, 0, 0]}, spheres=S)),
             (lb.InputError, "pixel is (column, row)", lambda: lb.explain("sphere.press", "near-benign", 3)),
             (lb.InputError, "700", lambda: lb.explain("sphere.press", "near-benign", (700, 3))),
+            (lb.InputError, "a scene is a name", lambda: lb.sweep(3)),
+            (lb.InputError, "by has items without an order",
+             lambda: lb.judge(O, D, T, None, S, by=np.array([None] * N))),
+            (lb.InputError, "spheres is not an array of numbers",
+             lambda: lb.scene(camera=CAMERA, spheres=[[0, 0, 0, 1], [1]])),
+            (lb.InputError, "transform has shape (2, 4)",
+             lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0, 1, 2]]), transform=np.eye(4)[:2])),
             (lb.InputError, "say what changes", lambda: lb.sweep(lb.scene("near-benign"), "sphere.press")),
             (lb.InputError, "bits are from 0 to 53", lambda: lb.choose("near-benign", 60)),
+            (lb.InputError, "nothing is wished", lambda: lb.choose("near-benign")),
+            (lb.InputError, "metrics lost_bit", lambda: lb.map("near-benign", "sphere.press", metrics="lost_bit")),
+            (lb.InputError, "formats", lambda: lb.map("near-benign", "sphere.press", "f16")),
+            (lb.InputError, "strategies", lambda: lb.offsets("near-benign", strategies="none such")),
+            (lb.InputError, "points is", lambda: lb.offsets("near-benign", points="all")),
+            (lb.InputError, "size", lambda: lb.scene("near-benign", size=(0, -3))),
+            (lb.InputError, "size is 48", lambda: lb.scene("near-benign", size=48)),
+            (lb.InputError, "set sphere", lambda: lb.scene("near-benign", set="sphere[0].radios=1")),
+            (lb.InputError, "p50, p99", lambda: lb.choose("near-benign", 16, at="p101")),
+            (lb.InputError, "mesh: the array of faces has float64",
+             lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[0.5, 1, 2]]))),
+            (lb.InputError, "face 0 names vertex 3", lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3), [[1, 2, 3]]))),
+            (lb.InputError, "mesh: the array of vertices has shape (3, 2)",
+             lambda: lb.scene(camera=CAMERA, mesh=(np.eye(3)[:, :2], [[0, 1, 2]]))),
             (KeyError, "no sphere.press in f64", 
              lambda: lb.map("near-benign", "sphere.press", "f32").pixels["sphere.press", "f64"]),
             (AttributeError, "no column 'lost_bit'",

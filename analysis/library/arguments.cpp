@@ -1,0 +1,56 @@
+// Messages of the program, whose options are arguments here.
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "analysis/library/handles.hpp"
+
+namespace lostbits::analysis::library {
+
+namespace {
+
+/// Options that are not called as the arguments are.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> renamed{{{"-i", "forms"},
+                                                                                {"-f", "formats"},
+                                                                                {"--metric", "metrics"},
+                                                                                {"--intersector", "forms"},
+                                                                                {"--strategy", "strategies"},
+                                                                                {"--file-format", "format"}}};
+/// What a file's words say of a t below 0, where a column may be added.
+constexpr std::string_view of_misses = "; add a column hit, or write --miss";
+
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+/// What the option is called as an argument.
+std::string argument(std::string_view option) {
+    for (const auto& [name, own] : renamed)
+        if (option == name) return std::string(own);
+    std::string word(option.substr(2));
+    std::ranges::replace(word, '-', '_');
+    return word;
+}
+
+}  // namespace
+
+std::string in_arguments(std::string text) {
+    if (const std::size_t at = text.find(of_misses); at != std::string::npos)
+        text.replace(at, std::string::npos, "; give hit too, which is t >= 0 where a negative t means a miss");
+    std::string made;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const bool begins = i == 0 || text[i - 1] == ' ' || text[i - 1] == '(';
+        std::size_t end = i;
+        while (begins && text[i] == '-' && end < text.size() && (text[end] == '-' || is_letter(text[end]))) ++end;
+        const std::string_view word = std::string_view(text).substr(i, end - i);
+        const bool is_option =
+            word.size() > 2 ? word.starts_with("--") && is_letter(word[2]) : word == "-i" || word == "-f";
+        if (!is_option) {
+            made += text[i];
+            continue;
+        }
+        made += argument(word);
+        i = end - 1;
+    }
+    return made;
+}
+
+}  // namespace lostbits::analysis::library
