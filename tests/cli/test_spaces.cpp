@@ -45,9 +45,9 @@ TEST_CASE("twelve kilometres out a map tells what each space loses, and which st
         const double lost = number_in(row.at("lost_bits_p50"));
         CHECK((difference_first ? lost < 2 : lost > 8));
         CHECK(row.at("false_hit") == "0");
-        const double origin = number_in(row.at("step:origin_p50"));
+        const double origin = number_in(row.at("step_origin_p50"));
         CHECK((difference_first ? origin < 2 : origin > 100));
-        CHECK(number_in(row.at("step:form_max")) < 100);
+        CHECK(number_in(row.at("step_form_max")) < 100);
     }
 }
 

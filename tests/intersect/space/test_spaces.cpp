@@ -41,7 +41,7 @@ Placement<double> random_placement(Seeded& r, double scale, const FloatFormat& f
                                    n * 2 * (y * z + w * x),
                                    n * (w * w - x * x - y * y + z * z),
                                    shift.z};
-    return transformed(Placement<double>{m, false, 1}, [&](double x) { return testing::stored(x, format); });
+    return transformed(Placement<double>{m, false, 1}, [&](double number) { return testing::stored(number, format); });
 }
 
 struct Asked {
@@ -52,13 +52,13 @@ struct Asked {
 /// A ray of the world that passes near the middle of the solid, with a direction of length about one.
 Asked draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) {
     Asked a{solid_around<double>(shape, r.vec(-1, 1), 1), {}};
-    a.solid = transformed(a.solid, [&](double x) { return testing::stored(x, format); });
+    a.solid = transformed(a.solid, [&](double number) { return testing::stored(number, format); });
     const Vec<double> middle = visit(a.solid, [](const auto& s) { return s.middle(); });
     a.solid.placed = random_placement(r, scale, format);
     const Vec<double> at = a.solid.placed->map().point(middle) + 0.4 * scale * r.vec(-1, 1);
     Vec<double> d = r.vec(-1, 1);
     d = d / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    a.ray = {testing::stored(at - 7 * d, format), testing::stored(d, format)};
+    a.ray = {testing::stored(at - 7.0 * d, format), testing::stored(d, format)};
     return a;
 }
 
@@ -177,6 +177,7 @@ TEST_CASE("what the steps are assigned sums to the error, and a stored inverse l
                     a.solid.placed->is_inverse = i % 3 == 2;
                     if (a.solid.placed->is_inverse)
                         a.ray.origin = testing::stored(Vec<double>(a.ray.origin), format.shape);
+                    CAPTURE(i, format.name, a.ray.origin.x, a.ray.direction.x);
                     const auto steps = measure::answer::steps_of(row, format, a.ray, a.solid);
                     if (format.engine != Format::Engine::rounded && steps.t.back())
                         REQUIRE(ask(row, format, a).t == std::ldexp(steps.t.back()->hi + steps.t.back()->lo,

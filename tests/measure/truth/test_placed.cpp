@@ -191,16 +191,21 @@ constexpr Family families[] = {{"random", random},
                                {"inverse", random, true},
                                {"whole inverse", whole, true}};
 
-/// A ray from outside, aimed at a point of the world that the solid is near.
+/// A ray from outside, aimed near a point of the solid.
 Ray<double> aimed(Seeded& r, const Family& family, const Placement<double>& placed, const Vec<double>& at) {
     const bool whole_numbers = family.make == whole;
-    const auto number = [&] { return whole_numbers ? static_cast<double>(r.integer(-4, 4)) : r.uniform(-1, 1) * 8; };
-    const auto vec = [&] {
+    const auto vec = [&](int most) {
+        const auto number = [&] {
+            return whole_numbers ? static_cast<double>(r.integer(-most, most)) : r.uniform(-most, most);
+        };
         const double x = number(), y = number(), z = number();
         return Vec<double>(x, y, z);
     };
-    const Vec<double> world = placed.is_inverse ? vec() : placed.map().point(at), from = vec();
-    return {world + from, -from};
+    const Vec<double> from = vec(8), near = at + vec(3);
+    if (!placed.is_inverse) return {placed.map().point(near) + from, -from};
+    const Affine<double> m = placed.map();
+    const Vec<double> scaled = times(m.adjugate(), near - m.shift);
+    return {scaled / m.determinant() + from, -from};
 }
 
 template <class Shape>
@@ -276,8 +281,8 @@ TEST_CASE("what stands under a matrix is met where fractions meet it, whatever t
             for (const Tally& t : {spheres, boxes, triangles}) {
                 INFO(family.name << ", " << format.precision << " bits: " << t.hits << " hits, " << t.misses
                                  << " misses, " << t.widened << " by intervals");
-                CHECK(t.hits > 50);
-                CHECK(t.misses > 0);
+                CHECK(t.hits > 20);
+                CHECK(t.misses > 20);
             }
         }
     }
