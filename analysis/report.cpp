@@ -7,6 +7,7 @@
 
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/options.hpp"
+#include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "analysis/choice/timed.hpp"
 #include "analysis/report/report_parts.hpp"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fnmatch.h>
 #include <glob.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <iterator>
 #include <string_view>
+#include <thread>
 
 #include "analysis/choice/select.hpp"
 #include "number/error.hpp"
@@ -156,5 +158,17 @@ Typed typed(const shell::Command& program) {
     }
     return words;
 }
+
+struct ThreadLimit::Control {
+    tbb::global_control limit;
+};
+
+ThreadLimit::ThreadLimit(int threads) {
+    const auto count = static_cast<std::size_t>(
+        threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+    control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
+}
+
+ThreadLimit::~ThreadLimit() = default;
 
 }  // namespace lostbits::analysis::choice

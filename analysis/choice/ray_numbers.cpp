@@ -77,6 +77,19 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
     return numbers;
 }
 
+std::pair<int, int> parse_size(const std::string& text) {
+    int size[2] = {0, 0};
+    const auto x = text.find('x');
+    const auto number = [&text](std::size_t begin, std::size_t end, int& value) {
+        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+        return error == std::errc{} && stop == text.data() + end;
+    };
+    if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
+        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
+    }
+    return {size[0], size[1]};
+}
+
 std::pair<int, int> pixel_named(const std::string& text) {
     std::vector<double> x;
     for (const std::string& part : parts_of(text)) {

@@ -43,6 +43,9 @@ std::string solid_options(bool numbers, const char* between = " or ");
 /// for what is not a number or is out of the range of `as` (of binary64 without it), and for another count.
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as);
 
+/// `WxH` in pixels. InputError otherwise.
+std::pair<int, int> parse_size(const std::string& text);
+
 /// `17,42`: the column and the row. InputError for what is not a pixel.
 std::pair<int, int> pixel_named(const std::string& text);
 

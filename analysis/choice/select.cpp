@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 #include <fnmatch.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <charconv>
 #include <iterator>
 #include <set>
-#include <thread>
 
+#include "analysis/choice/ray_numbers.hpp"
 #include "intersect/process/own_state.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
@@ -309,15 +308,6 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     return scenes;
 }
 
-void refuse_placed(const std::vector<Scene>& scenes, const char* command) {
-    for (const Scene& scene : scenes)
-        if (scene.is_placed())
-            throw InputError(
-                fmt::format("{}: {}: solids of this scene stand under matrices, which it does not look "
-                            "through; use `lostbits map`, or write them where they stand",
-                            command, scene.id));
-}
-
 std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
     using output::blame::shell_word;
     if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
@@ -330,31 +320,6 @@ std::string name_of_sweep(const std::filesystem::path& path, const std::filesyst
     const auto inside = path.lexically_relative(data / "sweeps");
     const bool in_data = !inside.empty() && *inside.begin() != "..";
     return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
-}
-
-struct ThreadLimit::Control {
-    tbb::global_control limit;
-};
-
-ThreadLimit::ThreadLimit(int threads) {
-    const auto count = static_cast<std::size_t>(
-        threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
-    control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
-}
-
-ThreadLimit::~ThreadLimit() = default;
-
-std::pair<int, int> parse_size(const std::string& text) {
-    int size[2] = {0, 0};
-    const auto x = text.find('x');
-    const auto number = [&text](std::size_t begin, std::size_t end, int& value) {
-        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-        return error == std::errc{} && stop == text.data() + end;
-    };
-    if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
-        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
-    }
-    return {size[0], size[1]};
 }
 
 std::filesystem::path data_folder(const std::string& given) {

@@ -143,9 +143,6 @@ std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem
 /// The same of a sweep.
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
 
-/// `WxH` in pixels. InputError otherwise.
-std::pair<int, int> parse_size(const std::string& text);
-
 /// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
 /// was built in, or installed.
 std::filesystem::path data_folder(const std::string& given);

@@ -47,8 +47,8 @@ struct ChosenRows {
     bool quiet = false;
 };
 
-/// The rows that meet something called `name`. Where its solids stand under matrices, adds before every chosen form that
-/// names no space through the usual one. Where its solids are of several shapes, adds before every combination of
+/// The rows that meet something called `name`. Where its solids stand under matrices, adds before every chosen form
+/// that names no space through the usual one. Where its solids are of several shapes, adds before every combination of
 /// the chosen forms, one a shape, in each chosen format; where all forms are chosen, as without -i, and nothing else
 /// meets it, the plain set alone, and says so on stderr. InputError for more than `most_sets`, and for a chosen set
 /// that lacks a shape.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/select.hpp"
 #include "number/error.hpp"
 

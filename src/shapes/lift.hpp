@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "geometry/ray.hpp"
 #include "number/ball.hpp"
@@ -10,6 +11,9 @@
 #include "shapes/solid.hpp"
 
 namespace lostbits {
+
+/// The sign of the determinant of a matrix (`orientation_of`).
+int orientation_of(std::span<const Real, 12> matrix);
 
 template <class E, class S>
 E lift(const S& x) {

@@ -3,17 +3,19 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include "geometry/affine.hpp"
 #include "geometry/ray.hpp"
-#include "number/real.hpp"
 
 namespace lostbits {
 
-/// The sign of the determinant, exactly; 0 too where a number is not finite. By row, twelve numbers.
+/// The sign of the determinant, exactly; 0 too where a number is not finite. By row, twelve numbers. That of numbers of
+/// 256 bits is in lift.hpp: what the packs include knows no MPFR.
 int orientation_of(std::span<const double, 12> matrix);
-int orientation_of(std::span<const Real, 12> matrix);
 
 /// A stored matrix of three rows and four columns, row by row, and which way it leads.
 template <class S>
@@ -30,17 +32,18 @@ struct Placement {
     friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// Each number through `lift`; of numbers that are stored anew, which may have been rounded, the sign is found anew.
+/// Each number through `lift`. Of doubles, which may have been rounded, the sign is found anew; whoever rounds in a
+/// wider number finds it.
 template <class S, class Lift>
 auto transformed(const Placement<S>& from, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    Placement<T> to{
-        [&]<std::size_t... k>(std::index_sequence<k...>){return std::array<T, sizeof...(k)>{lift(from.matrix[k])...};
-}
-(std::make_index_sequence<Affine<T>::numbers>()), from.is_inverse, from.orientation
-};  // namespace lostbits
-if constexpr (std::same_as<T, double> || std::same_as<T, Real>) to.orientation = orientation_of(to.matrix);
-return to;
+    const auto numbers = [&]<std::size_t... k>(std::index_sequence<k...>) {
+        return std::array<T, sizeof...(k)>{lift(from.matrix[k])...};
+    };
+    constexpr std::make_index_sequence<Affine<T>::numbers> places;
+    Placement<T> to{numbers(places), from.is_inverse, from.orientation};
+    if constexpr (std::same_as<T, double>) to.orientation = orientation_of(to.matrix);
+    return to;
 }
 
 /// How a ray of the world stands to the solid as it is stored: the same line, at the same t, of what is `scale` > 0

@@ -1,183 +1,19 @@
 // Any shape as plain numbers: what the table's kernels, the files and the searches hand around without knowing which.
-// The closed list of shapes, and what each says of itself as a row of it.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 
-// clang-format off
-#define LOSTBITS_TEXT_OF(path) #path
-#define LOSTBITS_PATH(path) LOSTBITS_TEXT_OF(path)
-#define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/folder.hpp)
-// clang-format on
-#include "shapes/list.hpp"
 #include "shapes/on_one_line.hpp"
 #include "shapes/placement.hpp"
+#include "shapes/rows.hpp"
 
 namespace lostbits {
-
-/// The solids of the laboratory, and what else a form can be asked about: `sdf` stands for all solids together, as one
-/// field of distances. The values are those of the C interface.
-#define LOSTBITS_LINE(folder, S) folder,
-enum class Shape : std::uint8_t { LOSTBITS_SHAPES(LOSTBITS_LINE) sdf };
-#undef LOSTBITS_LINE
-
-/// `Shape::sphere` of `Sphere`; `sdf` of what is no shape.
-template <template <class> class S>
-inline constexpr Shape shape_as = Shape::sdf;
-#define LOSTBITS_LINE(folder, S) \
-    template <>                  \
-    inline constexpr Shape shape_as<S> = Shape::folder;
-LOSTBITS_SHAPES(LOSTBITS_LINE)
-#undef LOSTBITS_LINE
-
-template <template <class> class First, template <class> class... Rest>
-struct ShapeList {
-    static constexpr std::size_t size = 1 + sizeof...(Rest);
-
-    /// `act.template operator()<Sphere>()` for each shape in turn.
-    template <class Act>
-    static constexpr void each(const Act& act) {
-        act.template operator()<First>(), (act.template operator()<Rest>(), ...);
-    }
-    /// `act.template operator()<Sphere>()` of the shape alone.
-    template <Shape shape, class Act>
-    static constexpr decltype(auto) of_shape(const Act& act) {
-        if constexpr (shape_as<First> == shape) return act.template operator()<First>();
-        else return ShapeList<Rest...>::template of_shape<shape>(act);
-    }
-    template <class Solid, class Act>
-    static decltype(auto) visit(const Solid& solid, const Act& act) {
-        if constexpr (sizeof...(Rest) > 0)
-            if (!solid.template is<First>()) return ShapeList<Rest...>::visit(solid, act);
-        return act(solid.template as<First>());
-    }
-};
-
-namespace detail {
-template <class, template <class> class... S>
-using ListOf = ShapeList<S...>;
-}  // namespace detail
-
-#define LOSTBITS_LINE(folder, S) , S
-using Solids = detail::ListOf<void LOSTBITS_SHAPES(LOSTBITS_LINE)>;
-#undef LOSTBITS_LINE
-
-/// A shape as data.
-struct ShapeRow {
-    Shape shape;
-    std::string_view name, plural;
-    std::span<const Key> keys;
-    std::size_t numbers = 0;
-    bool told_end = false;      ///< its forms are told where a ray ends
-    bool zero_inside = false;   ///< from inside the answer is 0, where nothing else is said, and not the exit
-    bool usually_unit = false;  ///< most code that meets it takes directions of length one
-    bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
-    bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
-    ShapeWords words = {};
-};
-
-namespace detail {
-
-inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
-    std::array<ShapeRow, Solids::size> rows{};
-    std::size_t row = 0;
-    Solids::each([&]<template <class> class S>() {
-        ShapeRow& r = rows[row++];
-        using One = S<float>;
-        r = {.shape = shape_as<S>,
-             .name = One::name,
-             .plural = One::plural,
-             .keys = One::keys,
-             .told_end = One::told_end,
-             .zero_inside = One::zero_inside,
-             .usually_unit = One::usually_unit,
-             .round = One::round,
-             .edges = One::edges,
-             .words = One::words};
-        for (const Key& key : r.keys) r.numbers += key.count();
-    });
-    return rows;
-}();
-
-}  // namespace detail
-
-/// All shapes that a solid can have, in the order of the list.
-inline constexpr std::span<const ShapeRow> shape_rows = detail::shape_rows;
-
-/// Those, and what is not a solid.
-inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
-    std::array<Shape, shape_rows.size() + 1> all{};
-    std::ranges::transform(shape_rows, all.begin(), &ShapeRow::shape);
-    all.back() = Shape::sdf;
-    return all;
-}();
-
-inline constexpr bool is_solid(Shape shape) { return shape != Shape::sdf; }
-
-/// Of a shape that a solid can have.
-inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
-
-/// Whether the forms of a shape are told where a ray ends.
-inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(shape).told_end; }
-
-inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
-
-inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
-    std::array<std::string_view, shape_rows.size() + 1> names{};
-    for (const ShapeRow& row : shape_rows) names[static_cast<std::size_t>(row.shape)] = row.name;
-    names[static_cast<std::size_t>(Shape::sdf)] = "sdf";
-    return names;
-}();
-inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
-
-/// Nothing where no shape has that name.
-inline constexpr std::optional<Shape> shape_named(std::string_view name) {
-    for (const Shape shape : all_shapes)
-        if (name_of(shape) == name) return shape;
-    return std::nullopt;
-}
-
-/// Some of the shapes, of one shape that alone, and whether solids stand under matrices.
-class Shapes {
-public:
-    constexpr Shapes() = default;
-    constexpr Shapes(Shape one) : bits_(1U << static_cast<unsigned>(one)) {}
-    constexpr Shapes(std::span<const Shape> all) {
-        for (const Shape one : all) *this |= one;
-    }
-
-    [[nodiscard]] constexpr bool has(Shape one) const { return (bits_ & Shapes(one).bits_) != 0; }
-    /// Whether they are more than one.
-    [[nodiscard]] constexpr bool are_several() const {
-        const unsigned shapes = bits_ & ~placed_bit;
-        return (shapes & (shapes - 1)) != 0;
-    }
-    /// The same under matrices, or as they are.
-    [[nodiscard]] constexpr Shapes placed(bool under_matrix = true) const {
-        Shapes all = *this;
-        all.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;
-        return all;
-    }
-    [[nodiscard]] constexpr bool are_placed() const { return (bits_ & placed_bit) != 0; }
-    constexpr Shapes& operator|=(Shapes other) {
-        bits_ |= other.bits_;
-        return *this;
-    }
-    friend constexpr bool operator==(Shapes, Shapes) = default;
-
-private:
-    static constexpr unsigned placed_bit = 1U << 31;
-    unsigned bits_ = 0;
-};
-
-inline constexpr std::size_t most_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
 
 /// Of the numbers that solids are stored by: those of the shape, then those of the matrix.
 inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
@@ -245,6 +81,15 @@ Solid<S> scaled(const Solid<S>& solid, const S& k) {
     return larger;
 }
 
+/// Has every part of a span tell d·d of the world, and not of the space of a solid.
+template <class Span, class S>
+void tell_distances(Span& span, const S& d2) {
+    span.d2 = d2;
+    if constexpr (requires { span.side.d2; }) tell_distances(span.side, d2);
+    if constexpr (requires { span.solid.d2; }) tell_distances(span.solid, d2);
+    if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
+}
+
 /// `act` on where the ray's line is inside of the solid. Distances are those of the world.
 template <class S, class Act>
 auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
@@ -253,7 +98,7 @@ auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
     const Solid<S> object = scaled(solid, in.scale);
     return visit(object, [&](const auto& shape) {
         auto span = shape.span(in.ray);
-        span.d2 = square(ray.direction);
+        tell_distances(span, square(ray.direction));
         return act(span);
     });
 }

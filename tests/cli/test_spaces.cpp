@@ -68,21 +68,20 @@ TEST_CASE("a form without a space is asked through the plain one, and a scene of
 TEST_CASE("explain goes through the space, and a matrix can be given with the numbers of a solid") {
     const auto pixel = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32 --json");
     REQUIRE(pixel.code == 0);
-    const auto x = nlohmann::json::parse(pixel.out);
+    const auto x = nlohmann::ordered_json::parse(pixel.out);
     CHECK(x["form"] == "sphere.unified@plain");
     std::string solid, ray, matrix;
-    for (const auto& input : x["inputs"]) {
-        const std::string name = input["name"], hex = input["hex"];
+    for (const auto& [name, number] : x["inputs"].items()) {
         if (name == "limit") continue;
         std::string& to = name[0] == 'M' ? matrix : name[1] == '.' ? ray : solid;
-        to += (to.empty() ? "" : ",") + hex;
+        to += (to.empty() ? "" : ",") + number["hex"].get<std::string>();
     }
     const auto own =
         run("explain --sphere=" + solid + "@" + matrix + " --ray=" + ray + " -i sphere.unified -f f32 --json");
     REQUIRE(own.code == 0);
-    const auto y = nlohmann::json::parse(own.out);
+    const auto y = nlohmann::ordered_json::parse(own.out);
     CHECK(x["t"] == y["t"]);
-    CHECK(x["true_t"] == y["true_t"]);
+    CHECK(x["truth"] == y["truth"]);
     CHECK(has(run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32").out, "@relative"));
 }
 

@@ -7,7 +7,7 @@ namespace lostbits::intersect::space {
 
 /// What the truth does, in the format: adj(A)(o − τ) + t adj(A) d against the solid times |det A|, mirrored where
 /// det A < 0.
-struct Adjugate : SameT {
+struct AdjugateSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "adjugate",
         .title = "adj(A)(o - T) and adj(A) d against the solid times |det A|: no division; t kept",
@@ -23,11 +23,11 @@ struct Adjugate : SameT {
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return Relative::origin(m, o);
+        return RelativeSpace::origin(m, o);
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return Plain::direction(m, d);
+        return PlainSpace::direction(m, d);
     }
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>& m, const Vec<T>&, const Ray<T>& ray) {

@@ -6,11 +6,11 @@
 
 namespace lostbits::intersect::space {
 
-struct Bevy : UnitDirection {
+struct BevySpace : MadeUnit {
     static constexpr SpaceInfo info{
         .name = "bevy",
         .title = "M^-1 o and M^-1 d made unit; t is the length of M applied to t d'",
-        .source = "Bevy, crates/bevy_picking/src/mesh_picking/ray_cast/intersections.rs ray_mesh_intersection",
+        .source = "BevySpace, crates/bevy_picking/src/mesh_picking/ray_cast/intersections.rs ray_mesh_intersection",
         .direction = Direction::unit,
         .normalises = true,
     };
@@ -21,11 +21,11 @@ struct Bevy : UnitDirection {
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return Plain::origin(m, o);
+        return PlainSpace::origin(m, o);
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return Plain::direction(m, d);
+        return PlainSpace::direction(m, d);
     }
     template <Number T>
     static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& in, const T& t) {

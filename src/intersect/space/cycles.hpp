@@ -5,11 +5,11 @@
 
 namespace lostbits::intersect::space {
 
-struct Cycles : UnitDirection {
+struct CyclesSpace : MadeUnit {
     static constexpr SpaceInfo info{
         .name = "cycles",
         .title = "M^-1 o and M^-1 d, made unit; t over its length",
-        .source = "Cycles, kernel/geom/geom_object.h bvh_instance_push with normalize_len, up to Blender 3.2",
+        .source = "CyclesSpace, kernel/geom/geom_object.h bvh_instance_push with normalize_len, up to Blender 3.2",
         .normalises = true,
     };
 
@@ -19,11 +19,11 @@ struct Cycles : UnitDirection {
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return Plain::origin(m, o);
+        return PlainSpace::origin(m, o);
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return Plain::direction(m, d);
+        return PlainSpace::direction(m, d);
     }
 };
 

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::space {
 
-struct Embree : SameT {
+struct EmbreeSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "embree",
         .title = "adjoint over determinant; rows by fma from the last component on, t kept",

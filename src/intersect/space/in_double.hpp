@@ -7,7 +7,7 @@ namespace lostbits::intersect::space {
 
 /// The stored matrix and the ray are widened first, so that inverse, origin and direction are each rounded once, to the
 /// format in which the form runs. Where nothing is wider it is `relative`.
-struct InDouble : SameT {
+struct InDoubleSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "in_double",
         .title = "inverse, origin and direction in the next wider format, each rounded once; t kept",
@@ -16,17 +16,17 @@ struct InDouble : SameT {
 
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
-        const auto wide = Relative::inverse(widened(m));
+        const auto wide = RelativeSpace::inverse(widened(m));
         return {{narrowed<T>(wide.rows[0]), narrowed<T>(wide.rows[1]), narrowed<T>(wide.rows[2])},
                 narrowed<T>(wide.shift)};
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return named("o'", narrowed<T>(Relative::origin(wide_maps(m), widened(o))));
+        return named("o'", narrowed<T>(RelativeSpace::origin(wide_maps(m), widened(o))));
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return named("d'", narrowed<T>(Relative::direction(wide_maps(m), widened(d))));
+        return named("d'", narrowed<T>(RelativeSpace::direction(wide_maps(m), widened(d))));
     }
 
 private:
@@ -48,7 +48,7 @@ private:
     template <Number T>
     static Maps<Wide<T>> wide_maps(const Maps<T>& m) {
         const Affine<Wide<T>> world = widened(m.to_world);
-        return {world, Relative::inverse(world)};
+        return {world, RelativeSpace::inverse(world)};
     }
 };
 

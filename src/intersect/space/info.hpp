@@ -19,7 +19,7 @@ struct SpaceInfo {
 };
 
 /// What is done, in this order. What rounds in each is told apart by `measure::blame`.
-enum class Step {
+enum class SpaceStep {
     inverse,    ///< of the matrix that is stored the other one
     origin,     ///< of the ray, into the space of the solid
     direction,  ///< of the ray
@@ -55,7 +55,7 @@ struct SameT {
 };
 
 /// d' = d/|d|, each component a quotient; t = t'/|d|.
-struct UnitDirection {
+struct MadeUnit {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
         const T size = named("|d'|", length(ray.direction));

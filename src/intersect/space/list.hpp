@@ -16,22 +16,22 @@
 
 namespace lostbits::intersect::space {
 
-/// `act.template operator()<Plain>()` for each in turn.
+/// `act.template operator()<PlainSpace>()` for each in turn.
 template <class Act>
 constexpr void for_each_space(const Act& act) {
     const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
-    all.template operator()<Plain,     //
-                            Pbrt,      //
-                            Embree,    //
-                            Mitsuba,   //
-                            Cycles,    //
-                            Three,     //
-                            Bevy,      //
-                            Rigid,     //
-                            Relative,  //
-                            Adjugate,  //
-                            InDouble,  //
-                            InTwoWords>();
+    all.template operator()<PlainSpace,     //
+                            PbrtSpace,      //
+                            EmbreeSpace,    //
+                            MitsubaSpace,   //
+                            CyclesSpace,    //
+                            ThreeSpace,     //
+                            BevySpace,      //
+                            RigidSpace,     //
+                            RelativeSpace,  //
+                            AdjugateSpace,  //
+                            InDoubleSpace,  //
+                            TwoWordsSpace>();
 }
 
 }  // namespace lostbits::intersect::space

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::space {
 
-struct Mitsuba : SameT {
+struct MitsubaSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "mitsuba",
         .title = "columns added by fma to the shift, x first; t kept",

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::space {
 
-struct Pbrt : SameT {
+struct PbrtSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "pbrt",
         .title = "inverse by compensated products; the origin moved by its error bound, t not moved back",

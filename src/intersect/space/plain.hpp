@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::space {
 
-struct Plain : SameT {
+struct PlainSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "plain",
         .title = "adjugate over determinant; M^-1 o and M^-1 d, t kept",

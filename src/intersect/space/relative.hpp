@@ -8,7 +8,7 @@ namespace lostbits::intersect::space {
 
 /// τ − o is exact where the two are within a factor of two of each other in each component (Sterbenz), so that what the
 /// ray loses does not grow with the distance from the origin of the world.
-struct Relative : SameT {
+struct RelativeSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "relative",
         .title = "o - T first, then A^-1 of it and of d; t kept",
@@ -25,7 +25,7 @@ struct Relative : SameT {
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return Plain::direction(m, d);
+        return PlainSpace::direction(m, d);
     }
 };
 

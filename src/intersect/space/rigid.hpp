@@ -6,7 +6,7 @@
 namespace lostbits::intersect::space {
 
 /// Aᵀ = A⁻¹ of a rotation; of a rounded one to a few u, and of any other matrix it is another map.
-struct Rigid : Relative {
+struct RigidSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "rigid",
         .title = "A^T for A^-1: right of rotations alone; o - T first, t kept",

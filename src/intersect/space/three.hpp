@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::space {
 
-struct Three : UnitDirection {
+struct ThreeSpace : MadeUnit {
     static constexpr SpaceInfo info{
         .name = "three",
         .title = "M^-1 o and M^-1 d made unit; t is the distance from o of M applied to the point",
@@ -21,11 +21,11 @@ struct Three : UnitDirection {
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return Plain::origin(m, o);
+        return PlainSpace::origin(m, o);
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return Plain::direction(m, d);
+        return PlainSpace::direction(m, d);
     }
     /// v.normalize() multiplies by 1/|v|.
     template <Number T>

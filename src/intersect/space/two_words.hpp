@@ -7,7 +7,7 @@
 namespace lostbits::intersect::space {
 
 /// The inverse too: of the stored matrix in two words, which are thrown away at the end alone.
-struct InTwoWords : SameT {
+struct TwoWordsSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "two_words",
         .title = "inverse, origin and direction in two words of the format, each rounded once; t kept",
@@ -25,12 +25,12 @@ struct InTwoWords : SameT {
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        if constexpr (stands_for_exact<T>) return Relative::origin(m, o);
+        if constexpr (stands_for_exact<T>) return RelativeSpace::origin(m, o);
         else return named("o'", first(solved(m, Vec<Words<T>>(in_words(o) - in_words(m.to_world.shift)))));
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        if constexpr (stands_for_exact<T>) return Relative::direction(m, d);
+        if constexpr (stands_for_exact<T>) return RelativeSpace::direction(m, d);
         else return named("d'", first(solved(m, in_words(d))));
     }
 

@@ -292,33 +292,13 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
-/// Has every part of a span tell d·d of the world, and not of the space of a solid.
-template <class S, class E>
-void tell_distances(S& span, const E& d2) {
-    span.d2 = d2;
-    if constexpr (requires { span.side.d2; }) tell_distances(span.side, d2);
-    if constexpr (requires { span.solid.d2; }) tell_distances(span.solid, d2);
-    if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
-}
-
-/// `act` on where the ray's line is inside of the solid, distances being those of the world.
-template <class E, class Act>
-auto with_world_span(const Ray<E>& ray, const Solid<E>& solid, const Act& act) {
-    return with_span(ray, solid, [&](const auto& span) {
-        if (!solid.placed) return act(span);
-        auto told = span;
-        tell_distances(told, span.d2);
-        return act(told);
-    });
-}
-
 /// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `range` (null:
 /// all that lies ahead) holds some t.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     convention.touching = intersect::Touching::hit;
-    return with_world_span(ray, solid, [&](const auto& span) { return enclose<E>(span, range, convention); });
+    return with_span(ray, solid, [&](const auto& span) { return enclose<E>(span, range, convention); });
 }
 
 /// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead.

@@ -10,6 +10,8 @@
 
 #include "measure/stages/stages.hpp"
 #include "measure/truth/truth_columns.hpp"
+#include "scene/rays/rays.hpp"
+#include "shapes/lift.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -20,6 +22,37 @@ inline constexpr std::size_t settled_together = 1024;
 inline constexpr std::size_t column_room = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
+
+using Spans = std::array<std::span<const double>, 6>;
+
+/// Rays begin to end of a block as columns of words: where they lie, or made.
+template <class S>
+class WordColumns {
+public:
+    WordColumns(const scene::rays::BasicRayBlock<S>& rays, std::size_t begin, std::size_t end) {
+        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};
+        for (std::size_t k = 0; k < from.size(); ++k) {
+            const std::span<const S> numbers = std::span(*from[k]).subspan(begin, end - begin);
+            if constexpr (std::is_same_v<S, double>) {
+                words[k] = numbers;
+            } else {
+                room_[k].resize(numbers.size()), room_[k + 6].resize(numbers.size());
+                std::ranges::transform(numbers, room_[k].begin(), [](const S& x) { return word_of(x); });
+                std::ranges::transform(numbers, room_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
+                words[k] = room_[k], low[k] = room_[k + 6];
+            }
+        }
+        const auto part = [&](const std::vector<double>& all) {
+            return all.empty() ? std::span(all) : std::span(all).subspan(begin, end - begin);
+        };
+        tmin = part(rays.tmin), tmax = part(rays.tmax);
+    }
+    Spans words, low = {};
+    std::span<const double> tmin = {}, tmax = {};
+
+private:
+    std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> room_;
+};
 
 /// Whether some ray has a range that does not hold all that lies ahead.
 template <class S>

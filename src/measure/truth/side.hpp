@@ -138,7 +138,7 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
                            const RangeOfSpan<E>* range = nullptr, intersect::Convention convention = {}) {
-    return with_world_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, range, convention); });
+    return with_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, range, convention); });
 }
 
 }  // namespace lostbits::measure::truth

@@ -2,6 +2,8 @@
 
 #include <boost/math/constants/constants.hpp>
 
+#include "shapes/lift.hpp"
+
 namespace lostbits::scene::file {
 
 using toml::Node;
@@ -131,7 +133,7 @@ std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNu
     placed.is_inverse = is_inverse;
     const auto stored =
         transformed(placed, [&](const Real& x) { return numbers.stored(numbers.finite(*table, where, x)); });
-    if (!stored.is_proper())
+    if (orientation_of(stored.matrix) == 0)
         table->fail_at(where,
                        "is singular in binary32, to which inputs = \"shared\" rounds; write larger numbers, or inputs "
                        "= \"own\"");

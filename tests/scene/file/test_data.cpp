@@ -167,7 +167,9 @@ double hit_fraction(const scene::file::Scene& scene) {
             const Ray<Real> r = scene::rays::ray(frame, x, y);
             ++seen;
             hit += std::ranges::any_of(solids, [&](const Solid<Real>& solid) {
-                return visit(solid, [&](const auto& shape) { return hits(r, shape); });
+                if (!solid.placed) return visit(solid, [&](const auto& shape) { return hits(r, shape); });
+                const InObject<Real> in = in_object(r, *solid.placed);
+                return visit(scaled(solid, in.scale), [&](const auto& shape) { return hits(in.ray, shape); });
             });
         }
     }

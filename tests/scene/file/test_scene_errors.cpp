@@ -157,7 +157,7 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
           "scene.toml:16:1: unknown key sphere[0].opacity; known here: \"colour\", \"ka\", \"kd\", \"ks\", \"n\", "
-          "\"centre\", \"radius\"");
+          "\"centre\", \"radius\", \"transform\"");
     CHECK(broken("centre = ", "center = ") ==
           "scene.toml:14:1: sphere[0].centre is missing, but there is sphere[0].center; did you mean \"centre\"?");
     CHECK(broken("up = [0, 1, 0]", "upp = [0, 1, 0]") ==
