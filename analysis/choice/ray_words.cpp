@@ -66,6 +66,11 @@ MapRow row_for(const MapRow& row, const std::string& where, const Meets& meets) 
         placed.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
         return placed;
     }
+    if (row.form->shapes().are_placed() && meets(row.form->shapes().placed(false)))
+        throw InputError(
+            fmt::format("-i {}: {} has no solid under a matrix, and so no space that an @ leads to; leave "
+                        "it out",
+                        row.form->info->name, where));
     if (is_solid(shape) && several_shapes(meets)) {
         std::vector<MapRow> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});

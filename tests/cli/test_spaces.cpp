@@ -116,6 +116,13 @@ TEST_CASE("what is wrong with a matrix or a space is said, and nothing is writte
     CHECK(has(run("explain --sphere=0,0,0,1@1,2,3 --ray=0,0,9,0,0,-1 -i sphere.unified").err, "is not a matrix"));
     CHECK(has(run("explain --sphere=0,0,0,1@1,0,0,0,0,1,0,0,0,0,0,0 --ray=0,0,9,0,0,-1 -i sphere.unified").err,
               "singular"));
+    CHECK(
+        has(run("explain --sphere=0,0,0,1 --ray=0,0,9,0,0,-1 -i sphere.unified@plain").err, "no solid under a matrix"));
+    CHECK(has(run("map instance-crowd -f f32 -i "
+                  "'sphere.unified+box.signs@plain+capsule.half_b@plain+cone.moment@plain'" +
+                  out)
+                  .err,
+              "after each form, or after none"));
     CHECK(has(run("map rtg-fig-7-3-4100-oblique -i sphere.unified --size 4x4 --metric step" + out).err,
               "stands under a matrix"));
 }

@@ -138,6 +138,10 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
             return name(*same) + " and " + name(part) + " are both for " + std::string(row_of(part->shape).plural) +
                    "; name one form for each shape";
     }
+    const auto bare = std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
+    const auto placed = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
+    if (bare != parts.end() && placed != parts.end())
+        return name(*bare) + " names no space and " + name(*placed) + " does; write one after each form, or after none";
     if (!share_a_format(parts)) return "these forms have no format in common";
     const auto tells_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
     const auto silent = std::ranges::find_if_not(parts, tells_t), telling = std::ranges::find_if(parts, tells_t);
