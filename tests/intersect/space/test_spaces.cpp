@@ -196,7 +196,9 @@ TEST_CASE("what the steps are assigned sums to the error, and a stored inverse l
                         sum += steps.error(k, ulp), size += std::fabs(steps.error(k, ulp));
                     const double whole = measure::truth::scaled_difference(*steps.t.back(), *steps.t.front(), ulp);
                     REQUIRE(std::fabs(sum - whole) <= 1e-9 * (1 + size));
-                    if (a.solid.placed->is_inverse) REQUIRE(std::fabs(steps.error(0, ulp)) < 1e-6);
+                    // Others need the matrix to the world too, and invert for it.
+                    if (a.solid.placed->is_inverse && space.info->name == "plain")
+                        REQUIRE(std::fabs(steps.error(0, ulp)) < 1e-6);
                     if (row.info->name.ends_with("@plain") && steps.worst())
                         REQUIRE(std::fabs(steps.error(*steps.worst(), ulp)) <= size);
                 }
