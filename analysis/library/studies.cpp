@@ -177,7 +177,6 @@ int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategi
         require(result, "result");
         const auto usual = words_in(measure::offset::usual_forms);
         const char* const format = measure::offset::usual_format.data();
-        ;
         lostbits_choice given = choice ? *choice : lostbits_choice{};
         if (given.forms.count == 0 && given.own_count == 0) given.forms = {usual.data(), usual.size()};
         if (given.formats.count == 0) given.formats = {&format, 1};

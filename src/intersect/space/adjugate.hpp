@@ -7,7 +7,7 @@ namespace lostbits::intersect::space {
 
 /// What the truth does, in the format: adj(A)(o − τ) + t adj(A) d against the solid times |det A|, mirrored where
 /// det A < 0.
-struct AdjugateSpace : SameT {
+struct AdjugateSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "adjugate",
         .title = "adj(A)(o - T) and adj(A) d against the solid times |det A|: no division; t kept",
@@ -20,14 +20,6 @@ struct AdjugateSpace : SameT {
         const auto columns = m.adjugate();
         const auto row = [&](int i) { return Vec<T>(columns[0][i], columns[1][i], columns[2][i]); };
         return {{row(0), row(1), row(2)}, m.shift};
-    }
-    template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return RelativeSpace::origin(m, o);
-    }
-    template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return PlainSpace::direction(m, d);
     }
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>& m, const Vec<T>&, const Ray<T>& ray) {

@@ -2,31 +2,19 @@
 // taken back to the world.
 #pragma once
 
-#include "intersect/space/plain.hpp"
+#include "intersect/space/cycles.hpp"
 
 namespace lostbits::intersect::space {
 
-struct BevySpace : MadeUnit {
+struct BevySpace : CyclesSpace {
     static constexpr SpaceInfo info{
         .name = "bevy",
         .title = "M^-1 o and M^-1 d made unit; t is the length of M applied to t d'",
-        .source = "BevySpace, crates/bevy_picking/src/mesh_picking/ray_cast/intersections.rs ray_mesh_intersection",
+        .source = "Bevy, crates/bevy_picking/src/mesh_picking/ray_cast/intersections.rs ray_mesh_intersection",
         .direction = Direction::unit,
         .normalises = true,
     };
 
-    template <Number T>
-    static Affine<T> inverse(const Affine<T>& m) {
-        return adjugate_times_reciprocal(m);
-    }
-    template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return PlainSpace::origin(m, o);
-    }
-    template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return PlainSpace::direction(m, d);
-    }
     template <Number T>
     static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
         return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * in.ray.direction)))));

@@ -9,7 +9,7 @@ struct CyclesSpace : MadeUnit {
     static constexpr SpaceInfo info{
         .name = "cycles",
         .title = "M^-1 o and M^-1 d, made unit; t over its length",
-        .source = "CyclesSpace, kernel/geom/geom_object.h bvh_instance_push with normalize_len, up to Blender 3.2",
+        .source = "Cycles, kernel/geom/geom_object.h bvh_instance_push with normalize_len, up to Blender 3.2",
         .normalises = true,
     };
 

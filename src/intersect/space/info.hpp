@@ -68,32 +68,29 @@ struct MadeUnit {
     }
 };
 
-/// [A⁻¹, −A⁻¹τ] from adj(A), each number of it over det(A).
+/// [A⁻¹, −A⁻¹τ] from the columns of adj(A), each number of which `over_det` divides by det(A).
+template <Number T, class OverDet>
+Affine<T> inverse_from(const std::array<Vec<T>, 3>& columns, const Vec<T>& shift, const OverDet& over_det) {
+    const auto row = [&](int i) {
+        return Vec<T>(named("A^-1", over_det(columns[0][i])), named("A^-1", over_det(columns[1][i])),
+                      named("A^-1", over_det(columns[2][i])));
+    };
+    Affine<T> inverse{{row(0), row(1), row(2)}, shift};
+    inverse.shift = -inverse.linear(shift);
+    return inverse;
+}
 template <Number T>
 Affine<T> adjugate_over_determinant(const Affine<T>& m) {
     const auto columns = m.adjugate();
     const T det = named("det", m.determinant());
-    const auto row = [&](int i) {
-        return Vec<T>(named("A^-1", columns[0][i] / det), named("A^-1", columns[1][i] / det),
-                      named("A^-1", columns[2][i] / det));
-    };
-    Affine<T> inverse{{row(0), row(1), row(2)}, m.shift};
-    inverse.shift = -inverse.linear(m.shift);
-    return inverse;
+    return inverse_from(columns, m.shift, [&](const T& c) { return c / det; });
 }
-
 /// The same with one division: 1/det(A) is multiplied.
 template <Number T>
 Affine<T> adjugate_times_reciprocal(const Affine<T>& m) {
     const auto columns = m.adjugate();
     const T r = named("1/det", T(1) / m.determinant());
-    const auto row = [&](int i) {
-        return Vec<T>(named("A^-1", columns[0][i] * r), named("A^-1", columns[1][i] * r),
-                      named("A^-1", columns[2][i] * r));
-    };
-    Affine<T> inverse{{row(0), row(1), row(2)}, m.shift};
-    inverse.shift = -inverse.linear(m.shift);
-    return inverse;
+    return inverse_from(columns, m.shift, [&](const T& c) { return c * r; });
 }
 
 /// fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, τ))) for each row: the last component first.

@@ -2,11 +2,11 @@
 // found there, taken back to the world.
 #pragma once
 
-#include "intersect/space/plain.hpp"
+#include "intersect/space/cycles.hpp"
 
 namespace lostbits::intersect::space {
 
-struct ThreeSpace : MadeUnit {
+struct ThreeSpace : CyclesSpace {
     static constexpr SpaceInfo info{
         .name = "three",
         .title = "M^-1 o and M^-1 d made unit; t is the distance from o of M applied to the point",
@@ -15,18 +15,6 @@ struct ThreeSpace : MadeUnit {
         .normalises = true,
     };
 
-    template <Number T>
-    static Affine<T> inverse(const Affine<T>& m) {
-        return adjugate_times_reciprocal(m);
-    }
-    template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return PlainSpace::origin(m, o);
-    }
-    template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return PlainSpace::direction(m, d);
-    }
     /// v.normalize() multiplies by 1/|v|.
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
