@@ -17,7 +17,7 @@ from ._trace import Tape, Unfollowed
 
 _one_thread = 4
 _formats = {"f32": (32, np.float32), "f64": (64, np.float64)}
-Sample = Callable[[Any], tuple[Floats, Floats, Floats]]
+Sample = Callable[[str, Any], tuple[Floats, Floats, Floats]]
 
 
 class Intersector:
@@ -107,8 +107,8 @@ class Intersector:
     # ---- its operations ----
 
     def write(self, sample: Sample) -> None:
-        """Follows the function and says its operations to the library. `sample(dtype)` gives rays (o, d, solids) on
-        which the operations must give the function's own bits. Unfollowed, which says where, if they do not."""
+        """Follows the function and says its operations to the library. `sample(shape, dtype)` gives rays (o, d,
+        solids) on which the operations must give the function's own bits. Unfollowed, saying where, if they do not."""
         for format, (bits, dtype) in _formats.items():
             if format in self.tapes:
                 continue
@@ -116,7 +116,7 @@ class Intersector:
             for implicit in (False, True):
                 written, hit, t = follow(self.function, self.counts, dtype, self.roots, implicit)
                 self._say(bits, written, hit, t)
-                wrong = self._differs(format, *sample(dtype))
+                wrong = self._differs(format, *sample(self.shape, dtype))
                 if wrong is None:
                     self.tapes[format] = written
                     break
@@ -127,10 +127,9 @@ class Intersector:
                 raise Unfollowed("".join(where) + f"{self.name}: {first}")
 
     def _say(self, bits: int, written: Tape, hit: int, t: int) -> None:
-        array = (lib.Operation * len(written.ops))()
-        for i, (op, operands, value) in enumerate(written.ops):
-            label = written.labels.get(i)
-            array[i] = lib.Operation(op.encode(), (c.c_int32 * 3)(*operands), value, label.encode() if label else None)
+        array = (lib.Operation * len(written.ops))(*[
+            lib.Operation(op.encode(), (c.c_int32 * 3)(*operands), value, written.labels.get(i, "").encode() or None)
+            for i, (op, operands, value) in enumerate(written.ops)])
         lib.call("lostbits_form_write", self.handle.pointer, bits, array, c.c_size_t(len(array)), c.c_int32(hit),
                  c.c_int32(t))
 
@@ -198,12 +197,12 @@ class Asked:
         self.raw = lib.Choice(words[0], c.cast(handles, c.c_void_p), len(self.own), *words[1:], int(rows), int(written))
         self._kept = (handles, words, self.own)
 
-    def write_for(self, sample_of: Callable[[str], Sample], always: bool = False) -> None:
+    def write_for(self, sample: Sample, always: bool = False) -> None:
         """The operations of one's own forms, where something is asked that needs them."""
         plain = all(format in _formats for format in self.formats)
         if always or not plain or any(not m.startswith(("tolerance:", "enough_bits:")) for m in self.metrics):
             for form in self.own:
-                form.write(sample_of(form.shape))
+                form.write(sample)
 
     def call(self, name: str, *arguments: Any, quick: bool = False, **how: Any) -> tuple[int, lib.Handle]:
         """A call that takes this choice behind its own arguments; what a function of the user's raised is raised."""

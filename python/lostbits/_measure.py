@@ -34,7 +34,7 @@ def map(scene: Union[Scene, str], forms: Forms = None, formats: Texts = _both, m
     >>> m = lb.map("near-benign", ["sphere.unified", "sphere.schoolbook"])
     """
     on, asked = scene_of(scene), Asked(forms, formats, metrics, pixels)
-    asked.write_for(on.sampler)
+    asked.write_for(on.sample)
     _, result = asked.call("lostbits_map", on.handle.pointer, threads=threads, progress=progress)
     return Map(tables_of(result), on.size)
 
@@ -82,11 +82,11 @@ def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere",
     asked = Asked(form, format, written=written)
     given = Rays(o, d, solids, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
 
-    def sample(dtype: Any) -> Any:
+    def sample(_: str, dtype: Any) -> Any:
         o, d, solids = (np.asarray(a, dtype=dtype)[:4096] for a in given.kept[:3])
         return o, d, solids if paired else solids[np.arange(len(o)) * len(solids) // len(o)]
 
-    asked.write_for(lambda _: sample)
+    asked.write_for(sample)
     return asked.answers(given, threads=threads)
 
 
@@ -136,7 +136,7 @@ def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
     if not isinstance(text, str):
         raise lib.InputError(f"sweep: of {scene_of(text)!r}, say what changes: along=\"sphere[0].radius\", to=1e6")
     if on is not None:
-        asked.write_for(on.sampler)
+        asked.write_for(on.sample)
     _, result = asked.call("lostbits_sweep", text.encode(), int("\n" in text), folder, threads=threads,
                            progress=progress)
     return Sweep(tables_of(result))
@@ -150,8 +150,7 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float 
         raise lib.InputError("sweep: this scene has no file; save its text as one, and name that")
     in_data = os.path.join((folder or b"data").decode(), "scenes", on.name + ".toml")
     path = os.path.abspath(on.name if os.path.isfile(on.name) else in_data)
-    bases: list[float] = []
-    name = "value"
+    bases, name = list[float](), "value"
     if along == "distance":
         with open(path, "rb") as file:
             read = tomllib.load(file)
@@ -189,7 +188,7 @@ def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format
         raise lib.InputError("explain looks at one form; name one")
     if not (isinstance(pixel, tuple) and len(pixel) == 2):
         raise lib.InputError(f"pixel is (column, row), such as (100, 90), not {pixel!r}")
-    asked.write_for(on.sampler, always=True)
+    asked.write_for(on.sample, always=True)
     _, result = asked.call("lostbits_explain", on.handle.pointer, c.c_int(pixel[0]), c.c_int(pixel[1]), quick=True)
     text, found = texts_of(result)
     tapes = asked.own[0].tapes if asked.own else {}

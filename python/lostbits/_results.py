@@ -37,9 +37,7 @@ class ByRow:
         raise KeyError(f"no {form} in {key[1]}; there are {', '.join(map(str, self))}")
 
     def __iter__(self) -> Iterator[tuple[str, str]]:
-        for name in self._tables:
-            form, _, format = name.rpartition(".")
-            yield form, format
+        return ((form, format) for form, _, format in (name.rpartition(".") for name in self._tables))
 
     def __len__(self) -> int:
         return len(self._tables)

@@ -6,7 +6,7 @@ import ctypes as c
 import json
 import os
 from functools import cached_property
-from typing import Any, Callable, Mapping, Sequence, Union
+from typing import Any, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,9 +46,6 @@ class Scene:
         step = max(1, len(o) // 4096)
         o, d = np.ascontiguousarray(o[::step]), np.ascontiguousarray(d[::step])
         return o, d, solids[np.arange(len(o)) * len(solids) // len(o)]
-
-    def sampler(self, shape: str) -> Callable[[Any], tuple[Floats, Floats, Floats]]:
-        return lambda dtype: self.sample(shape, dtype)
 
     def __repr__(self) -> str:
         return f"<lostbits scene {self.name or 'of arrays'}, {self.size[0]} x {self.size[1]}>"

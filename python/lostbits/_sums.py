@@ -13,7 +13,7 @@ from ._trace import Traced, elementwise, fail, known, tape, traced
 _orders: dict[Any, Any] = {}
 _numbers = np.random.default_rng(1).random(1 << 14)
 _candidates: dict[int, dict[str, Callable[[Any, Any], Any]]] = {
-    3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]), 
+    3: {"in order": lambda p, add: add(add(p[0], p[1]), p[2]),
         "last pair first": lambda p, add: add(p[0], add(p[1], p[2])),
         "ends first": lambda p, add: add(add(p[0], p[2]), p[1])},
     2: {"in order": lambda p, add: add(p[0], p[1])},

@@ -32,8 +32,8 @@ class Column:
             self.codes = _view(raw.categories, rows, c.c_uint8, keeps)
             self.categories = [raw.names[i].decode() for i in range(raw.name_count)]
         elif raw.texts:
-            texts = [raw.texts[i] for i in range(rows)]
-            self._kept = np.array([None if text is None else text.decode() for text in texts], dtype=object)
+            texts = [None if text is None else text.decode() for text in raw.texts[:rows]]
+            self._kept = np.array(texts, dtype=object)
         else:
             self._kept = _view(raw.numbers, rows, c.c_double, keeps)
 

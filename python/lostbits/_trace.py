@@ -8,6 +8,7 @@ the decision of a miss.
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 import threading
@@ -37,8 +38,7 @@ def user_line() -> tuple[str, int]:
 
 
 def fail(what: str) -> Unfollowed:
-    name, line = user_line()
-    return Unfollowed(f"{name}:{line}: {what}")
+    return Unfollowed("{}:{}: {}".format(*user_line(), what))
 
 
 class Tape:
@@ -46,22 +46,20 @@ class Tape:
 
     def __init__(self, dtype: Any, implicit: bool) -> None:
         self.dtype, self.implicit = np.dtype(dtype), implicit
-        self.ops: list[tuple[str, tuple[int, int, int], float]] = []
+        self.ops: list[tuple[str, tuple[int, ...], float]] = []
         self.labels: dict[int, str] = {}
         self.branches: list[str] = []  # where `if` asked the whole batch
         self.lines: list[int] = []
-        self._made: dict[tuple[str, tuple[int, int, int], float], int] = {}
+        self._made: dict[tuple[str, tuple[int, ...], float], int] = {}
 
     def add(self, op: str, *operands: int, value: float = 0.0) -> int:
-        a, b, k = (*operands, -1, -1, -1)[:3]
-        row = (op, (a, b, k), value)
+        row = (op, (*operands, -1, -1, -1)[:3], value)
         once = op in ("constant", "both", "either", "opposite")
         if once and math.copysign(1, value) > 0 and row in self._made:
             return self._made[row]
         self.ops.append(row)
         self.lines.append(user_line()[1])
-        if once:
-            self._made[row] = len(self.ops) - 1
+        self._made[row] = len(self.ops) - 1
         return len(self.ops) - 1
 
     def both(self, a: int, b: int) -> int:
@@ -231,15 +229,6 @@ def traced(x: Any, dtype: Any) -> Traced:
     return _each(value if weak else value.astype(np.float64 if dtype is None else dtype), [value], one)
 
 
-def _computed(made: Any, what: str) -> Any:
-    """The value of an operation, which has the type of the rays."""
-    made = np.asarray(made)
-    if made.dtype != bool and made.dtype != tape().dtype:
-        raise fail(f"np.{what} gives {made.dtype} of rays of {tape().dtype}: an array of another type takes part; make "
-                   "constants of arrays with the type of the rays (np.array(…, dtype=o.dtype))")
-    return made
-
-
 def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
     name, written = ufunc.__name__, tape()
     if name == "power":
@@ -247,7 +236,10 @@ def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
     with np.errstate(all="ignore"):
         # One item has a type of its own; a constant is weak beside arrays.
         given = [x.value if x.ndim or x.value.dtype == bool else x.value[()].item() for x in inputs]
-        value = _computed(ufunc(*given), name)
+        value = np.asarray(ufunc(*given))
+    if value.dtype not in (bool, written.dtype):
+        raise fail(f"np.{name} gives {value.dtype} of rays of {written.dtype}: an array of another type takes part; "
+                   "make constants of arrays with the type of the rays (np.array(…, dtype=o.dtype))")
     n = len(inputs)
     return _each(value, [x.nodes for x in inputs] + [x.valid for x in inputs],
                  lambda *items: _one(written, name, list(items[:n]), list(items[n:])))
@@ -255,9 +247,7 @@ def elementwise(ufunc: Any, inputs: list[Traced]) -> Traced:
 
 def _one(written: Tape, name: str, a: list[int], valid: list[int]) -> tuple[int, int]:
     """One item: its place in the list, and under which decision it is a number."""
-    all_valid = ALWAYS
-    for v in valid:
-        all_valid = written.both(all_valid, v)
+    all_valid = functools.reduce(written.both, valid, ALWAYS)
     if name in _plain:
         return written.add(_plain[name], *a), all_valid
     if name == "sqrt":
@@ -289,7 +279,7 @@ def _one(written: Tape, name: str, a: list[int], valid: list[int]) -> tuple[int,
 
 def _power(base: Traced, exponent: Traced) -> Traced:
     power = exponent.value.item() if exponent.size == 1 else None
-    of = {2: np.square, 1: np.positive, 0.5: np.sqrt, -1: np.reciprocal}.get(power)  
+    of = {2: np.square, 1: np.positive, 0.5: np.sqrt, -1: np.reciprocal}.get(power)
     if of is None:
         raise fail("a power other than 2, 1, 0.5 and -1 is not followed")
     return elementwise(of, [base])
