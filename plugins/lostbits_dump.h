@@ -50,7 +50,14 @@ static inline const char* const* lostbits_dump_columns(const char* shape, int* c
         {"none"},
         {"sphere", "cx", "cy", "cz", "radius"},
         {"box", "lox", "loy", "loz", "hix", "hiy", "hiz"},
-        {"triangle", "ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz"}};
+        {"triangle", "v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"},
+        {"ellipsoid", "cx", "cy", "cz", "rx", "ry", "rz"},
+        {"cylinder", "bx", "by", "bz", "tx", "ty", "tz", "radius"},
+        {"capsule", "sx", "sy", "sz", "ex", "ey", "ez", "radius"},
+        {"tube", "lox", "loy", "loz", "tx", "ty", "tz", "radius"},
+        {"cone", "bx", "by", "bz", "tx", "ty", "tz", "base_radius", "top_radius"},
+        {"disc", "cx", "cy", "cz", "nx", "ny", "nz", "outer_radius", "inner_radius"},
+        {"plane", "qx", "qy", "qz", "nx", "ny", "nz"}};
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; ++i) {
         if (strcmp(shape, columns[i][0]) != 0) continue;
         for (*count = 0; *count < LOSTBITS_DUMP_MOST && columns[i][*count + 1] != NULL;) ++*count;

@@ -11,7 +11,32 @@ import numpy as np
 import lostbits as lb
 
 
+# A solid of each shape that the ray from (0, 0, 9) down meets.
+SOLIDS = {
+    "sphere": (0, 0, 0, 1), "box": (-1, -1, -1, 1, 1, 1), "triangle": (-1, -1, 0, 1, -1, 0, 0, 1, 0),
+    "ellipsoid": (0, 0, 0, 1, 2, 3), "cylinder": (0, 0, -1, 0, 0, 1, 0.5), "capsule": (0, 0, -1, 0, 0, 1, 0.5),
+    "tube": (0, -1, 0, 0, 1, 0, 0.5), "cone": (0, 0, -1, 0, 0, 1, 2, 0.5), "disc": (0, 0, 0, 0, 0, 1, 1, 0),
+    "plane": (0, 0, 0.25, 0, 0, 1),
+}
+
+
 class Dump(unittest.TestCase):
+    def test_every_shape(self):
+        self.assertEqual(set(SOLIDS), set(lb.SHAPES))
+        o, d = np.array([[0.0, 0, 9]]), np.array([[0.0, 0, -1]])
+        for shape, numbers in SOLIDS.items():
+            with self.subTest(shape), tempfile.TemporaryDirectory() as folder:
+                truth = lb.truth(o, d, np.array([numbers], dtype=np.float64), shape=shape)
+                self.assertTrue(truth.hit[0])
+                path, out = os.path.join(folder, "rays.npy"), os.path.join(folder, "out")
+                subprocess.run([os.environ["LOSTBITS_DUMPS"], shape, path, repr(float(truth.t[0])),
+                                *map(str, numbers)], check=True)
+                self.assertEqual(len(np.load(path)), 1)
+                subprocess.run([os.environ["LOSTBITS_PROGRAM"], "-q", "judge", path, "-o", out], check=True)
+                with open(os.path.join(out, "rays", "summary.csv"), newline="", encoding="utf-8") as file:
+                    row = next(csv.DictReader(file))
+                self.assertEqual((row["agree_hit"], float(row["lost_bits_max"])), ("1", 0.0))
+
     def test_the_path_tracer(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "rays.npy")
