@@ -50,10 +50,10 @@ struct ShapeList {
         else return ShapeList<Rest...>::template of_shape<shape>(act);
     }
     template <class Solid, class Act>
-    static decltype(auto) visit(const Solid& solid, const Act& act) {
+    static decltype(auto) visit_shape(const Solid& solid, const Act& act) {
         if constexpr (sizeof...(Rest) > 0)
-            if (!solid.template is<First>()) return ShapeList<Rest...>::visit(solid, act);
-        return act(solid.template as<First>());
+            if (!solid.template is<First>()) return ShapeList<Rest...>::visit_shape(solid, act);
+        return act.template operator()<First>();
     }
 };
 

@@ -64,10 +64,17 @@ private:
     }
 };
 
+/// `act.template operator()<Sphere>()` of a sphere.
+template <class S, class Act>
+decltype(auto) visit_shape(const Solid<S>& solid, const Act& act) {
+    return Solids::visit_shape(solid, act);
+}
+
 /// `act` on the shape itself: a template, or an overload for every shape.
 template <class S, class Act>
 decltype(auto) visit(const Solid<S>& solid, const Act& act) {
-    return Solids::visit(solid, act);
+    return visit_shape(solid,
+                       [&]<template <class> class Of>() -> decltype(auto) { return act(solid.template as<Of>()); });
 }
 
 /// A solid k > 0 times as large about the origin, without its matrix.
@@ -90,17 +97,20 @@ void tell_distances(Span& span, const S& d2) {
     if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
 }
 
-/// `act` on where the ray's line is inside of the solid. Distances are those of the world.
+/// Where the ray's line is inside of a solid of that shape. Distances are those of the world.
+template <template <class> class Of, class S>
+auto span_of(const Ray<S>& ray, const Solid<S>& solid) {
+    if (!solid.placed) return solid.template as<Of>().span(ray);
+    const InObject<S> in = in_object(ray, *solid.placed);
+    auto span = scaled(solid, in.scale).template as<Of>().span(in.ray);
+    tell_distances(span, square(ray.direction));
+    return span;
+}
+
+/// `act` on where the ray's line is inside of the solid.
 template <class S, class Act>
 auto with_span(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
-    if (!solid.placed) return visit(solid, [&](const auto& shape) { return act(shape.span(ray)); });
-    const InObject<S> in = in_object(ray, *solid.placed);
-    const Solid<S> object = scaled(solid, in.scale);
-    return visit(object, [&](const auto& shape) {
-        auto span = shape.span(in.ray);
-        tell_distances(span, square(ray.direction));
-        return act(span);
-    });
+    return visit_shape(solid, [&]<template <class> class Of>() { return act(span_of<Of>(ray, solid)); });
 }
 
 /// The centre and the radius of a ball that holds it. Of a solid under a stored matrix |A p| ≤ ‖A‖ |p| with Frobenius'
@@ -120,7 +130,7 @@ auto ball_around(const Solid<S>& solid) {
 template <class S>
 Solid<S> solid_around(Shape shape, const Vec<S>& point, const S& half) {
     Solid<S> made(shape);
-    visit(Solid<S>(made), [&]<template <class> class Of>(const Of<S>&) { made = Of<S>::around(point, half); });
+    visit_shape(made, [&]<template <class> class Of>() { made = Of<S>::around(point, half); });
     return made;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "measure/truth/missing.hpp"
@@ -14,7 +15,24 @@ using intersect::Convention;
 
 namespace {
 
-/// Every number of a problem with N of them as an input of its own: origin, direction, the solid's, its matrix's.
+/// A problem, its numbers one after another: origin, direction, the solid's, its matrix's.
+struct Given {
+    Shape shape;
+    std::variant<std::vector<double>, std::vector<Real>> numbers;
+    std::optional<Placement<int>> placed;  ///< without its numbers
+
+    template <class S>
+    Given(const Ray<S>& ray, const Solid<S>& solid) : shape(solid.shape) {
+        auto& all = numbers.emplace<std::vector<S>>();
+        for (const Vec<S>& v : {ray.origin, ray.direction}) all.insert(all.end(), {v.x, v.y, v.z});
+        all.insert(all.end(), solid.used().begin(), solid.used().end());
+        if (!solid.placed) return;
+        all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
+        placed = transformed(*solid.placed, [](const S&) { return 0; });
+    }
+};
+
+/// Each of its numbers, of which there are at most N, as an input of its own.
 template <class E, std::size_t N>
 struct Problem {
     using Sensitive = Dual<E, N>;
@@ -22,31 +40,18 @@ struct Problem {
     Ray<Sensitive> ray;
     Solid<Sensitive> solid;
 
-    template <class S>
-    Problem(const Ray<S>& r, const Solid<S>& s) : x(listed(r, s)), ray{vec(0), vec(3)} {
-        solid.shape = s.shape;
-        std::size_t i = 6;
-        const auto next = [&] { return Sensitive::input(x[i], i); };
-        for (Sensitive& number : solid.used()) number = next(), ++i;
-        if (!s.placed) return;
-        solid.placed = transformed(*s.placed, [](const S&) { return Sensitive(0); });
-        for (Sensitive& number : solid.placed->matrix) number = next(), ++i;
-    }
-
-private:
-    template <class S>
-    static std::vector<E> listed(const Ray<S>& r, const Solid<S>& s) {
-        std::vector<E> all;
-        for (const Vec<S>& v : {r.origin, r.direction}) {
-            for (int i = 0; i < 3; ++i) all.push_back(lift<E>(v[i]));
-        }
-        for (const S& n : s.used()) all.push_back(lift<E>(n));
-        if (s.placed)
-            for (const S& n : s.placed->matrix) all.push_back(lift<E>(n));
-        return all;
-    }
-    [[nodiscard]] Vec<Sensitive> vec(std::size_t i) const {
-        return {Sensitive::input(x[i], i), Sensitive::input(x[i + 1], i + 1), Sensitive::input(x[i + 2], i + 2)};
+    explicit Problem(const Given& given) : solid(given.shape) {
+        const auto lift_all = [&](const auto& numbers) {
+            for (const auto& n : numbers) x.push_back(lift<E>(n));
+        };
+        std::visit(lift_all, given.numbers);
+        std::size_t i = 0;
+        const auto next = [&] { return ++i, Sensitive::input(x[i - 1], i - 1); };
+        for (Vec<Sensitive>* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
+        for (Sensitive& number : solid.used()) number = next();
+        if (!given.placed) return;
+        solid.placed = transformed(*given.placed, [](int) { return Sensitive(0); });
+        for (Sensitive& number : solid.placed->matrix) number = next();
     }
 };
 
@@ -65,28 +70,32 @@ std::optional<double> close_enough(const Interval& k) {
     return mpfr_get_d(k.lower(), MPFR_RNDN);
 }
 
-/// κ at one precision; nothing where it is too low.
-template <class E, std::size_t N, class S>
-std::optional<double> condition_in(const Ray<S>& ray, const Solid<S>& solid, Convention convention,
-                                   const Range<double>& given) {
-    const Problem<E, N> problem(ray, solid);
-    const auto range = range_over<Dual<E, N>, E>(given);
-    const auto found = enclose(problem.ray, problem.solid, range ? &*range : nullptr, convention);
+/// κ at one precision; nothing where it is too low. The solid is of that shape.
+template <class E, std::size_t N, template <class> class Of>
+std::optional<double> condition_in(const Given& given, Convention convention, const Range<double>& of_ray) {
+    const Problem<E, N> problem(given);
+    const auto range = range_over<Dual<E, N>, E>(of_ray);
+    const auto span = span_of<Of>(problem.ray, problem.solid);
+    const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return missing;
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
         return std::numeric_limits<double>::infinity();
     E sum(0);
-    for (std::size_t i = 0; i < N; ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
+    for (std::size_t i = 0; i < problem.x.size(); ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
     return close_enough(sum / found.t.value());
 }
 
-template <std::size_t N, class S>
-double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention convention, const Range<double>& range) {
-    if (const auto quick = condition_in<Ball, N>(ray, solid, convention, range)) return *quick;
+/// Intervals are asked seldom, so that one function serves solids with and without a matrix.
+template <template <class> class Of>
+double find_condition(const Given& given, Convention convention, const Range<double>& range) {
+    constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
+    const auto quick = given.placed ? condition_in<Ball, under_matrix, Of>(given, convention, range)
+                                    : condition_in<Ball, N, Of>(given, convention, range);
+    if (quick) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto k = condition_in<Interval, N>(ray, solid, convention, range)) return *k;
+        if (const auto k = condition_in<Interval, under_matrix, Of>(given, convention, range)) return *k;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
     return std::numeric_limits<double>::infinity();
@@ -95,12 +104,11 @@ double find_condition(const Ray<S>& ray, const Solid<S>& solid, Convention conve
 template <class S>
 double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
-    return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
-        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
-        convention = convention_in(range, convention);
-        return solid.placed ? find_condition<N + Affine<S>::numbers>(ray, solid, convention, range)
-                            : find_condition<N>(ray, solid, convention, range);
-    });
+    convention = convention_in(range, convention);
+    convention.touching = intersect::Touching::hit;
+    const Given given(ray, solid);
+    return visit_shape(solid,
+                       [&]<template <class> class Of>() { return find_condition<Of>(given, convention, range); });
 }
 
 }  // namespace

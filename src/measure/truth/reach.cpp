@@ -101,10 +101,7 @@ public:
     /// Where the ray from its point at t on is inside of the solid, of that shape.
     template <template <class> class Of>
     [[nodiscard]] auto span_from(const Each& t) const {
-        const Ray<Each> from{ray.origin + t * ray.direction, ray.direction};
-        if (!solid.placed) return solid.template as<Of>().span(from);
-        const InObject<Each> in = in_object(from, *solid.placed);
-        return lostbits::scaled(solid, in.scale).template as<Of>().span(in.ray);
+        return span_of<Of>(Ray<Each>{ray.origin + t * ray.direction, ray.direction}, solid);
     }
 
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
@@ -240,7 +237,7 @@ double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<Bounded<d
 template <class S>
 double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, const FloatFormat& format,
                 Perturbed perturbed) {
-    return visit(solid, [&]<template <class> class Of>(const Of<S>&) {
+    return visit_shape(solid, [&]<template <class> class Of>() {
         const auto of_numbers = [&]<std::size_t N>() {
             const Perturbable<N> problem(ray, solid, format, perturbed);
             const auto at = problem.of(t);
