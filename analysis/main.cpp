@@ -188,7 +188,7 @@ namespace {
 /// A library that gives up (a thread pool without memory for its threads) ends here: no partial file stays.
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
-    // Of code of ours alone an exception that nobody catches is a fault of ours.
+    // With no foreign code in the process, an exception that nobody catches is our own fault.
     const char* const who = lostbits::intersect::doors::foreign_code_here();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;

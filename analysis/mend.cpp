@@ -42,7 +42,7 @@ measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scen
     choice::refuse_placed({scene}, "mend");
     if (!scene.meets(forms.front()->shapes()))
         throw NothingSelected(
-            fmt::format("{} is no form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
+            fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
     return {.form = forms.front(), .format = formats.front()};
 }
 

@@ -92,8 +92,7 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
         "0 of a box)",
         shell::one_of({"usual", "exit", "zero", "near", "miss"}));
     command.add("--open-ends", words.open_ends,
-                "Of the columns tmin and tmax, those that do not belong to the range: a t there is no hit "
-                "(default: none)",
+                "Which ends of the columns' ranges are open, so that a t there is no hit (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
 }
 

@@ -119,11 +119,11 @@ typedef struct lostbits_choice {
     lostbits_words formats; /* "f32", "bf16", "p5..p12"; empty: f32 and f64 */
     lostbits_words metrics; /* beside the default ones: "culprit", "tolerance:0.001", "enough_bits:16" */
     int rows;               /* not 0: also a table a form and format with a row a ray */
-    int written;            /* not 0: of forms of one's own, f32 and f64 are what their operations give */
+    int written;            /* not 0: forms of one's own answer by their written operations in f32 and f64 too */
 } lostbits_choice;
 
 typedef struct lostbits_run {
-    int threads;               /* 0: one a core. Of calls at the same time the smallest number holds for all */
+    int threads;               /* 0: one per core. While several calls run, the smallest number holds for all */
     const unsigned char* stop; /* another thread sets it to 1 to end the call within a second; NULL: nobody does */
     void (*progress)(void* own, uint64_t done, uint64_t of); /* from any thread, one at a time; or NULL */
     void* own;
