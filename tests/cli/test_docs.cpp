@@ -105,6 +105,8 @@ constexpr std::array cheaper{
             "times of every form are 6 s"},
     Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " --no-claims -i sphere.schoolbook -i sphere.unified",
             "20 s: the page of the screenshots"},
+    Cheaper{"report mine.toml ", " --no-claims", "27 s; test_check.cpp measures every claim"},
+    Cheaper{"report sphere-height box-boundary ", " --no-claims", "5 s: the same"},
     Cheaper{"check  ", " --filter 'float.*'", "20 s; test_check.cpp measures every claim"},
     Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
             "a minute; test_check.cpp measures times"},
