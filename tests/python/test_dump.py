@@ -29,9 +29,12 @@ class Dump(unittest.TestCase):
                 truth = lb.truth(o, d, np.array([numbers], dtype=np.float64), shape=shape)
                 self.assertTrue(truth.hit[0])
                 path, out = os.path.join(folder, "rays.npy"), os.path.join(folder, "out")
-                subprocess.run([os.environ["LOSTBITS_DUMPS"], shape, path, repr(float(truth.t[0])),
-                                *map(str, numbers)], check=True)
-                self.assertEqual(len(np.load(path)), 1)
+                written = []
+                for program in (os.environ["LOSTBITS_DEVICE_DUMPS"], os.environ["LOSTBITS_DUMPS"]):
+                    subprocess.run([program, shape, path, repr(float(truth.t[0])), *map(str, numbers)], check=True)
+                    written.append(np.load(path))
+                self.assertEqual(len(written[0]), 1)
+                np.testing.assert_array_equal(*written)
                 subprocess.run([os.environ["LOSTBITS_PROGRAM"], "-q", "judge", path, "-o", out], check=True)
                 with open(os.path.join(out, "rays", "summary.csv"), newline="", encoding="utf-8") as file:
                     row = next(csv.DictReader(file))
