@@ -47,7 +47,8 @@ function make() {
     const once = ["--seeds", "0"];
     lostbits(
         "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--seeds", "1",
-        "--claims", "tilt.*,rtg7.*,sdf3.*,every.*,shader.unit-half-b-nearest*", "--trade", "--choose", "near-benign:18", "--offsets", "offset-tiny,offset-thin-box", "-o", at("report"));
+        "--claims", "tilt.*,rtg7.*,sdf3.*,every.*,shader.unit-half-b-nearest*", "--trade", "--choose", "near-benign:18",
+        "--offsets", "offset-tiny,offset-thin-box", "-o", at("report"));
     lostbits(
         "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
         at("large"));
