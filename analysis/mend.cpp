@@ -41,8 +41,8 @@ measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scen
                                      choice::formats_of(*forms.front())));
     choice::refuse_placed({scene}, "mend");
     if (!scene.meets(forms.front()->shapes()))
-        throw NothingSelected(
-            fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
+        throw NothingSelected(fmt::format(
+            "{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
     return {.form = forms.front(), .format = formats.front()};
 }
 
