@@ -8,9 +8,10 @@
 namespace lostbits::test::test_box_contracts {
 
 TEST_CASE("box forms have names, titles and sources", "[intersect][box][info]") {
-    const char* order[] = {"box.baseline",   "box.exclusive",     "box.inclusive",   "box.signs",
-                           "box.divide",     "box.ieee_minmax",   "box.pbrt_padded", "box.max_mult",
-                           "box.embree_fma", "box.embree_robust", "box.filtered"};
+    const char* order[] = {"box.baseline",   "box.exclusive",     "box.inclusive",     "box.signs",
+                           "box.divide",     "box.ieee_minmax",   "box.pbrt_padded",   "box.max_mult",
+                           "box.embree_fma", "box.embree_robust", "box.embree_padded", "box.bvh_robust",
+                           "box.tinybvh",    "box.filtered"};
     std::set<std::string_view> titles, open;
     std::size_t i = 0;
     intersect::box::BoxForms::for_each([&]<class Form>() {

@@ -154,8 +154,11 @@ TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "
         BoxForms::for_each([&]<class Form>() { misses[Form::info.name] += !ask<Form, float>(s, s.tmax).hit; });
     }
     CHECK(hits > 30000);
-    for (const char* padded : {"box.pbrt_padded", "box.max_mult", "box.embree_robust"}) CHECK(misses.at(padded) == 0);
+    for (const char* padded : {"box.pbrt_padded", "box.max_mult", "box.embree_robust", "box.embree_padded"})
+        CHECK(misses.at(padded) == 0);
     CHECK(misses.at("box.signs") > hits / 50);
+    CHECK(misses.at("box.tinybvh") == misses.at("box.signs"));  // no zeros in these directions
+    CHECK(misses.at("box.bvh_robust") < misses.at("box.signs") / 100);
     CHECK(misses.at("box.divide") < misses.at("box.signs") / 3);     // one rounding less
     CHECK(misses.at("box.embree_fma") > misses.at("box.signs"));     // o·inv, rounded before it cancels
     CHECK(misses.at("box.baseline") > 3 * misses.at("box.signs"));   // and misses where tmin = tmax
@@ -238,7 +241,8 @@ void contain(const BoxSample& s, double tmax, bool generic, Contained& tally) {
 /// for forms that pad by the unit roundoff, which is none for intervals.
 template <class Form>
 void contain_machine(const BoxSample& s, double tmax, Contained& tally) {
-    if (Form::info.name == "box.pbrt_padded" || Form::info.name == "box.embree_robust") return;
+    for (const char* pads : {"box.pbrt_padded", "box.embree_robust", "box.embree_padded", "box.bvh_robust"})
+        if (Form::info.name == pads) return;
     const Interval::Precision precision(53);
     const Hit<double> want = ask<Form, double>(s, tmax);
     if (!holds(ask<Form, Interval>(s, tmax), want) && tally.wrong++ == 0)

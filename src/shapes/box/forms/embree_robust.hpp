@@ -1,6 +1,6 @@
-// Embree's robust traversal: `signs`, then a hit where (1 − 3ε) tmin ≤ (1 + 3ε) tmax with ε = 2u, 2⁻²³ in float. The
-// padding is in the comparison alone: t is the unpadded tmin, as Embree's distance is. The end of the ray, being part
-// of tmax, is padded too.
+// Embree's robust traversal as it was (`embree_padded` is what came then): `signs`, then a hit where (1 − 3ε) tmin ≤ (1
+// + 3ε) tmax with ε = 2u, 2⁻²³ in float. The padding is in the comparison alone: t is the unpadded tmin, as Embree's
+// distance is. The end of the ray, being part of tmax, is padded too.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"
@@ -11,7 +11,7 @@ struct EmbreeRobust {
     static constexpr Info info{
         .name = "box.embree_robust",
         .title = "signs, both sides padded by 3 eps",
-        .source = "Embree 3, kernels/bvh/node_intersector1.h, robust mode",
+        .source = "Embree 2, kernels/bvh/node_intersector1.h, robust mode, until a7a3bde31 of 2017",
     };
 
     template <Number T, BoxOf<T> B>

@@ -3,8 +3,10 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/box/forms/baseline.hpp"
+#include "shapes/box/forms/bvh_robust.hpp"
 #include "shapes/box/forms/divide.hpp"
 #include "shapes/box/forms/embree_fma.hpp"
+#include "shapes/box/forms/embree_padded.hpp"
 #include "shapes/box/forms/embree_robust.hpp"
 #include "shapes/box/forms/exclusive.hpp"
 #include "shapes/box/forms/filtered.hpp"
@@ -13,6 +15,7 @@
 #include "shapes/box/forms/max_mult.hpp"
 #include "shapes/box/forms/pbrt_padded.hpp"
 #include "shapes/box/forms/signs.hpp"
+#include "shapes/box/forms/tinybvh.hpp"
 
 namespace lostbits::intersect::box {
 
@@ -27,6 +30,9 @@ using BoxForms = FormList<  //
     box::MaxMult,           //
     box::EmbreeFma,         //
     box::EmbreeRobust,      //
+    box::EmbreePadded,      //
+    box::BvhRobust,         //
+    box::TinyBvh,           //
     box::FilteredSlabs      // of the laboratory itself
     >;
 
