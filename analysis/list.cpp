@@ -80,6 +80,14 @@ Listing spaces() {
     return l;
 }
 
+/// Ways of computing the box around a solid.
+Listing hulls() {
+    Listing l{{"name", "title", "source"}, {}};
+    for (const intersect::hull::HullWay& way : intersect::hull::hulls())
+        l.rows.push_back({std::string(way.info->name), std::string(way.info->title), std::string(way.info->source)});
+    return l;
+}
+
 Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
     for (const measure::metric::Metric& m : measure::metric::metrics()) {
@@ -269,6 +277,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "formats") return formats();
         if (name == "metrics") return metric_table();
         if (name == "spaces") return spaces();
+        if (name == "hulls") return hulls();
         if (name == "labels") return labels();
         if (name == "strategies") return strategies();
         if (name == "checks") return checks();
@@ -288,12 +297,12 @@ Exit run(const std::string& what, bool json, const Common& common) {
 void add_list(const shell::Command& program, const Common& common) {
     auto command = program.add_command("list",
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
-                                       "scenes, sweeps, claims, strategies, checks, spaces, devices");
+                                       "scenes, sweeps, claims, strategies, checks, spaces, hulls, devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command.add("WHAT", *what, "What to list",
                 shell::one_of({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
-                               "strategies", "checks", "spaces", "devices"}));
+                               "strategies", "checks", "spaces", "hulls", "devices"}));
     command.add("--json", *json, "As a JSON array");
     command.runs([what, json, &common] { return run(*what, *json, common); });
 }

@@ -78,11 +78,11 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
     std::vector<const Intersector*> forms, sets;
     for (const std::string& word : globs) {
         const bool of_several = names_set(word);
-        if (!of_several && word.find('@') == std::string::npos) {
+        if (!of_several && word.find_first_of("@^") == std::string::npos) {
             alone.push_back(word);
             continue;
         }
-        for (const Intersector* const set : of_several ? sets_named(word, option) : placed_named(word, option))
+        for (const Intersector* const set : of_several ? sets_named(word, option) : made_named(word, option))
             if (std::ranges::find(sets, set) == sets.end()) sets.push_back(set);
     }
     forms = select_rows(intersect::table::intersectors(), alone, "form", option,
@@ -94,6 +94,11 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
 std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option) {
     return select_rows(intersect::space::spaces(), {glob}, "space", option,
                        [](const intersect::space::Space& s) { return s.info->name; });
+}
+
+std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glob, const char* option) {
+    return select_rows(intersect::hull::hulls(), {glob}, "hull", option,
+                       [](const intersect::hull::HullWay& way) { return way.info->name; });
 }
 
 std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
@@ -166,6 +171,13 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
             throw InputError(
                 fmt::format("--metric {}: no solid of {} stands under a matrix, so that no step leads into its space",
                             first, what));
+    }
+    if (std::ranges::none_of(rows, [](const MapRow& row) { return intersect::hull::has_box(*row.form); })) {
+        std::erase_if(asked, [](const Metric* m) { return m->name == "lost_to"; });
+        if (asked.empty())
+            throw InputError(fmt::format(
+                "--metric {}: none of the selected forms in {} is behind a box; name it with one, such as -i {}", first,
+                what, "'sphere.unified^box.signs'"));
     }
     if (any_marches(rows)) return asked;
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/choice/sets.hpp"
+#include "intersect/hull/behind.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
@@ -24,7 +25,7 @@
 namespace lostbits::analysis::choice {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
-/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` (`placed_named`). A
+/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` (`made_named`). A
 /// name without a glob
 /// character that is unknown is bad input, with did-you-mean, of the `option`; a glob that matches nothing selects
 /// nothing (exit 4).
@@ -33,6 +34,8 @@ std::vector<const intersect::table::Intersector*> select_forms(const std::vector
 
 /// Ways into the space of a solid by name or glob, in the order of their list. InputError with did-you-mean.
 std::vector<const intersect::space::Space*> select_spaces(const std::string& glob, const char* option);
+/// Ways of computing the box around a solid.
+std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glob, const char* option);
 
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");

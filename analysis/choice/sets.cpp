@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "analysis/choice/select.hpp"
+#include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 
@@ -215,18 +216,31 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms placed_named(const std::string& word, const char* option) {
-    const std::size_t at = word.rfind('@');
-    const std::string form = word.substr(0, at), space = word.substr(at + 1);
-    if (form.empty() || space.empty())
-        throw InputError(
-            fmt::format("{} {}: no form, or no space, stands beside the @; write FORM@SPACE, such as "
-                        "sphere.unified@pbrt; `lostbits list spaces` shows them",
-                        option, word));
+Forms made_named(const std::string& word, const char* option) {
+    const std::size_t at = word.find_last_of("@^");
+    const std::string form = word.substr(0, at), last = word.substr(at + 1);
+    const bool is_space = word[at] == '@';
+    if (form.empty() || last.empty())
+        throw InputError(fmt::format(
+            "{} {}: no form, or no {}, stands beside the {}; write {}", option, word, is_space ? "space" : "box",
+            word[at],
+            is_space ? "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` shows them"
+                     : "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
+                       "shows how boxes are computed"));
+    const Forms forms = select_forms({form}, option);
     Forms all;
-    for (const Intersector* const one : select_forms({form}, option))
-        for (const auto* const through : select_spaces(space, option))
-            all.push_back(&intersect::space::through(*through, *one));
+    if (is_space) {
+        for (const Intersector* const one : forms)
+            for (const auto* const through : select_spaces(last, option))
+                all.push_back(&intersect::space::through(*through, *one));
+        return all;
+    }
+    const std::size_t tilde = std::min(last.find('~'), last.size());
+    const auto hulls = tilde == last.size() ? std::vector{&intersect::hull::usual_hull()}
+                                            : select_hulls(last.substr(tilde + 1), option);
+    for (const Intersector* const one : forms)
+        for (const Intersector* const box : select_forms({last.substr(0, tilde)}, option))
+            for (const auto* const hull : hulls) all.push_back(&intersect::hull::behind(*hull, *box, *one));
     return all;
 }
 

@@ -37,8 +37,9 @@ bool names_set(const std::string& word);
 /// `most_sets`; NothingSelected for a glob that matches nothing.
 std::vector<const intersect::table::Intersector*> sets_named(const std::string& word, const char* option);
 
-/// The rows of a word such as `sphere.*@pbrt`, whose parts are globs. InputError and NothingSelected as of each part.
-std::vector<const intersect::table::Intersector*> placed_named(const std::string& word, const char* option);
+/// The rows of a word such as `sphere.*@pbrt` or `sphere.*^box.signs~nearest`, whose parts are globs: through a space,
+/// or behind a box, which may stand one after the other. InputError and NothingSelected as of each part.
+std::vector<const intersect::table::Intersector*> made_named(const std::string& word, const char* option);
 
 /// What was chosen by -i and -f, and the words of -i.
 struct ChosenRows {

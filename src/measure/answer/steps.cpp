@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "measure/answer/asked.hpp"
 #include "measure/truth/missing.hpp"
-#include "number/with_number.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::answer {
@@ -16,13 +16,6 @@ using intersect::table::Intersector;
 using truth::Certified;
 
 namespace {
-
-template <class T>
-const StepsIn<T>& steps_in(const Space& space) {
-    if constexpr (std::same_as<T, float>) return space.f32;
-    else if constexpr (std::same_as<T, double>) return space.f64;
-    else return space.rounded;
-}
 
 template <class T>
 Vec<Real> exactly(const Vec<T>& v) {
@@ -110,30 +103,14 @@ private:
 
     /// What the form answers; nothing where it misses.
     std::optional<T> asked(const ObjectRay<T>& in) const {
-        const auto run = [&]<class S>(const auto& kernel) -> std::optional<T> {
-            std::array<S, 6> x;
-            for (int k = 0; k < 3; ++k) {
-                x[static_cast<std::size_t>(k)] = static_cast<S>(as_double(in.ray.origin[k]));
-                x[static_cast<std::size_t>(k + 3)] = static_cast<S>(as_double(in.ray.direction[k]));
-            }
-            const auto one = [](const S& value) { return std::span(&value, 1); };
-            const S end = static_cast<S>(as_double(static_cast<T>(range_.tmax) * in.length));
-            intersect::table::RayBatch<S> rays{one(x[0]), one(x[1]), one(x[2]), one(x[3]), one(x[4]), one(x[5])};
-            if (!std::isinf(range_.tmax)) rays.tmax = one(end);
-            Solid<T> object = transformed(plain_, [](double n) { return static_cast<T>(n); });
-            if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-            S t{}, near{}, far{};
-            std::uint8_t hit = 0;
-            kernel(rays,
-                   intersect::Target<S>(transformed(object, [](const T& n) { return static_cast<S>(as_double(n)); })),
-                   intersect::table::HitBatch<S>{std::span(&t, 1), std::span(&near, 1), std::span(&far, 1),
-                                                 std::span(&hit, 1)});
-            return hit != 0 ? std::optional(static_cast<T>(t)) : std::nullopt;
-        };
-        if constexpr (std::same_as<T, float>) return run.template operator()<float>(made_.form->native32);
-        else if constexpr (std::same_as<T, double>) return run.template operator()<double>(made_.form->native64);
-        else
-            return run.template operator()<double>([&](const auto&... a) { made_.form->rounded(format_.shape, a...); });
+        const auto back = [](const Vec<T>& v) { return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z)); };
+        Solid<T> object = transformed(plain_, [](double n) { return static_cast<T>(n); });
+        if (as_double(in.scale) != 1) object = scaled(object, in.scale);
+        const auto t =
+            ask_one(*made_.form, format_, {back(in.ray.origin), back(in.ray.direction)},
+                    transformed(object, [](const T& n) { return as_double(n); }),
+                    std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
+        return t ? std::optional(static_cast<T>(*t)) : std::nullopt;
     }
 
     const Intersector& row_;

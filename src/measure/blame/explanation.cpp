@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "intersect/doors/contract.hpp"
+#include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/sets.hpp"
@@ -17,6 +18,8 @@ namespace lostbits::measure::blame {
 
 using answer::OneRay;
 using answer::Outcome;
+using intersect::hull::around;
+using intersect::hull::innermost;
 using intersect::table::Intersector;
 using truth::FormatInputs;
 using truth::missing;
@@ -53,9 +56,7 @@ bool is_other_question(const Intersector& a, const Intersector& b, const OneRay&
 /// that is another set. Null for a form that has no place in it.
 const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
     if (!asked.is_set() && other.shape != asked.shape) return nullptr;
-    if (asked.is_placed && !other.is_placed)
-        return &intersect::space::through(*intersect::space::made_of(asked).space, other);
-    if (!asked.is_set()) return &other;
+    if (!asked.is_set()) return &innermost(other) == &other ? &around(asked, other) : &other;
     if (other.is_set()) return other.shapes() == asked.shapes() ? &other : nullptr;
     if (other.shape != shape) return nullptr;
     std::vector<const Intersector*> parts(asked.parts.begin(), asked.parts.end());
@@ -69,6 +70,9 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector*
     if (const auto made = intersect::space::made_of(*x.form); made.space != nullptr)
         for (const auto& space : intersect::space::spaces())
             all.push_back(&intersect::space::through(space, *made.form));
+    if (const auto made = intersect::hull::made_of(*x.form); made.form != nullptr)
+        for (const Intersector& box : intersect::table::intersectors(made.box->shape))
+            if (intersect::doors::is_harmless(box)) all.push_back(&intersect::hull::behind(*made.way, box, *made.form));
     std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
     for (const Intersector* const other : all) {
         const bool named = std::ranges::find(beside, other) != beside.end();
@@ -78,8 +82,7 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector*
             if (named) x.unasked.push_back(other);
             continue;
         }
-        const Intersector* const inner = intersect::space::made_of(*other).form;
-        if (!intersect::doors::is_harmless(inner ? *inner : *other) && !named) continue;
+        if (!intersect::doors::is_harmless(innermost(*other)) && !named) continue;
         try {
             Standing s = standing_of(*held, x.format, ray);
             s.other_question = is_other_question(*x.form, *held, ray);

@@ -7,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "intersect/hull/behind.hpp"
 #include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
@@ -89,13 +90,30 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
 
 namespace {
 
+const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form);
+
+/// The row of `form` behind a box such as `box.signs~nearest`.
+const intersect::table::Intersector& form_behind(const Claim& claim, const std::string& form, const std::string& box) {
+    const std::size_t tilde = std::min(box.find('~'), box.size());
+    const auto* const way =
+        tilde == box.size() ? &intersect::hull::usual_hull() : intersect::hull::find_hull(box.substr(tilde + 1));
+    if (way == nullptr) {
+        std::vector<std::string> names;
+        for (const auto& each : intersect::hull::hulls()) names.emplace_back(each.info->name);
+        scene::toml::fail(claim.where, "unknown way of computing a box \"" + box.substr(tilde + 1) + "\"; " +
+                                           scene::toml::did_you_mean(box.substr(tilde + 1), names));
+    }
+    return intersect::hull::behind(*way, form_named(claim, box.substr(0, tilde)), form_named(claim, form));
+}
+
 const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
-    const std::size_t at = form.rfind('@');
+    const std::size_t at = form.find_last_of("@^");
     if (form.find('+') == std::string::npos && at != std::string::npos) {
+        if (form[at] == '^') return form_behind(claim, form.substr(0, at), form.substr(at + 1));
         const auto* const space = intersect::space::find_space(form.substr(at + 1));
         if (space == nullptr) {
             std::vector<std::string> names;

@@ -104,7 +104,8 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
 unsigned needs_met_by(const intersect::table::Intersector& form) {
     return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
              (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way) |
-             (form.shapes().are_placed() ? 0U : metric::needs_steps));
+             (form.shapes().are_placed() ? 0U : metric::needs_steps) |
+             (intersect::hull::has_box(form) ? 0U : metric::needs_levels));
 }
 
 namespace {

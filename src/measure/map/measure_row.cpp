@@ -160,9 +160,9 @@ private:
     /// What the form says of its own answer, whatever that is worth.
     template <class Which>
     void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
-        const OwnWords own(row_, needs_, *result_.inputs, ray, i, asked_of(i));
-        const Solid<double> solid = result_.inputs->solids[asked_of(i)];
         const Truth truth = result_.truth(i);
+        const OwnWords own(row_, needs_, *result_.inputs, ray, i, asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
+        const Solid<double> solid = result_.inputs->solids[asked_of(i)];
         Sample sample = sample_of(i, ray, solid, truth);
         own.into(sample);
         take(i, sample, which);
@@ -198,7 +198,8 @@ private:
         if (self) sample.self = &*self;
         const Blame blame = blame_of(i, result_.answers->object[i]);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
-        const OwnWords own_words(row_, needs_ & ~unsigned{metric::needs_way}, in, ray, i, asked_of(i));
+        const unsigned others = needs_ & ~unsigned{metric::needs_way | metric::needs_levels};
+        const OwnWords own_words(row_, others, in, ray, i, asked_of(i), -1);
         own_words.into(sample);
         take(i, sample, which);
     }

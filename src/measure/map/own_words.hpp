@@ -7,11 +7,12 @@
 
 namespace lostbits::measure::map {
 
-/// Of ray i and one solid; empty of what `needs` does not name or the form cannot tell.
+/// Of ray i and one solid; of the levels of a hierarchy, of the one that is truly met, nothing where `truly` is below
+/// 0. Empty of what `needs` does not name or the form cannot tell.
 class OwnWords {
 public:
     OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
-             std::size_t i, std::size_t solid);
+             std::size_t i, std::size_t solid, std::int32_t truly);
     /// Points the sample to this, which must outlive it.
     void into(metric::Sample& sample) const;
 
@@ -19,6 +20,7 @@ private:
     std::optional<intersect::BoundedAnswer> bounded_;
     std::optional<intersect::Way> way_;
     std::optional<answer::Steps> steps_;
+    std::optional<answer::Levels> levels_;
 };
 
 }  // namespace lostbits::measure::map

@@ -46,6 +46,8 @@ double worst_step(const Sample& s) {
     return worst ? static_cast<double>(*worst) + 1 : 0;
 }
 
+double lost_to(const Sample& s) { return s.levels ? static_cast<double>(s.levels->lost_to) : missing; }
+
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
 constexpr unsigned split = needs_own_truth | needs_self;
@@ -189,8 +191,11 @@ constexpr Metric table[] = {
     {.name = "padding",
      .unit = "u",
      .layer = "bound.padding",
-     .meaning = "of a box that is truly hit: by how many u tmax must grow for slabs to see it, (tmin/tmax - 1)/u with "
-                "tmin and tmax of box.signs in the format; 0 where it is seen as it is",
+     .meaning =
+         "of a box that is truly hit: by how many u tmax must grow for slabs to see it, (tmin/tmax - 1)/u with "
+         "tmin and tmax of box.signs in the format; 0 where it is seen as it is. Of a form behind a box (FORM^BOX), of "
+         "that box, and of the one that needs most",
+     .needs = needs_levels,
      .ramp = Ramp::magnitude,
      .low = 0x1p-2,
      .high = 0x1p+4,
@@ -242,6 +247,15 @@ constexpr Metric table[] = {
      .value = worst_step,
      .over = Over::every,
      .categories = answer::step_categories},
+    {.name = "lost_to",
+     .layer = "hierarchy.lost_to",
+     .meaning = "of a form behind boxes (FORM^BOX) and rays that truly hit: what the hit is lost to: the box in the "
+                "world, the way into the space of the solid, the box there, or the form; nothing where it is found",
+     .needs = needs_levels,
+     .ramp = Ramp::categories,
+     .value = lost_to,
+     .over = Over::every,
+     .categories = answer::level_names},
     {.name = "cancellation",
      .unit = "bits",
      .layer = "culprit.cancellation",

@@ -8,6 +8,7 @@
 
 #include "intersect/march.hpp"
 #include "intersect/way.hpp"
+#include "measure/answer/levels.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
@@ -36,6 +37,7 @@ struct Sample {
     const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
     const intersect::Way* way = nullptr;                ///< the arithmetic that settled it, of a form that filters
     const answer::Steps* steps = nullptr;               ///< of a form through the space of a solid under a matrix
+    const answer::Levels* levels = nullptr;             ///< of a form behind a box, where the ray truly hits
     std::string_view label = {};                        ///< of the metric that is being measured
 };
 
@@ -52,7 +54,8 @@ enum Needs : unsigned {
     needs_counterfactuals = 128,
     needs_reach = 256,
     needs_reach_normwise = 512,
-    needs_steps = 1024,  ///< of a form through a space
+    needs_steps = 1024,   ///< of a form through a space
+    needs_levels = 2048,  ///< of a form behind a box
     needs_tape = needs_attribution | needs_counterfactuals
 };
 

@@ -56,10 +56,9 @@ double projected(const Sample& s) {
 
 /// Of the clipping of slabs alone, which is the box's.
 template <class F>
-double padding_in(const Sample& s) {
-    const Box<double> box = s.solid->box();
+double padding_in(const Ray<double>& ray, const Hull<double>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();
-    intersect::box::clip_by_signs<F>(Ray<F>{stored<F>(s.ray->origin), stored<F>(s.ray->direction)},
+    intersect::box::clip_by_signs<F>(Ray<F>{stored<F>(ray.origin), stored<F>(ray.direction)},
                                      Box<F>{stored<F>(box.lo), stored<F>(box.hi)}, tmin, tmax);
     if (!(tmin > tmax)) return 0;
     return tmax > 0 ? (double{tmin} - double{tmax}) / double{tmax} / roundoff<F> : HUGE_VAL;
@@ -88,8 +87,17 @@ double projected_error(const Sample& s) {
 }
 
 double padding(const Sample& s) {
+    const auto of = [&s](const Ray<double>& ray, const Hull<double>& box) {
+        return in_format(s, [&]<class F>() { return padding_in<F>(ray, box); });
+    };
+    if (s.levels) {
+        double most = 0;
+        for (const auto& asked : s.levels->boxes)
+            if (const double here = of(asked.ray, asked.box); !(here <= most)) most = here;
+        return most;
+    }
     if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
-    return in_format(s, [&]<class F>() { return padding_in<F>(s); });
+    return of(*s.ray, s.solid->box());
 }
 
 }  // namespace lostbits::measure::metric

@@ -1,0 +1,177 @@
+#include "intersect/hull/behind.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/simd/packed.hpp"
+#include "intersect/space/spaced.hpp"
+#include "number/error.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::intersect::hull {
+
+using table::HitBatch;
+using table::Intersector;
+using table::RayBatch;
+
+namespace {
+
+struct Row {
+    const HullWay* way;
+    const Intersector *box, *form;
+    std::string name, title, source;
+    Info info;
+    Intersector row;
+};
+
+const Row& of(void* own) { return *static_cast<const Row*>(own); }
+
+template <class S>
+Solid<S> box_around(const Row& row, const Format& format, const Solid<S>& solid) {
+    const Hull<double> box = row.way->in(format, transformed(solid, [](const S& x) { return static_cast<double>(x); }));
+    return transformed(Solid<double>(box), [](double x) { return static_cast<S>(x); });
+}
+
+/// What the box answers, which of each ray is looked at only as a decision.
+template <class S>
+struct Decisions {
+    std::vector<S> t;
+    std::vector<std::uint8_t> hit;
+
+    HitBatch<S> batch(std::size_t n) {
+        t.resize(3 * n), hit.resize(n);
+        const std::span all(t);
+        return {all.first(n), all.subspan(n, n), all.last(n), hit};
+    }
+};
+
+/// One solid for all rays, or one for each.
+template <class S, class OfBox, class OfForm>
+void ask(const Row& row, const Format& format, const OfBox& box, const OfForm& form, const RayBatch<S>& rays,
+         const Target<S>& target, const HitBatch<S>& hits) {
+    form(rays, target, hits);
+    std::vector<Solid<S>> boxes;
+    boxes.reserve(target.solids.size());
+    for (const Solid<S>& solid : target.solids) boxes.push_back(box_around(row, format, solid));
+    Decisions<S> found;
+    const HitBatch<S> of_boxes = found.batch(rays.size());
+    box(rays, boxes.size() == 1 ? Target<S>(boxes.front()) : Target<S>(std::span<const Solid<S>>(boxes)), of_boxes);
+    for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && found.hit[i] != 0;
+}
+
+/// Over packs where all rays have one solid.
+template <class S>
+void ask_natively(const Row& row, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+    static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
+    const bool one = target.solids.size() == 1;
+    const auto kernel = [one](const Intersector& form) {
+        if constexpr (std::same_as<S, float>) return one ? simd::packed_kernels(form).f32 : form.native32;
+        else return one ? simd::packed_kernels(form).f64 : form.native64;
+    };
+    ask(row, format, kernel(*row.box), kernel(*row.form), rays, target, hits);
+}
+void ask32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    ask_natively(of(own), rays, target, hits);
+}
+void ask64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
+    ask_natively(of(own), rays, target, hits);
+}
+void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
+                 const HitBatch<double>& hits) {
+    const auto kernel = [&format](const Intersector& form) {
+        return [&](const auto&... a) { form.rounded(format, a...); };
+    };
+    ask(of(own), Format{"", format, Format::Engine::rounded}, kernel(*of(own).box), kernel(*of(own).form), rays, target,
+        hits);
+}
+
+std::string text(auto... parts) {
+    std::string all;
+    ((all += parts), ...);
+    return all;
+}
+
+void fill(Row& made) {
+    const Info &form = *made.form->info, &box = *made.box->info;
+    const HullInfo& hull = *made.way->info;
+    made.name = text(form.name, "^", box.name);
+    if (made.way != &usual_hull()) made.name += text("~", hull.name);
+    made.title = text(form.title, "; behind a box: ", box.title, "; ", hull.title);
+    made.source = text(form.source, "; ", box.source);
+    if (hull.source != "-") made.source += text("; ", hull.source);
+    made.info = form;
+    made.info.name = made.name, made.info.title = made.title, made.info.source = made.source;
+    made.row = {.info = &made.info, .shape = made.form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (made.form->native32 && made.box->native32) made.row.native32 = {ask32, &made};
+    if (made.form->native64 && made.box->native64) made.row.native64 = {ask64, &made};
+    if (made.form->rounded && made.box->rounded) made.row.rounded = {ask_rounded, &made};
+    made.row.is_placed = made.form->is_placed;
+}
+
+/// Why there is no such row; empty where there is one.
+std::string refusal(const Intersector& box, const Intersector& form) {
+    if (form.is_set()) return "name a box after each form of a set";
+    if (!is_solid(form.shape)) return "a form that marches is asked about all solids at once, and no box is around one";
+    if (!has_hull(form.shape)) return text("there is no box around ", with_article(form.shape), ", which has no end");
+    if (box.is_set() || box.shape != hull_shape || box.is_placed || made_of(box).form != nullptr)
+        return text(box.info->name, " is no form of a box; write one after the ^, such as box.signs");
+    if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
+        return text(box.info->name, " is for unit directions, and ", form.info->name, " is asked with others");
+    return "";
+}
+
+std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+}
+std::deque<Row>& all() {
+    static std::deque<Row> rows;
+    return rows;
+}
+
+}  // namespace
+
+const Intersector& behind(const HullWay& way, const Intersector& box, const Intersector& form) {
+    if (const std::string why = refusal(box, form); !why.empty())
+        throw InputError(text(form.info->name, "^", box.info->name, ": ", why));
+    const std::lock_guard lock(mutex());
+    const auto known = std::ranges::find_if(
+        all(), [&](const Row& row) { return row.way == &way && row.box == &box && row.form == &form; });
+    if (known != all().end()) return known->row;
+    Row& made = all().emplace_back();
+    made.way = &way, made.box = &box, made.form = &form;
+    fill(made);
+    return made.row;
+}
+
+Made made_of(const Intersector& row) {
+    const std::lock_guard lock(mutex());
+    const auto known = std::ranges::find_if(all(), [&](const Row& made) { return &made.row == &row; });
+    return known == all().end() ? Made{nullptr, nullptr, nullptr} : Made{known->way, known->box, known->form};
+}
+
+bool has_box(const Intersector& row) {
+    if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
+    if (made_of(row).form != nullptr) return true;
+    const auto placed = space::made_of(row);
+    return placed.form != nullptr && has_box(*placed.form);
+}
+
+const Intersector& innermost(const Intersector& row) {
+    if (const Made made = made_of(row); made.form != nullptr) return innermost(*made.form);
+    const auto placed = space::made_of(row);
+    return placed.form != nullptr ? innermost(*placed.form) : row;
+}
+
+const Intersector& around(const Intersector& row, const Intersector& form) {
+    if (const Made made = made_of(row); made.form != nullptr)
+        return behind(*made.way, *made.box, around(*made.form, form));
+    const auto placed = space::made_of(row);
+    return placed.form != nullptr ? space::through(*placed.space, around(*placed.form, form)) : form;
+}
+
+}  // namespace lostbits::intersect::hull

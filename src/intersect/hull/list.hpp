@@ -1,0 +1,94 @@
+// The closed list of ways of computing the box around a solid: a struct each, and its place in the list.
+#pragma once
+
+#include <string_view>
+
+#include "intersect/space/info.hpp"
+
+namespace lostbits::intersect::hull {
+
+struct HullInfo {
+    std::string_view name;  ///< `nearest` of `sphere.unified^box.signs~nearest`, unique
+    std::string_view title;
+    std::string_view source;
+    bool outward = false;  ///< the exact box, whose numbers are rounded outward; else it is computed in the format
+    int steps = 0;         ///< by how many numbers of the format each of its numbers is then moved outward
+};
+
+/// A point of a box under a matrix: each row as ((a p.x + b p.y) + c p.z) + d.
+struct FromTheFirst {
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        return m.point(p);
+    }
+};
+
+struct OutwardHull : FromTheFirst {
+    static constexpr HullInfo info{
+        .name = "outward",
+        .title = "the exact box, its numbers rounded outward",
+        .source = "-",
+        .outward = true,
+    };
+};
+
+struct NearestHull : FromTheFirst {
+    static constexpr HullInfo info{
+        .name = "nearest",
+        .title = "c - r and c + r rounded to nearest; corners by rows from the first product on",
+        .source = "bvh v2, src/bvh/v2/sphere.h:25; tinybvh, tiny_bvh.h:8386 BLASInstance::Update",
+    };
+};
+
+/// What one rounding to nearest is off by is at most half a last place: the next number outward holds it.
+struct NextHull : FromTheFirst {
+    static constexpr HullInfo info{
+        .name = "next",
+        .title = "as nearest, and each number then moved to the next one outward",
+        .source = "-",
+        .steps = 1,
+    };
+};
+
+struct PbrtHull {
+    static constexpr HullInfo info{
+        .name = "pbrt",
+        .title = "as nearest; corners by (a x + b y) + (c z + d)",
+        .source = "pbrt-v4, src/pbrt/util/transform.cpp:134 Transform::operator()(Bounds3f)",
+    };
+
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        const auto of = [&](std::size_t i) {
+            const Vec<T>& a = m.rows[i];
+            return (a.x * p.x + a.y * p.y) + (a.z * p.z + m.shift[static_cast<int>(i)]);
+        };
+        return {of(0), of(1), of(2)};
+    }
+};
+
+struct EmbreeHull {
+    static constexpr HullInfo info{
+        .name = "embree",
+        .title = "as nearest; corners by fma from the last component on",
+        .source = "Embree 4, common/math/affinespace.h:106 xfmBounds",
+    };
+
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        return space::point_by_fma(m, p);
+    }
+};
+
+/// `act.template operator()<OutwardHull>()` for each in turn; the first is the one that is taken where none is named.
+template <class Act>
+constexpr void for_each_hull(const Act& act) {
+    const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
+    all.template operator()<OutwardHull,  //
+                            NearestHull,  //
+                            NextHull,     //
+                            PbrtHull,     //
+                            EmbreeHull>();
+}
+
+}  // namespace lostbits::intersect::hull

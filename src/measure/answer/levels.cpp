@@ -1,0 +1,74 @@
+#include "measure/answer/levels.hpp"
+
+#include "intersect/space/spaced.hpp"
+#include "measure/answer/asked.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::measure::answer {
+
+using intersect::space::Space;
+using intersect::table::Intersector;
+
+namespace {
+
+/// A ray and the solid that it is held against, in numbers of the format.
+struct Place {
+    Ray<double> ray;
+    Solid<double> solid;
+    Range<double> range;
+};
+
+Place object_of(const Space& space, const Format& format, const Place& world) {
+    return with_number(format, [&]<class T>() {
+        const auto lift = [](double x) { return static_cast<T>(x); };
+        const auto vec = [&](const Vec<double>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
+        const auto back = [](const Vec<T>& v) { return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z)); };
+        const auto& steps = steps_in<T>(space);
+        const auto in = steps.to_object(steps.maps(transformed(*world.solid.placed, lift)),
+                                        {vec(world.ray.origin), vec(world.ray.direction)});
+        Solid<T> object = transformed(world.solid, lift);
+        object.placed.reset();
+        if (as_double(in.scale) != 1) object = scaled(object, in.scale);
+        Place there{{back(in.ray.origin), back(in.ray.direction)},
+                    transformed(object, [](const T& x) { return as_double(x); }),
+                    world.range};
+        there.range.tmin = as_double(lift(world.range.tmin) * in.length);
+        there.range.tmax = as_double(lift(world.range.tmax) * in.length);
+        return there;
+    });
+}
+
+}  // namespace
+
+Levels levels_of(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
+                 const Range<double>& range) {
+    Levels found;
+    Place at{ray, solid, range};
+    bool is_lost = !ask_one(row, format, ray, solid, range.tmax);
+    const auto lose = [&](Level level) {
+        if (is_lost) found.lost_to = level;
+        is_lost = false;
+    };
+    const Intersector* now = &row;
+    for (;;) {
+        if (const auto behind = intersect::hull::made_of(*now); behind.form != nullptr) {
+            const Hull<double> box = behind.way->in(format, at.solid);
+            found.boxes.push_back({at.ray, box});
+            if (!ask_one(*behind.box, format, at.ray, box, at.range.tmax))
+                lose(at.solid.placed ? Level::world_box : Level::box);
+            now = behind.form;
+        } else if (const auto through = intersect::space::made_of(*now); through.form != nullptr) {
+            if (at.solid.placed) {
+                at = object_of(*through.space, format, at);
+                const auto words = now->info->convention().of(solid.shape);
+                if (!truth::find_truth(at.ray, at.solid, {}, words, at.range).is_hit()) lose(Level::space);
+            }
+            now = through.form;
+        } else {
+            lose(Level::form);
+            return found;
+        }
+    }
+}
+
+}  // namespace lostbits::measure::answer

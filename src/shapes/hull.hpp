@@ -1,0 +1,61 @@
+// The box around any solid, over any number.
+#pragma once
+
+#include "shapes/solid.hpp"
+
+namespace lostbits {
+
+template <class T>
+using Hull = Box<T>;
+/// What forms of boxes are for.
+inline constexpr Shape hull_shape = shape_as<Box>;
+
+/// Whether a shape has a box around it: planes have a direction, and no length that ends them.
+inline bool has_hull(Shape shape) {
+    if (!is_solid(shape)) return false;
+    bool has_direction = false, has_length = false;
+    for (const Key& key : row_of(shape).keys) {
+        has_direction = has_direction || key.kind == Key::Kind::direction;
+        has_length = has_length || key.is_length();
+    }
+    return has_length || !has_direction;
+}
+
+/// Of a solid as its numbers say, without its matrix: the box of the points of its keys, wider on each side by the
+/// longest of its lengths. This is the least box of spheres, ellipsoids, capsules, triangles and boxes, and what
+/// renderers take for cylinders, tubes, cones and discs, whose least boxes may be smaller. Sums round as T does.
+template <Number T>
+Hull<T> hull_of(const Solid<T>& solid) {
+    Hull<T> hull{solid.point(0), solid.point(0)};
+    Vec<T> reach(T(0), T(0), T(0));
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::direction) return;
+        for (int i = 0; i < 3; ++i) {
+            const T& x = solid.numbers[k + (key.kind == Key::Kind::length ? 0 : static_cast<std::size_t>(i))];
+            if (key.is_length()) {
+                reach[i] = max(reach[i], x);
+            } else {
+                hull.lo[i] = min(hull.lo[i], x);
+                hull.hi[i] = max(hull.hi[i], x);
+            }
+        }
+    });
+    return {hull.lo - reach, hull.hi + reach};
+}
+
+/// The box of the eight corners of a box, each taken elsewhere by `to(corner)`.
+template <Number T, class To>
+Hull<T> hull_of_corners(const Hull<T>& box, const To& to) {
+    Hull<T> hull = box;
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto side = [&](int i) { return (corner >> i & 1) != 0 ? box.hi[i] : box.lo[i]; };
+        const Vec<T> p = to(Vec<T>(side(0), side(1), side(2)));
+        for (int i = 0; i < 3; ++i) {
+            hull.lo[i] = corner == 0 ? p[i] : min(hull.lo[i], p[i]);
+            hull.hi[i] = corner == 0 ? p[i] : max(hull.hi[i], p[i]);
+        }
+    }
+    return hull;
+}
+
+}  // namespace lostbits

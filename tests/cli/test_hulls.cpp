@@ -1,0 +1,86 @@
+// Forms behind boxes from the command line: how boxes can be computed, what a map says of the level that loses a hit,
+// and what is said of mistakes.
+#include <map>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "intersect/hull/hulls.hpp"
+#include "program.hpp"
+
+namespace test_cli_hulls {
+
+using namespace lostbits;
+using test::has;
+using test::number_in;
+using test::read_csv;
+using test::run;
+using test::Scratch;
+
+TEST_CASE("list hulls has every way of computing a box with its source") {
+    const auto listed = nlohmann::json::parse(run("list hulls --json").out);
+    REQUIRE(listed.size() == intersect::hull::hulls().size());
+    for (std::size_t k = 0; k < listed.size(); ++k) {
+        CHECK(listed[k]["name"] == std::string(intersect::hull::hulls()[k].info->name));
+        CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
+    }
+}
+
+TEST_CASE("a map behind boxes tells the level that loses a hit") {
+    const Scratch folder;
+    const std::string out = (folder.path() / "out").string();
+    REQUIRE(run("map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
+                "--metric padding -o '" +
+                out + "'")
+                .code == 0);
+    std::map<std::string, double> culled;
+    for (const auto& row : read_csv(folder.path() / "out/behind-boxes.sphere/summary.csv")) {
+        culled[row.at("form")] = number_in(row.at("false_miss"));
+        CHECK((number_in(row.at("lost_to_box_fraction")) > 0) == (row.at("false_miss") != "0"));
+        CHECK(number_in(row.at("lost_to_form_fraction")) == 0);
+    }
+    REQUIRE(culled.size() == intersect::hull::hulls().size());
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded") == 0);
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded~next") == 0);
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded~nearest") > 10);
+}
+
+TEST_CASE("two levels of boxes are named from the inside out, and explained") {
+    const Scratch folder;
+    const std::string name = "box.filtered^box.signs@relative^box.embree_padded~pbrt";
+    const std::string out = (folder.path() / "out").string();
+    REQUIRE(
+        run("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to -o '" + out + "'").code ==
+        0);
+    const auto rows = read_csv(folder.path() / "out/behind-boxes.instance/summary.csv");
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].at("form") == name);
+    const auto explained = run("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
+    CHECK(explained.code == 0);
+    CHECK(has(explained.out, name));
+    // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the solid.
+    REQUIRE(run("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8 -o '" + out + "/one'").code ==
+            0);
+    CHECK(read_csv(folder.path() / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
+          "box.filtered^box.signs@plain");
+}
+
+TEST_CASE("what cannot be behind a box is refused with what to write") {
+    const auto refused = [](const std::string& arguments, int code, const std::string& words) {
+        const auto r = run(arguments);
+        CAPTURE(arguments, r.err);
+        CHECK(r.code == code);
+        CHECK(has(r.err, words));
+    };
+    const std::string map = "map behind-boxes.sphere -o /nowhere -f f32 ";
+    refused(map + "-i 'sphere.unified^'", 2, "FORM^BOX");
+    refused(map + "-i '^box.signs'", 2, "FORM^BOX");
+    refused(map + "-i 'sphere.unified^sphere.unified'", 2, "is no form of a box");
+    refused(map + "-i 'sphere.unified^box.sings'", 2, "box.signs");
+    refused(map + "-i 'sphere.unified^box.signs~nearst'", 2, "nearest");
+    refused(map + "-i sphere.unified --metric lost_to", 2, "behind a box");
+    refused("map plane-floor -o /nowhere -i 'plane.*^box.signs'", 2, "no box around a plane");
+}
+
+}  // namespace test_cli_hulls
