@@ -37,8 +37,8 @@ TEST_CASE("a map behind boxes tells the level that loses a hit") {
     std::map<std::string, double> culled;
     for (const auto& row : read_csv(folder.path() / "out/behind-boxes.sphere/summary.csv")) {
         culled[row.at("form")] = number_in(row.at("false_miss"));
-        CHECK((number_in(row.at("lost_to_box_fraction")) > 0) == (row.at("false_miss") != "0"));
-        CHECK(number_in(row.at("lost_to_form_fraction")) == 0);
+        CHECK((number_in(row.at("lost_to_box")) > 0) == (row.at("false_miss") != "0"));
+        CHECK(number_in(row.at("lost_to_form")) == 0);
     }
     REQUIRE(culled.size() == intersect::hull::hulls().size());
     CHECK(culled.at("sphere.filtered^box.pbrt_padded") == 0);
