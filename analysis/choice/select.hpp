@@ -25,10 +25,9 @@
 namespace lostbits::analysis::choice {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
-/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` (`made_named`). A
-/// name without a glob
-/// character that is unknown is bad input, with did-you-mean, of the `option`; a glob that matches nothing selects
-/// nothing (exit 4).
+/// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
+/// `sphere.*^box.signs` (`made_named`). A name without a glob character that is unknown is bad input, with
+/// did-you-mean, of the `option`; a glob that matches nothing selects nothing (exit 4).
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
 
