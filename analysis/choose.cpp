@@ -90,6 +90,7 @@ std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::str
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
     auto all = choice::cross(choice::select_forms(o.forms), formats);
+    choice::refuse_makers(all, "choose");
     auto rows = choice::timed_on(id, {all, o.forms, quiet}, meets);
     choice::note_unmeasured(o.forms, rows, quiet);
     return rows;
@@ -139,6 +140,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     const auto scene = choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
                                               choice::data_folder(common.data));
+    choice::refuse_made_rays({scene}, "choose");
     ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });

@@ -107,6 +107,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
     choice::refuse_placed(scenes, "consistency");
+    choice::refuse_makers(rows, "consistency");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},
         [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },

@@ -117,6 +117,7 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
     auto all = choice::cross(choice::select_forms(o.forms), formats);
+    choice::refuse_makers(all, "judge");
     const auto asked = choice::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
         throw NothingSelected(o.file + ": no selected form handles its solids" + choice::words_to_meet(all, meets));

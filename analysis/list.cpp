@@ -88,6 +88,15 @@ Listing hulls() {
     return l;
 }
 
+/// Ways to make the ray of a pixel.
+Listing makers() {
+    Listing l{{"name", "title", "begins", "source"}, {}};
+    for (const scene::camera::Maker& m : scene::camera::makers())
+        l.rows.push_back({std::string(m.info->name), std::string(m.info->title),
+                          m.info->from_near ? "near plane" : "eye", std::string(m.info->source)});
+    return l;
+}
+
 Listing metric_table() {
     Listing l{{"name", "unit", "layer", "default", "meaning"}, {}};
     for (const measure::metric::Metric& m : measure::metric::metrics()) {
@@ -278,6 +287,7 @@ Exit run(const std::string& what, bool json, const Common& common) {
         if (name == "metrics") return metric_table();
         if (name == "spaces") return spaces();
         if (name == "hulls") return hulls();
+        if (name == "makers") return makers();
         if (name == "labels") return labels();
         if (name == "strategies") return strategies();
         if (name == "checks") return checks();
@@ -297,12 +307,13 @@ Exit run(const std::string& what, bool json, const Common& common) {
 void add_list(const shell::Command& program, const Common& common) {
     auto command = program.add_command("list",
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
-                                       "scenes, sweeps, claims, strategies, checks, spaces, hulls, devices");
+                                       "scenes, sweeps, claims, strategies, checks, spaces, hulls, makers of rays, "
+                                       "devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     command.add("WHAT", *what, "What to list",
                 shell::one_of({"forms", "intersectors", "labels", "formats", "metrics", "scenes", "sweeps", "claims",
-                               "strategies", "checks", "spaces", "hulls", "devices"}));
+                               "strategies", "checks", "spaces", "hulls", "makers", "devices"}));
     command.add("--json", *json, "As a JSON array");
     command.runs([what, json, &common] { return run(*what, *json, common); });
 }

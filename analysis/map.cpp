@@ -93,6 +93,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Map
     work.map.metrics = made.for_forms(choice::measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
                                       [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::map::order_culprits(work.map, made);
+    if (o.bits_needed > 0) choice::refuse_makers(rows, "--bits-needed");
     if (o.bits_needed > 0)
         work.needed = NeededRequest{.scene = &scene,
                                     .forms = forms_of_any_width(work.map.rows),

@@ -40,6 +40,7 @@ measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scen
         throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
                                      choice::formats_of(*forms.front())));
     choice::refuse_placed({scene}, "mend");
+    choice::refuse_makers(forms, "mend");
     if (!scene.meets(forms.front()->shapes()))
         throw NothingSelected(fmt::format(
             "{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));

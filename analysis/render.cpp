@@ -108,8 +108,10 @@ Exit run(const RenderOptions& o, const Common& common) {
     if (rows.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
+    choice::refuse_makers(rows, "render");
     choice::note_unmeasured(o.forms, rows, common.quiet);
     const auto scenes = renderable(choice::load_scenes(o.scenes, choice::data_folder(common.data)));
+    choice::refuse_made_rays(scenes, "render");
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;

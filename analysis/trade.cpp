@@ -66,6 +66,7 @@ TradeRequest request_for(const Scene& scene, const choice::ChosenRows& all) {
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
     auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
+    choice::refuse_makers(rows, "trade");
     const auto data = choice::data_folder(common.data);
     std::optional<Scene> scene;
     if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);

@@ -14,6 +14,7 @@
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -61,7 +62,8 @@ template <class Meets>
 MapRow row_for(const MapRow& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
     if (meets(row.form->shapes())) return row;
-    if (is_solid(shape) && !row.form->is_set() && meets(row.form->shapes().placed())) {
+    if (is_solid(shape) && !row.form->is_set() && !scene::rays::maker_of(*row.form) &&
+        meets(row.form->shapes().placed())) {
         MapRow placed = row;
         placed.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
         return placed;
@@ -100,7 +102,14 @@ OneRay pixel_of(const RayWords& words, const Scene& scene) {
 }
 
 AskedRay of_scene(const RayWords& words, const MapRow& given, const std::filesystem::path& data) {
-    const auto scene = std::make_shared<const Scene>(load_one(words, data));
+    const auto* const maker = scene::rays::maker_of(*given.form);
+    if (maker && !words.ray.empty())
+        throw InputError(
+            fmt::format("-i {}: --ray names a ray, and no camera makes it; name a --pixel, or leave out what "
+                        "stands behind the @",
+                        given.form->info->name));
+    Scene loaded = load_one(words, data);
+    const auto scene = std::make_shared<const Scene>(maker ? with_rays(std::move(loaded), *maker) : std::move(loaded));
     const MapRow row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
         throw InputError(

@@ -101,6 +101,11 @@ std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glo
                        [](const intersect::hull::HullWay& way) { return way.info->name; });
 }
 
+std::vector<const scene::camera::Maker*> select_makers(const std::string& glob, const char* option) {
+    return select_rows(scene::camera::makers(), {glob}, "maker", option,
+                       [](const scene::camera::Maker& m) { return m.info->name; });
+}
+
 std::vector<const measure::offset::Strategy*> select_strategies(const std::vector<std::string>& globs) {
     return select_rows(measure::offset::strategies(), globs, "strategy", "--strategy",
                        [](const measure::offset::Strategy& s) { return s.name; });

@@ -36,6 +36,9 @@ std::vector<const intersect::space::Space*> select_spaces(const std::string& glo
 /// Ways of computing the box around a solid.
 std::vector<const intersect::hull::HullWay*> select_hulls(const std::string& glob, const char* option);
 
+/// Ways to make rays, the same way.
+std::vector<const scene::camera::Maker*> select_makers(const std::string& glob, const char* option);
+
 /// Formats by name, or ranges `p5..p12`; duplicates are dropped. InputError with did-you-mean.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");
 
@@ -136,7 +139,13 @@ struct SceneChoice {
 /// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
 std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
 
-/// InputError for a scene with solids under matrices, of a command that asks about solids where their numbers say.
+/// InputError for a form with a way to make rays, of a command that gives forms the camera's own.
+void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
+void refuse_makers(const std::vector<measure::map::MapRow>& rows, const char* command);
+
+/// InputError for a scene whose rays each format makes, of a command that rounds them.
+void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
+/// The same, and for a scene with solids under matrices: of a command that asks about solids where their numbers say.
 void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command);
 
 /// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as

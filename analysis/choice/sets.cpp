@@ -10,6 +10,7 @@
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -82,7 +83,9 @@ Forms forms_in(const std::vector<MapRow>& rows, const std::function<bool(const I
 }
 
 Forms forms_for(const std::vector<MapRow>& rows, Shapes shape) {
-    return forms_in(rows, [shape](const Intersector& form) { return !form.is_set() && form.shapes() == shape; });
+    return forms_in(rows, [shape](const Intersector& form) {
+        return !form.is_set() && form.shapes() == shape && !scene::rays::maker_of(form);
+    });
 }
 
 /// The shapes of something with solids under matrices; nothing where none stands under one.
@@ -98,6 +101,7 @@ void add_placed(std::vector<MapRow>& rows, Shapes shapes) {
     const std::vector<MapRow> asked = rows;
     for (MapRow row : asked) {
         if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
+        if (scene::rays::maker_of(*row.form)) continue;
         row.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
         if (row.against != nullptr && !row.against->is_set() && !row.against->is_placed && is_solid(row.against->shape))
             row.against = &intersect::space::through(intersect::space::usual_space(), *row.against);
@@ -229,6 +233,12 @@ Forms made_named(const std::string& word, const char* option) {
                        "shows how boxes are computed"));
     const Forms forms = select_forms({form}, option);
     Forms all;
+    if (is_space && last.starts_with(scene::rays::maker_prefix)) {
+        for (const Intersector* const one : forms)
+            for (const auto* const maker : select_makers(last.substr(scene::rays::maker_prefix.size()), option))
+                all.push_back(&scene::rays::with_maker(*maker, *one));
+        return all;
+    }
     if (is_space) {
         for (const Intersector* const one : forms)
             for (const auto* const through : select_spaces(last, option))
@@ -244,7 +254,29 @@ Forms made_named(const std::string& word, const char* option) {
     return all;
 }
 
+void refuse_makers(const Forms& forms, const char* command) {
+    for (const Intersector* const form : forms)
+        if (scene::rays::maker_of(*form))
+            throw InputError(
+                fmt::format("-i {}: {} gives forms the camera's own rays; use `lostbits map`, `sweep`, "
+                            "`explain` or `check`, or leave out what stands behind the @",
+                            form->info->name, command));
+}
+void refuse_makers(const std::vector<MapRow>& rows, const char* command) {
+    refuse_makers(forms_in(rows, [](const Intersector&) { return true; }), command);
+}
+
+void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
+    for (const scene::file::Scene& scene : scenes)
+        if (scene.camera.rays)
+            throw InputError(
+                fmt::format("{}: {}: each format makes the rays of this scene (camera.rays), and {} rounds "
+                            "them; use `lostbits map`, or leave out camera.rays",
+                            command, scene.id, command));
+}
+
 void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command) {
+    refuse_made_rays(scenes, command);
     for (const scene::file::Scene& scene : scenes)
         if (scene.is_placed())
             throw InputError(

@@ -122,8 +122,8 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const MapRow& row, St
     if (ray == nullptr) refuse(row, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
-            fmt::format("--worst: the worst ray of sweep {} has too many solids to be taken along; explain "
-                        "a pixel of its scene with --set",
+            fmt::format("--worst: the worst ray of sweep {} cannot be taken along, as it has too many "
+                        "solids, or each format makes it; explain a pixel of its scene with --set",
                         sweep.id));
     std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)

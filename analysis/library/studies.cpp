@@ -12,6 +12,7 @@
 #include "output/choice/choice_text.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/sweep/sweep_files.hpp"
+#include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "shapes/number_names.hpp"
@@ -61,7 +62,8 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     if (!row.form->is_template())
         throw InputError("form " + std::string(row.form->info->name) +
                          ": its operations are not known; say them with lostbits_form_write");
-    const measure::answer::OneRay ray(scene, x, y);
+    const auto* const maker = scene::rays::maker_of(*row.form);
+    const measure::answer::OneRay ray(maker ? with_rays(scene, *maker) : scene, x, y);
     const auto found = measure::blame::explain(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::blame::explain_text(found, false), output::blame::explain_json(found)};

@@ -17,6 +17,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/claim/claim_timing.hpp"
 #include "measure/speed/timing_threads.hpp"
+#include "scene/rays/made_rows.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
@@ -113,8 +114,16 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     if (found != rows.end()) return *found;
     const std::size_t at = form.find_last_of("@^");
     if (form.find('+') == std::string::npos && at != std::string::npos) {
-        if (form[at] == '^') return form_behind(claim, form.substr(0, at), form.substr(at + 1));
-        const auto* const space = intersect::space::find_space(form.substr(at + 1));
+        const std::string last = form.substr(at + 1);
+        if (form[at] == '^') return form_behind(claim, form.substr(0, at), last);
+        if (last.starts_with(scene::rays::maker_prefix)) {
+            const auto* const maker = scene::camera::find_maker(last.substr(scene::rays::maker_prefix.size()));
+            if (maker == nullptr)
+                scene::toml::fail(claim.where,
+                                  "unknown maker of rays in form \"" + form + "\"; `lostbits list makers` shows all");
+            return scene::rays::with_maker(*maker, form_named(claim, form.substr(0, at)));
+        }
+        const auto* const space = intersect::space::find_space(last);
         if (space == nullptr) {
             std::vector<std::string> names;
             for (const auto& each : intersect::space::spaces()) names.emplace_back(each.info->name);

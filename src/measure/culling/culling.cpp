@@ -105,6 +105,10 @@ Culler::Culler(const scene::file::Scene& scene) {
     if (own) ideal_ = scene.march ? SolidList<Real>(scene.solids()) : scene::rays::ideal_solid_list(scene);
     else stored_ = shared_of(scene);
     if (scene.solid_count() < least_solids && !scene.mesh) return;
+    if (scene.camera.rays) {  // nothing bounds what a format makes of them
+        bounds_ = {HUGE_VAL, 0, HUGE_VAL};
+        return;
+    }
     constexpr int rows = 16;
     for (int y = 0; y < scene.height; y += rows) {
         bounds_ =

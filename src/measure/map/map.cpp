@@ -8,6 +8,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "measure/map/measure_row.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::map {
 
@@ -110,6 +111,25 @@ unsigned needs_met_by(const intersect::table::Intersector& form) {
 
 namespace {
 
+/// Rows whose rays are made one way, by their places in the order of the rows; null: as the scene says.
+struct RowsOfMaker {
+    const scene::camera::Maker* maker;
+    std::vector<MapRow> rows;
+    std::vector<std::size_t> places;
+};
+
+std::vector<RowsOfMaker> by_maker(const std::vector<MapRow>& rows) {
+    std::vector<RowsOfMaker> all;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const auto* const maker = scene::rays::maker_of(*rows[r].form);
+        auto found = std::ranges::find(all, maker, &RowsOfMaker::maker);
+        if (found == all.end()) found = all.insert(found, {maker, {}, {}});
+        found->rows.push_back(rows[r]);
+        found->places.push_back(r);
+    }
+    return all;
+}
+
 /// Groups of rays with one solid each, as one group whose rays are paired with it.
 struct Joined {
     scene::rays::RayGroup rays = {.solids = {}, .paired = true};
@@ -150,13 +170,9 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
     return all;
 }
 
-/// Rows on the rays of one group, into the summaries of the same places.
-void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
-                   const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
-                   const std::vector<MapSummary*>& summaries) {
-    std::optional<culling::Culler> culler;
-    if (rays.mesh) culler.emplace(scene::rays::solid_list_of(rays), rays.rays);
-    Band band(std::move(rays), limit, culler ? &*culler : nullptr);
+/// Rows on one band, into the summaries of the same places.
+void measure_band(Band& band, int group, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
+                  const std::vector<MapSummary*>& summaries) {
     if (needs_of(metrics) & metric::needs_condition) band.find_condition();
     std::map<std::string, FormatInputs> inputs;
     for (const auto& [name, needs] : needs_by_format(rows, metrics))
@@ -164,6 +180,31 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapR
     const columns::BandColumns columns = columns_of(band, rows);
     for (std::size_t r = 0; r < rows.size(); ++r)
         measure_row({rows[r], metrics, nullptr, group}, {band, inputs.at(rows[r].format.name), columns}, *summaries[r]);
+}
+
+/// Rows on the rays of one group, into the summaries of the same places.
+void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
+                   const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
+                   const std::vector<MapSummary*>& summaries) {
+    for (const RowsOfMaker& some : by_maker(rows)) {
+        std::vector<MapSummary*> into;
+        for (const std::size_t place : some.places) into.push_back(summaries[place]);
+        if (some.maker == nullptr && !(rays.scene && rays.scene->camera.rays)) {
+            std::optional<culling::Culler> culler;
+            if (rays.mesh) culler.emplace(scene::rays::solid_list_of(rays), rays.rays);
+            Band band(rays, limit, culler ? &*culler : nullptr);
+            measure_band(band, group, some.rows, metrics, into);
+            continue;
+        }
+        if (!rays.scene)
+            throw InputError(
+                std::string(some.rows.front().form->info->name) +
+                ": the rays of this sweep are not those of a camera with a projection; name a sweep over a "
+                "scene that has [camera.projection]");
+        const scene::file::Scene made = some.maker ? with_rays(*rays.scene, *some.maker) : *rays.scene;
+        Band band(made, 0, made.height, limit);
+        measure_band(band, group, some.rows, metrics, into);
+    }
 }
 
 }  // namespace
@@ -211,12 +252,12 @@ std::vector<int> bands_of(int width, int height, shard::Share share) {
     return lines;
 }
 
-std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
-    const scene::file::Scene& scene = *request.scene;
-    std::vector<MapSummary> summaries;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
+namespace {
 
-    const auto formats = needs_by_format(request.rows, request.metrics);
+/// Rows over the pixels of a scene whose rays are made as it says, into the summaries and sinks of their places.
+void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const MapRequest& request,
+              const std::vector<MapSink*>& sinks, std::vector<MapSummary>& summaries) {
+    const auto formats = needs_by_format(some.rows, request.metrics);
     culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
         Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
@@ -224,13 +265,25 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
         if (needs_of(request.metrics) & metric::needs_condition) band.find_condition();
         std::map<std::string, FormatInputs> inputs;
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
-        const columns::BandColumns columns = columns_of(band, request.rows);
-        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
-            const MapRow& row = request.rows[r];
+        const columns::BandColumns columns = columns_of(band, some.rows);
+        intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
+            const MapRow& row = some.rows[k];
+            const std::size_t r = some.places[k];
             measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr},
                         {band, inputs.at(row.format.name), columns}, summaries[r]);
             request.progress(band.pixels());
         });
+    }
+}
+
+}  // namespace
+
+std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
+    std::vector<MapSummary> summaries;
+    for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
+    for (const RowsOfMaker& some : by_maker(request.rows)) {
+        if (some.maker) map_rows(with_rays(*request.scene, *some.maker), some, request, sinks, summaries);
+        else map_rows(*request.scene, some, request, sinks, summaries);
     }
     return summaries;
 }

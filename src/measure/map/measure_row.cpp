@@ -165,6 +165,9 @@ private:
         const Solid<double> solid = result_.inputs->solids[asked_of(i)];
         Sample sample = sample_of(i, ray, solid, truth);
         own.into(sample);
+        const bool rays = (needs_ & metric::needs_true_ray) != 0;
+        const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
+        if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
         take(i, sample, which);
     }
 

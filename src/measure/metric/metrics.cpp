@@ -3,9 +3,11 @@
 #include "measure/answer/against.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
+#include "measure/metric/errors_of_rays.hpp"
 #include "measure/metric/errors_of_t.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "measure/metric/own_bound.hpp"
@@ -335,13 +337,19 @@ constexpr Metric table[] = {
      .over = Over::pairs},
 };
 
+constexpr auto all = [] {
+    std::array<Metric, std::size(table) + std::size(metrics_of_rays)> rows{};
+    std::ranges::copy(metrics_of_rays, std::ranges::copy(table, rows.begin()).out);
+    return rows;
+}();
+
 }  // namespace
 
-std::span<const Metric> metrics() { return table; }
+std::span<const Metric> metrics() { return all; }
 
 const Metric* find_metric(std::string_view name) {
-    const auto found = std::ranges::find(table, name, &Metric::name);
-    return found == std::end(table) ? nullptr : found;
+    const auto found = std::ranges::find(all, name, &Metric::name);
+    return found == std::end(all) ? nullptr : found;
 }
 
 std::size_t place_of(const std::vector<const Metric*>& metrics, std::string_view name) {

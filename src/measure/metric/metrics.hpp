@@ -13,6 +13,7 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
+#include "scene/rays/camera.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::metric {
@@ -32,13 +33,15 @@ struct Sample {
     double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
     const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
     const Solid<double>* solid = nullptr;     ///< the solid that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;      ///< null for the forms that do not march
-    const blame::Blame* blame = nullptr;                ///< which operation lost the bits
-    const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
-    const intersect::Way* way = nullptr;                ///< the arithmetic that settled it, of a form that filters
-    const answer::Steps* steps = nullptr;               ///< of a form through the space of a solid under a matrix
-    const answer::Levels* levels = nullptr;             ///< of a form behind a box, where the ray truly hits
-    std::string_view label = {};                        ///< of the metric that is being measured
+    const intersect::MarchRecord* march = nullptr;          ///< null for the forms that do not march
+    const blame::Blame* blame = nullptr;                    ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;      ///< the answer with the form's own bound
+    const intersect::Way* way = nullptr;                    ///< the arithmetic that settled it, of a form that filters
+    const answer::Steps* steps = nullptr;                   ///< of a form through the space of a solid under a matrix
+    const answer::Levels* levels = nullptr;                 ///< of a form behind a box, where the ray truly hits
+    const Ray<Real>* true_ray = nullptr;                    ///< before any format rounded or made it
+    const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< of a camera whose rays each format makes
+    std::string_view label = {};                            ///< of the metric that is being measured
 };
 
 /// What must be computed before a metric can be.
@@ -56,6 +59,7 @@ enum Needs : unsigned {
     needs_reach_normwise = 512,
     needs_steps = 1024,   ///< of a form through a space
     needs_levels = 2048,  ///< of a form behind a box
+    needs_true_ray = 4096,
     needs_tape = needs_attribution | needs_counterfactuals
 };
 

@@ -8,6 +8,7 @@
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/made_rays.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -232,7 +233,9 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
-    if (needs.unit_rays) in.unit_rays = normalised(in.rays, shape, limit_.stop);
+    // Ways to make rays end with directions of length one, as they round.
+    const bool are_unit = ideal_ && ideal_->made;
+    if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, shape, limit_.stop);
     if (const auto index = culler_ ? culler_->for_forms(shape, in.solids) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
@@ -281,6 +284,14 @@ bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
         }
         return true;
     });
+}
+
+Ray<Real> Band::true_ray(std::size_t i) const {
+    return with_ray(i, [](const auto& ray, const auto&) { return lift_ray<Real>(ray); });
+}
+
+const scene::rays::CameraFrame<Real>* Band::frame() const {
+    return ideal_ && ideal_->made ? &ideal_->made->frame() : nullptr;
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {

@@ -11,6 +11,7 @@
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
@@ -48,6 +49,10 @@ public:
     /// Whether ray i and the solids are in `inputs`, which are of this band, as they were given: the format rounded
     /// none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
+    /// Ray i before any format rounds or makes it.
+    [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
+    /// The camera whose rays each format makes; null where it rounds them.
+    [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
     /// Ray i alone as it was given, before any format rounded it, with these of the solids; with all, and the
     /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, for
     /// an ideal ray, and where it would be more than `most_given` solids.

@@ -6,6 +6,7 @@
 #include "measure/truth/missing.hpp"
 #include "output/image/exr_parts.hpp"
 #include "output/map/row_names.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::map {
 
@@ -20,10 +21,12 @@ using measure::truth::missing;
 struct MapExr::Truths {
     intersect::Direction direction;
     intersect::Convention convention;
+    const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
     const MapRow* filled_by;
 
     [[nodiscard]] bool is_of(const MapRow& row) const {
-        return direction == row.form->info->direction && convention == row.convention();
+        return direction == row.form->info->direction && convention == row.convention() &&
+               maker == scene::rays::maker_of(*row.form);
     }
     [[nodiscard]] std::string name() const {
         std::string name = "truth";
@@ -34,6 +37,7 @@ struct MapExr::Truths {
         if (convention.inside != intersect::Inside::usual)
             name.append(".inside_").append(intersect::inside_names[static_cast<std::size_t>(convention.inside)]);
         if (convention.endless) name += ".endless";
+        if (maker) name.append(".ray-").append(maker->info->name);
         return name;
     }
 };
@@ -157,7 +161,8 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     for (const MapRow& row : request.map.rows) {
         rows_.push_back(&row);
         const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
-        if (truths == truths_.size()) truths_.push_back({row.form->info->direction, row.convention(), &row});
+        if (truths == truths_.size())
+            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::maker_of(*row.form), &row});
         parts.push_back(row_part(request, row, truths_[truths].name()));
     }
     for (const Truths& t : truths_) parts.push_back(truth_part(request, t.name()));

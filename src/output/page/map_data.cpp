@@ -15,6 +15,7 @@
 #include "output/map/row_names.hpp"
 #include "output/page/tapes.hpp"
 #include "output/page/text.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {
 
@@ -53,12 +54,14 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 struct MapData::Group {
     Direction direction;
     intersect::Convention convention;
+    const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
     Layer hit, object, truth, rest, bound, condition;
     std::set<int> places;  ///< of the solids that a ray truly meets
 
     Group(const MapRow& row, std::size_t n)
         : direction(row.form->info->direction),
           convention(row.convention()),
+          maker(scene::rays::maker_of(*row.form)),
           hit(1, n),
           object(4, n),
           truth(8, n),
@@ -73,7 +76,8 @@ struct MapData::Group {
     }
 
     [[nodiscard]] bool is_of(const MapRow& row) const {
-        return direction == row.form->info->direction && convention == row.convention();
+        return direction == row.form->info->direction && convention == row.convention() &&
+               maker == scene::rays::maker_of(*row.form);
     }
 
     std::uint64_t last_ = 0, before_ = 0;  ///< bits of the two true hits before, in this row of the picture; 0: none
@@ -234,9 +238,11 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 }
 
 /// A march does not have one tape for all rays: each ray takes its own number of samples. Nor does a form that filters:
-/// most rays stop at its cheap way. A set has a tape for each shape.
-bool is_taped(const MapRow& row) {
-    return is_solid(row.form->shape) && row.form->is_template() && row.form->way == nullptr && !row.form->is_set();
+/// most rays stop at its cheap way. A set has a tape for each shape. And the page makes the rays of a camera by
+/// rounding.
+bool is_taped(const MapRow& row, const MapRequest& request) {
+    return !request.scene->camera.rays && !scene::rays::maker_of(*row.form) && is_solid(row.form->shape) &&
+           row.form->is_template() && row.form->way == nullptr && !row.form->is_set();
 }
 
 const char* coding_name(const Format& format) {
@@ -266,7 +272,7 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
         {"precision", f.precision},
         {"emin", f.emin},
         {"emax", f.emax},
-        {"taped", is_taped(row)},
+        {"taped", is_taped(row, request)},
         {"coding", coding_name(row.format)},
         {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
         {"formula", row.form->is_template()},
@@ -316,7 +322,7 @@ std::vector<Blob> MapData::blobs() const {
         all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (const auto& row : rows_) {
-        if (is_taped(row->row()))
+        if (is_taped(row->row(), request_))
             all.push_back({fmt::format("tape:{}", map::row_name(row->row())),
                            pack(text_of(tape_json(*row->row().form, row->row().format)))});
         all.push_back({fmt::format("row:{}:{}", request_.scene->id, map::row_name(row->row())), pack(row->bytes())});

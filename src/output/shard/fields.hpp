@@ -57,7 +57,8 @@ void fields(Bits& bits, intersect::MarchConstants<T>& march) {
 
 template <class Bits>
 void fields(Bits& bits, scene::rays::RayGroup& group) {
-    auto& [rays, solids, march, paired, mesh] = group;  // what names one ray has its solids, and no mesh
+    // What names one ray has its solids: no mesh, and no scene.
+    auto& [rays, solids, march, paired, mesh, scene] = group;
     bits(rays, solids, march, paired);
 }
 

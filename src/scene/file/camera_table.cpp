@@ -1,10 +1,18 @@
 #include "scene/file/camera_table.hpp"
 
+#include "scene/file/stretch.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
 namespace lostbits::scene::file {
 
 using toml::TableReader;
 
 namespace {
+
+constexpr std::pair<std::string_view, Projection::Depth> depth_names[] = {
+    {"gl", Projection::Depth::gl},
+    {"zero_to_one", Projection::Depth::zero_to_one},
+    {"reversed", Projection::Depth::reversed}};
 
 constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthographic", Camera::Kind::orthographic},
                                                                       {"pinhole", Camera::Kind::pinhole},
@@ -18,6 +26,58 @@ bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
     return dot(across, across) <= ldexp(dot(view, view) * dot(up, up), -80);
 }
 
+/// 1/tan, near and near far/(far − near) stand in the matrix: where one of them is 0 it has no inverse.
+Projection read_projection(TableReader table, const StoredNumbers& numbers) {
+    Projection projection;
+    projection.depth =
+        table.optional_one_of<Projection::Depth>("depth", depth_names).value_or(Projection::Depth::zero_to_one);
+    projection.near = numbers.positive(table, "near", table.number("near"));
+    if (table.has("far")) {
+        projection.far = numbers.positive(table, "far", table.number("far"));
+        if (*projection.far <= projection.near)
+            table.fail_at("far",
+                          "is not beyond near, which leaves nothing between; write a larger number, or leave it "
+                          "out for a plane at infinity");
+        if (numbers.stored(*projection.far) == numbers.stored(projection.near))
+            table.fail_at("far",
+                          "equals near in binary32, to which inputs = \"shared\" rounds, and the matrix is "
+                          "singular; write a larger number, or inputs = \"own\"");
+        numbers.positive(table, "far", *projection.far * projection.near / (*projection.far - projection.near));
+    }
+    table.reject_unknown_keys();
+    return projection;
+}
+
+/// `rays` and `projection` of a pinhole.
+void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
+    if (auto projection = table.optional_table("projection")) {
+        camera.projection = read_projection(*projection, numbers);
+        if (camera.shift_right != 0 || camera.shift_up != 0)
+            table.fail_at("shift",
+                          "moves the picture to one side, and projections have the view axis in its middle; "
+                          "leave one of the two out");
+        numbers.positive(table, "fov_deg", 1 / half_tangent(camera.fov_deg));
+    }
+    const auto name = table.optional_string("rays");
+    if (!name) return;
+    camera.rays = camera::find_maker(*name);
+    if (camera.rays == nullptr) {
+        std::vector<std::string> names;
+        for (const camera::Maker& maker : camera::makers()) names.emplace_back(maker.info->name);
+        table.fail_at("rays", "is \"" + *name + "\", and no way to make rays has that name; " +
+                                  toml::did_you_mean(*name, names) + "; `lostbits list makers` shows them");
+    }
+    if (!camera.projection)
+        table.fail_at("rays",
+                      "needs the planes of a projection; write [camera.projection] with near, and far where it "
+                      "is not at infinity");
+    if (!camera.normalise)
+        table.fail_at("normalise",
+                      "is false, and camera.rays makes directions of length one; leave one of the two out");
+}
+
+constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out";
+
 /// The camera whose picture plane lies in the world, at z = 0.
 Camera read_pixel_plane(TableReader& table, const StoredNumbers& numbers) {
     Camera camera;
@@ -28,6 +88,7 @@ Camera read_pixel_plane(TableReader& table, const StoredNumbers& numbers) {
                       "lies in the plane of the pixels, z = 0, and would see it as a line; move it off the plane");
     for (const char* key : {"look_at", "up", "shift"})
         table.reject(key, "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks");
+    for (const char* key : {"rays", "projection"}) table.reject(key, pinholes_alone);
     for (const char* key : {"width", "fov_deg"})
         table.reject(key,
                      "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in "
@@ -68,6 +129,7 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
         table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
+        for (const char* key : {"rays", "projection"}) table.reject(key, pinholes_alone);
         table.reject("fov_deg", "has no meaning for an orthographic camera; write width, in world units");
         table.reject("normalise",
                      "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out");
@@ -79,9 +141,36 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
         if (camera.fov_deg <= 0 || camera.fov_deg >= 180)
             table.fail_at("fov_deg", "must lie between 0 and 180 degrees, both excluded; try 40");
         camera.normalise = table.optional_boolean("normalise").value_or(true);
+        read_rays_of_camera(table, numbers, camera);
     }
     table.reject_unknown_keys();
     return camera;
+}
+
+Scene with_rays(Scene scene, const camera::Maker& by) {
+    const std::string who = "scene " + scene.id + ": rays by " + std::string(by.info->name);
+    if (!scene.camera.projection)
+        throw InputError(who +
+                         " need the planes of a projection, which the scene does not have; write [camera.projection] "
+                         "with near, and far where it is not at infinity");
+    if (!scene.camera.normalise)
+        throw InputError(who + " have length one, and camera.normalise is false; leave it out");
+    scene.camera.rays = &by;
+    if (scene.inputs == Inputs::own) return scene;
+    if (scene.flake || scene.mesh)
+        throw InputError(who +
+                         ": meshes and flakes are rounded by each format where rays are made; write inputs = \"own\"");
+    const auto stored = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
+    Camera& camera = scene.camera;
+    for (Vec<Real>* const v : {&camera.eye, &camera.look_at, &camera.up})
+        *v = {stored(v->x), stored(v->y), stored(v->z)};
+    camera.fov_deg = stored(camera.fov_deg);
+    camera.projection->near = stored(camera.projection->near);
+    if (auto& far = camera.projection->far) far = stored(*far);
+    for (Solid<Real>& solid : scene.listed) solid = transformed(solid, stored);
+    if (scene.march) scene.march = transformed(*scene.march, stored);
+    scene.inputs = Inputs::own;
+    return scene;
 }
 
 }  // namespace lostbits::scene::file

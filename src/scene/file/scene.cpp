@@ -174,7 +174,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.reject_unknown_keys();
     if (scene.shapes().empty())
         file.fail_at(shape_rows.front().name, "is missing; a scene has at least one " + tables_of_solids());
-    return scene;
+    return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
 }
 
 std::vector<Solid<Real>> Scene::solids() const {

@@ -12,6 +12,7 @@
 #include "intersect/march.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
+#include "scene/camera/makers.hpp"
 #include "scene/file/appearance.hpp"
 #include "scene/toml/toml_tree.hpp"
 #include "shapes/solid.hpp"
@@ -23,6 +24,15 @@ namespace lostbits::scene::file {
 /// Who rounds the scene. `shared`: it is rounded once to binary32 and every format gets the same numbers, so that a
 /// difference is arithmetic alone. `own`: each format rounds the ideal scene itself, so that input error appears.
 enum class Inputs { shared, own };
+
+/// What a pinhole's rays are unprojected from. Directions need none of it, clip space does.
+struct Projection {
+    /// z over w from the near plane to the far one: -1 to 1, 0 to 1, 1 to 0.
+    enum class Depth { gl, zero_to_one, reversed };
+    Depth depth = Depth::zero_to_one;
+    Real near;                ///< > 0
+    std::optional<Real> far;  ///< > near; absent: at infinity
+};
 
 struct Camera {
     enum class Kind { orthographic, pinhole, pixel_plane };
@@ -39,6 +49,10 @@ struct Camera {
     /// through the middle of its pixel there; its direction is the difference of the two points, never normalised, so
     /// that t = 1 is the plane.
     Real left, bottom, right, top;
+    std::optional<Projection> projection = {};  ///< pinhole
+    /// Who makes the rays, in each format from the camera's numbers as it stores them; null: the ideal rays are
+    /// rounded.
+    const camera::Maker* rays = nullptr;
 };
 
 struct Scene {
@@ -77,6 +91,11 @@ struct Scene {
         return listed.size() + (flake ? flake->size() : 0) + (mesh ? mesh->faces.size() : 0);
     }
 };
+
+/// The scene where each format makes the rays this way. What is rounded to binary32 for all formats is rounded then:
+/// the camera's numbers and the solids', and the ideal rays are exactly those of the stored camera. InputError for a
+/// scene whose camera has no projection, and for shared inputs with meshes or flakes.
+Scene with_rays(Scene scene, const camera::Maker& by);
 
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this one alone; all where absent

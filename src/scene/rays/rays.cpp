@@ -4,6 +4,7 @@
 
 #include "number/rounded.hpp"
 #include "scene/rays/camera.hpp"
+#include "scene/rays/made_rays.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
@@ -68,10 +69,17 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
     return round_block(make_rays<double>(scene, y0, y1), binary32);
 }
 
-IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) { return make_rays<Real>(scene, y0, y1); }
+IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
+    if (!scene.camera.rays) return {make_rays<Real>(scene, y0, y1)};
+    const auto made = std::make_shared<const MadeRays>(scene);
+    IdealRayBlock block{made->ideal(y0, y1), made};
+    put_range(scene, block);
+    return block;
+}
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    RayBlock to = rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    RayBlock to = ideal.made ? ideal.made->in(f, ideal.y0, ideal.y1)
+                             : rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
     round_ranges(ideal, to, [&f](double t) { return rounding::to_format(t, 0, f); });
     return to;
 }

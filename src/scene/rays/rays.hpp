@@ -52,8 +52,12 @@ struct BasicRayBlock {
 
 /// Numbers of a format, held in doubles.
 using RayBlock = BasicRayBlock<double>;
+class MadeRays;
 /// The ideal rays. About 500 bytes each: ask for a few rows at a time.
-using IdealRayBlock = BasicRayBlock<Real>;
+struct IdealRayBlock : BasicRayBlock<Real> {
+    /// Who makes them in each format; null: each component is rounded.
+    std::shared_ptr<const MadeRays> made = {};
+};
 
 /// A ray set with the solids it is aimed at: what a step of a sweep evaluates.
 class MeshColumns;
@@ -63,6 +67,8 @@ struct RayGroup {
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: no form that marches may be asked
     bool paired = false;  ///< there are as many solids as rays, and ray i is aimed at solid i alone
     std::shared_ptr<const MeshColumns> mesh = {};  ///< whose triangles come after the solids
+    /// Of pixels of a scene whose camera has a projection: where rays can be made in each format.
+    std::shared_ptr<const file::Scene> scene = {};
 };
 
 /// A ray alone; what it is aimed at is still to be added.
@@ -82,8 +88,8 @@ RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);
 /// Own inputs: the ideal rays, for `round_rays`.
 IdealRayBlock make_own_rays(const file::Scene& scene, int y0, int y1);
 
-/// Each component of the ideal rays, rounded once to F. A direction that rounds to zero is kept: what a form makes
-/// of it is for the measurement to say.
+/// Each component of the ideal rays, rounded once to F, or the rays as they are made there. A direction that rounds to
+/// zero is kept: what a form makes of it is for the measurement to say.
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 
 /// Each component rounded once to F: shared inputs in a format narrower than binary32. The identity where F holds them.

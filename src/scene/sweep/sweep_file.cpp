@@ -292,6 +292,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
     group.solids = group.mesh ? rays::shared_listed(scene) : rays::shared_solids(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
+    if (scene.camera.projection) group.scene = std::make_shared<const file::Scene>(scene);
     return {std::move(group)};
 }
 

@@ -203,4 +203,50 @@ TEST_CASE("a variant's mistakes are reported where the variant makes them") {
                   "scene.toml:18:9: unknown path \"variant[0].name\": the file has no \"variant\"; known here:"));
 }
 
+TEST_CASE("planes of a projection lie in front of the eye, one behind the other, also in binary32") {
+    const auto planes = [](const std::string& text) {
+        return scene_error(pinhole("fov_deg = 40\n[camera.projection]\n" + text));
+    };
+    CHECK(planes("near = 0.1\nfar = 1000\ndepth = \"reversed\"") == "no error");
+    CHECK(planes("near = 0.1") == "no error");
+    CHECK(planes("near = 0") ==
+          "scene.toml:14:8: camera.projection.near must be greater than 0; write a positive number");
+    CHECK(planes("near = -1").starts_with("scene.toml:14:8: camera.projection.near must be greater than 0"));
+    CHECK(planes("near = 1e-46").starts_with("scene.toml:14:8: camera.projection.near becomes 0 in binary32"));
+    CHECK(planes("far = 3").find("near is missing") != std::string::npos);
+    for (const char* far : {"1", "0.5"})
+        CHECK(planes(std::string("near = 1\nfar = ") + far) ==
+              "scene.toml:15:7: camera.projection.far is not beyond near, which leaves nothing between; write a larger "
+              "number, or leave it out for a plane at infinity");
+    CHECK(
+        planes("near = 1\nfar = 1.00000001") ==
+        "scene.toml:15:7: camera.projection.far equals near in binary32, to which inputs = \"shared\" rounds, and the "
+        "matrix is singular; write a larger number, or inputs = \"own\"");
+    CHECK(planes("near = 1e30\nfar = \"0x1.00001p100\"") == "no error");
+    CHECK(planes("near = 3.4e38\nfar = 3.40001e38").find("overflows binary32") != std::string::npos);
+    CHECK(planes("near = 1\nfar = inf").find("is not finite") != std::string::npos);
+    CHECK(planes("near = 1\ndepth = \"backwards\"").starts_with("scene.toml:15:9: camera.projection.depth"));
+    CHECK(planes("near = 1\nfra = 2").starts_with("scene.toml:15:1: camera.projection.fra"));
+    CHECK(scene_error(pinhole("fov_deg = 1e-37\n[camera.projection]\nnear = 1"))
+              .starts_with("scene.toml:12:11: camera.fov_deg overflows binary32"));
+}
+
+TEST_CASE("rays are made by a way that there is, of a pinhole with planes whose axis is in the middle") {
+    const std::string planes = "\n[camera.projection]\nnear = 0.1";
+    CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"three\"" + planes)) == "no error");
+    CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"thre\"" + planes))
+              .starts_with(
+                  "scene.toml:13:8: camera.rays is \"thre\", and no way to make rays has that name; did you mean "
+                  "\"three\"?"));
+    CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"three\"")) ==
+          "scene.toml:13:8: camera.rays needs the planes of a projection; write [camera.projection] with near, and far "
+          "where it is not at infinity");
+    CHECK(scene_error(pinhole("fov_deg = 40\nnormalise = false\nrays = \"three\"" + planes))
+              .starts_with("scene.toml:13:13: camera.normalise is false"));
+    CHECK(scene_error(pinhole("fov_deg = 40\nshift = [0.5, 0]" + planes))
+              .starts_with("scene.toml:13:9: camera.shift moves the picture to one side"));
+    for (const std::string& key : {std::string("rays = \"three\""), planes.substr(1)})
+        CHECK(broken("width = 2.5", "width = 2.5\n" + key).find("belongs to kind = \"pinhole\"") != std::string::npos);
+}
+
 }  // namespace test_scene_errors

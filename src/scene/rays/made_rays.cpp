@@ -1,0 +1,109 @@
+#include "scene/rays/made_rays.hpp"
+
+#include "number/with_number.hpp"
+#include "scene/file/stretch.hpp"
+
+namespace lostbits::scene::rays {
+
+using camera::CameraNumbers;
+using camera::Maker;
+using camera::Matrix4;
+using file::Projection;
+using file::Scene;
+
+namespace {
+
+Matrix4<Real> matrix(const std::array<std::array<Real, 4>, 4>& rows) { return {rows}; }
+
+/// Axes in the columns, then a place: the inverse of a view.
+Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& place) {
+    const auto row = [&](int i) { return std::array<Real, 4>{f.right[i], f.up[i], -f.forward[i], place[i]}; };
+    return matrix({row(0), row(1), row(2), {Real(0), Real(0), Real(0), Real(1)}});
+}
+
+/// z/w is `at_near` on the near plane and `at_far` on the far one, w = -z. With n and f: z' = a z + b,
+/// a = (at_near n - at_far f)/(f - n), b = (at_near - at_far) f n/(f - n); at infinity -at_far, (at_near - at_far) n.
+Matrix4<Real> projection(const Projection& p, const CameraNumbers<Real>& c) {
+    const Real range = c.depth_near - c.depth_far, zero(0);
+    const Real a =
+        p.far ? Real((c.depth_near * p.near - c.depth_far * *p.far) / (*p.far - p.near)) : Real(-c.depth_far);
+    const Real b = p.far ? Real(range * *p.far * p.near / (*p.far - p.near)) : Real(range * p.near);
+    return matrix({{{1 / c.tan_x, zero, zero, zero},
+                    {zero, 1 / c.tan_y, zero, zero},
+                    {zero, zero, a, b},
+                    {zero, zero, Real(-1), zero}}});
+}
+
+/// Pixels to the right and down to clip space; z from 0 on the near plane.
+Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
+    const Real zero(0), one(1);
+    return matrix({{{Real(2) / c.width, zero, zero, -one},
+                    {zero, -Real(2) / c.height, zero, one},
+                    {zero, zero, one, c.depth_near},
+                    {zero, zero, zero, one}}});
+}
+
+}  // namespace
+
+CameraNumbers<Real> camera_numbers(const Scene& scene) {
+    const CameraFrame<Real> f = make_frame<Real>(scene);
+    const Projection& p = scene.camera.projection.value();
+    using Depth = Projection::Depth;
+    CameraNumbers<Real> c{};
+    c.width = scene.width, c.height = scene.height;
+    c.eye = f.origin, c.right = f.right, c.up = f.up, c.forward = f.forward;
+    c.tan_y = file::half_tangent(scene.camera.fov_deg);
+    c.tan_x = c.tan_y * c.width / c.height;
+    c.near = p.near;
+    c.depth_near = Real(p.depth == Depth::gl ? -1 : p.depth == Depth::reversed ? 1 : 0);
+    c.depth_far = Real(p.depth == Depth::reversed ? 0 : 1);
+    c.projection = projection(p, c);
+    c.to_world = to_world(f, f.origin);
+    c.view = inverse(c.to_world);
+    const Matrix4<Real> from_clip = inverse(c.projection);
+    c.clip_to_world = c.to_world * from_clip;
+    c.clip_to_offset = to_world(f, {Real(0), Real(0), Real(0)}) * from_clip;
+    c.raster_to_camera = from_clip * raster_to_clip(c);
+    return c;
+}
+
+MadeRays::MadeRays(const Scene& scene)
+    : by_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
+
+BasicRayBlock<Real> MadeRays::ideal(int y0, int y1) const {
+    BasicRayBlock<Real> block;
+    block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
+    for (int y = y0; y < y1; ++y) {
+        for (int x = 0; x < block.width; ++x) {
+            Ray<Real> one = ray(frame_, x, y);
+            if (by_->info->from_near)
+                one.origin = one.origin + (numbers_.near / dot(one.direction, frame_.forward)) * one.direction;
+            block.push(one);
+        }
+    }
+    return block;
+}
+
+template <class T>
+RayBlock MadeRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
+    const CameraNumbers<T> stored =
+        numbers_.each([&format](const Real& x) { return T(toml::round_to_format(x, format)); });
+    RayBlock block;
+    block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
+    make(stored, {y0, y1}, [&block](const Ray<T>& ray) {
+        const auto in_double = [](const Vec<T>& v) {
+            return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z));
+        };
+        block.push({in_double(ray.origin), in_double(ray.direction)});
+    });
+    return block;
+}
+
+RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
+    if (format == binary32) return made<float>(by_->f32, format, y0, y1);
+    if (format == binary64) return made<double>(by_->f64, format, y0, y1);
+    const CurrentFormat::Scope scope(format);
+    return made<RoundedAny>(by_->rounded, format, y0, y1);
+}
+
+}  // namespace lostbits::scene::rays

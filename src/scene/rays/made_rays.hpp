@@ -1,0 +1,32 @@
+// The rays of a camera as each format makes them from the numbers that it stores, and what they ideally are.
+#pragma once
+
+#include "scene/camera/makers.hpp"
+#include "scene/rays/camera.hpp"
+#include "scene/rays/rays.hpp"
+
+namespace lostbits::scene::rays {
+
+/// The numbers of a scene's camera, in exact numbers: matrices are composed and inverted there.
+camera::CameraNumbers<Real> camera_numbers(const file::Scene& scene);
+
+class MadeRays {
+public:
+    /// Of a scene whose camera says who makes its rays (`file::with_rays`).
+    explicit MadeRays(const file::Scene& scene);
+    /// The exact rays of the pixels of some rows, of length one: from the eye, or from where each meets the near plane.
+    [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;
+    /// What a format makes of them; none of the numbers is rounded more than once before the first operation.
+    [[nodiscard]] RayBlock in(const FloatFormat& format, int y0, int y1) const;
+    [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
+
+private:
+    template <class T>
+    RayBlock made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
+
+    const camera::Maker* by_;
+    CameraFrame<Real> frame_;
+    camera::CameraNumbers<Real> numbers_;
+};
+
+}  // namespace lostbits::scene::rays

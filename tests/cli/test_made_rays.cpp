@@ -1,0 +1,114 @@
+// Rays that each format makes, from the command line: which ways there are, what is measured of them, and what is said
+// of mistakes.
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+#include "scene/camera/makers.hpp"
+
+namespace test_cli_made_rays {
+
+using namespace lostbits;
+using test::has;
+using test::number_in;
+using test::read_csv;
+using test::run;
+using test::Scratch;
+
+TEST_CASE("list makers has every way with its source") {
+    const auto listed = nlohmann::json::parse(run("list makers --json").out);
+    REQUIRE(listed.size() == scene::camera::makers().size());
+    for (std::size_t k = 0; k < listed.size(); ++k) {
+        CHECK(listed[k]["name"] == std::string(scene::camera::makers()[k].info->name));
+        CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
+    }
+}
+
+TEST_CASE("twelve kilometres out the ways that subtract points of the world lose the direction, and no other does") {
+    const Scratch folder;
+    const auto r =
+        run("map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
+            "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
+            (folder.path() / "out").string() + "'");
+    REQUIRE(r.code == 0);
+    const auto rows = read_csv(folder.path() / "out/camera-far.zero_to_one/summary.csv");
+    REQUIRE(rows.size() == scene::camera::makers().size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const auto& row = rows[k];
+        const scene::camera::Maker& maker = scene::camera::makers()[k];
+        CAPTURE(row.at("form"));
+        CHECK(row.at("form") == "sphere.unified@ray-" + std::string(maker.info->name));
+        const bool apart =
+            has("bevy_view nvpro godot optix pbrt differentials relative", std::string(maker.info->name));
+        CHECK((apart ? number_in(row.at("direction_lost_bits_max")) < 5
+                     : number_in(row.at("direction_lost_bits_p50")) > 6));
+        const bool exact_eye = !maker.info->from_near && maker.info->name != "nvpro";
+        CHECK((number_in(row.at("origin_error_max")) == 0) == exact_eye);
+    }
+}
+
+TEST_CASE("a way behind the form and the same way in the scene are one map") {
+    const Scratch folder;
+    const auto mapped = [&folder](const std::string& words, const std::string& name) {
+        const std::string out = (folder.path() / name).string();
+        REQUIRE(run("map camera-far.endless " + words +
+                    " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'")
+                    .code == 0);
+        return read_csv(folder.path() / name / "camera-far.endless/summary.csv");
+    };
+    for (const std::string maker : {"three", "bevy"}) {
+        CAPTURE(maker);
+        const auto behind = mapped("-i sphere.unified@ray-" + maker, "behind-" + maker),
+                   inside = mapped("-i sphere.unified --set camera.rays=" + maker, "inside-" + maker);
+        REQUIRE(behind.size() == 2);
+        for (std::size_t k = 0; k < behind.size(); ++k)
+            for (const auto& [column, value] : behind[k])
+                if (column != "form") CHECK(inside[k].at(column) == value);
+    }
+}
+
+TEST_CASE("explain looks at the ray that the way makes") {
+    const auto x = nlohmann::json::parse(
+        run("explain camera-far.endless --pixel 90,100 -i sphere.unified@ray-bevy -f f32 --json").out);
+    const auto y = nlohmann::json::parse(
+        run("explain camera-far.endless --set camera.rays=bevy --pixel 90,100 -i sphere.unified -f f32 --json").out);
+    const auto z =
+        nlohmann::json::parse(run("explain camera-far.endless --pixel 90,100 -i sphere.unified -f f32 --json").out);
+    CHECK(x["t"] == y["t"]);
+    CHECK(x["truth"] == y["truth"]);
+    CHECK(x["inputs"]["d.x"] == y["inputs"]["d.x"]);
+    CHECK(x["inputs"] != z["inputs"]);
+}
+
+TEST_CASE("what is wrong with a way to make rays is said, and nothing is written") {
+    const Scratch folder;
+    const std::string out = " -o '" + (folder.path() / "out").string() + "'";
+    const std::pair<const char*, const char*> mistakes[] = {
+        {"map camera-far.endless -i sphere.unified@ray-thre -f f32", "unknown maker; did you mean \"three\"?"},
+        {"map camera-far.endless -i sphere.unified@ray-three@ray-dxr -f f32", "stands behind one form"},
+        {"map instance-far.sphere -i sphere.unified@plain@ray-dxr -f f32", "camera.rays = \"dxr\""},
+        {"map near-benign -i sphere.unified@ray-dxr -f f32", "need the planes of a projection"},
+        {"map camera-far.endless --set camera.projection.near=0 -f f32", "must be greater than 0"},
+        {"map camera-far.gl --set camera.projection.far=0.125 -f f32", "is not beyond near"},
+        {"map camera-far.endless -i sphere.unified@ray-dxr --bits-needed 12 -f f32",
+         "gives forms the camera's own rays"},
+        {"sweep sphere-distance -i sphere.unified@ray-dxr -f f32", "are not those of a camera with a projection"},
+        {"offsets camera-far.endless -i sphere.unified@ray-dxr", "gives forms the camera's own rays"},
+        {"offsets camera-far.endless --set camera.rays=dxr", "each format makes the rays of this scene"},
+        {"choose camera-far.endless --set camera.rays=dxr --bits 12", "each format makes the rays of this scene"},
+        {"trade -i sphere.unified@ray-dxr", "gives forms the camera's own rays"},
+    };
+    for (const auto& [words, message] : mistakes) {
+        const auto r = run(words + out);
+        CAPTURE(words, r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, message));
+    }
+    CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
+    CHECK(has(run("explain camera-far.endless --ray 0,0,0,0,0,1 -i sphere.unified@ray-dxr").err, "no camera makes it"));
+}
+
+}  // namespace test_cli_made_rays

@@ -1,0 +1,191 @@
+// Ways to make rays, against fractions: a camera whose axes are (2, 3, 6)/7 and so on, and whose tangent is 1.
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "catch.hpp"
+#include "scene/camera/makers.hpp"
+#include "scene/rays/made_rays.hpp"
+#include "scene/scene_text.hpp"
+
+namespace test_makers {
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using scene::camera::Maker;
+using scene::camera::makers;
+using scene::test::loaded;
+using Fraction = boost::multiprecision::cpp_rational;
+using Fractions = std::array<Fraction, 3>;
+
+namespace {
+
+constexpr int width = 6, height = 4;
+
+std::string scene_of(const std::string& eye, const std::string& look_at, const std::string& projection) {
+    return "schema = \"lostbits-scene/1\"\ntitle = \"A test\"\nsize = [6, 4]\n[camera]\nkind = \"pinhole\"\neye = [" +
+           eye + "]\nlook_at = [" + look_at + "]\nup = [3, -6, 2]\nfov_deg = 90\n[camera.projection]\n" + projection +
+           "\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
+}
+
+/// forward (2, 3, 6)/7, up (3, -6, 2)/7, right forward x up = (6, 2, -3)/7.
+Fractions direction_of(int x, int y) {
+    const Fraction a = (Fraction(2 * x + 1, width) - 1) * Fraction(width, height), b = 1 - Fraction(2 * y + 1, height);
+    Fractions d;
+    const int forward[] = {2, 3, 6}, up[] = {3, -6, 2}, right[] = {6, 2, -3};
+    for (std::size_t k = 0; k < 3; ++k) d[k] = (forward[k] + a * right[k] + b * up[k]) / 7;
+    return d;
+}
+
+/// Every binary number is a fraction.
+Fraction exactly(const Real& x) {
+    if (x == 0) return 0;
+    int exponent = 0;
+    const Real scaled = ldexp(frexp(x, &exponent), 512);
+    const Fraction digits(scaled.convert_to<boost::multiprecision::cpp_int>());
+    const int shift = exponent - 512;
+    const Fraction power(boost::multiprecision::cpp_int(1) << std::abs(shift));
+    return shift < 0 ? Fraction(digits / power) : Fraction(digits * power);
+}
+Fractions exactly(const Vec<Real>& v) { return {exactly(v.x), exactly(v.y), exactly(v.z)}; }
+
+Fraction dot(const Fractions& a, const Fractions& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+/// |a x b|^2
+Fraction cross2(const Fractions& a, const Fractions& b) {
+    const Fraction ab = dot(a, b);
+    return dot(a, a) * dot(b, b) - ab * ab;
+}
+
+const Fraction tiny = Fraction(1) / (boost::multiprecision::cpp_int(1) << 400);  // of a square: 2^-200
+
+struct Planes {
+    std::string text;
+    Fraction near;
+    std::set<std::string> without = {};  ///< ways whose literal depths mean nothing there
+};
+
+const Planes planes[] = {
+    {"near = 0.25\nfar = 64\ndepth = \"gl\"", Fraction(1, 4)},
+    {"near = 0.25\nfar = 64\ndepth = \"zero_to_one\"", Fraction(1, 4)},
+    {"near = 2\nfar = 1024\ndepth = \"reversed\"", Fraction(2)},
+    {"near = 2", Fraction(2), {"glm"}},
+    {"near = 2\ndepth = \"reversed\"", Fraction(2), {"glm", "dxr"}},
+};
+
+}  // namespace
+
+TEST_CASE("without rounding every way makes the ray of the pixel, as fractions have it") {
+    for (const Planes& p : planes) {
+        const file::Scene plain = loaded(scene_of("100, -20, 7", "102, -17, 13", p.text));
+        const auto numbers = rays::camera_numbers(plain);
+        for (const Maker& maker : makers()) {
+            if (p.without.contains(std::string(maker.info->name))) continue;
+            CAPTURE(p.text, maker.info->name);
+            int pixel = 0;
+            maker.real(numbers, {0, height}, [&](const Ray<Real>& ray) {
+                const Fractions d = direction_of(pixel % width, pixel / width), made = exactly(ray.direction);
+                ++pixel;
+                CHECK(cross2(made, d) < tiny * dot(d, d));
+                CHECK(dot(made, d) > 0);
+                CHECK(abs(dot(made, made) - 1) < Fraction(1) / (boost::multiprecision::cpp_int(1) << 200));
+                const int eye[] = {100, -20, 7};
+                Fractions off = exactly(ray.origin);
+                for (std::size_t k = 0; k < 3; ++k)
+                    off[k] -= eye[k] + (maker.info->from_near ? Fraction(p.near * d[k]) : Fraction(0));
+                CHECK(dot(off, off) < tiny * 1000000);
+            });
+            CHECK(pixel == width * height);
+        }
+    }
+}
+
+TEST_CASE("the ideal rays are those of the fractions, from the eye or from the near plane") {
+    for (const Maker& maker : makers()) {
+        const file::Scene scene =
+            with_rays(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), maker);
+        const auto ideal = rays::make_own_rays(scene, 1, 3);
+        REQUIRE(ideal.made);
+        REQUIRE(ideal.size() == 2 * width);
+        for (std::size_t i = 0; i < ideal.size(); ++i) {
+            const Fractions d = direction_of(static_cast<int>(i) % width, 1 + static_cast<int>(i) / width),
+                            made = exactly(ideal[i].direction);
+            CHECK(cross2(made, d) < tiny * dot(d, d));
+            CHECK(dot(made, d) > 0);
+            const int eye[] = {100, -20, 7};
+            Fractions off = exactly(ideal[i].origin);
+            for (std::size_t k = 0; k < 3; ++k)
+                off[k] -= eye[k] + (maker.info->from_near ? Fraction(d[k] / 4) : Fraction(0));
+            CHECK(dot(off, off) < tiny);
+        }
+    }
+}
+
+TEST_CASE("floats and doubles of the machine and rounded numbers of their formats make the same rays") {
+    const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
+    const auto numbers = rays::camera_numbers(plain);
+    for (const Maker& maker : makers()) {
+        CAPTURE(maker.info->name);
+        const file::Scene scene = with_rays(plain, maker);
+        const rays::MadeRays made(scene);
+        for (const FloatFormat& format : {binary32, binary64}) {
+            const rays::RayBlock native = made.in(format, 0, height);
+            const CurrentFormat::Scope scope(format);
+            const auto stored = rays::camera_numbers(scene).each(
+                [&](const Real& x) { return RoundedAny(toml::round_to_format(x, format)); });
+            std::size_t i = 0;
+            maker.rounded(stored, {0, height}, [&](const Ray<RoundedAny>& ray) {
+                const Ray<double> one = native[i++];
+                for (int k = 0; k < 3; ++k) {
+                    CHECK(one.origin[k] == ray.origin[k].value());
+                    CHECK(one.direction[k] == ray.direction[k].value());
+                }
+            });
+            CHECK(i == native.size());
+        }
+    }
+}
+
+TEST_CASE("ways that turn a direction of the camera's space make the same one wherever the camera stands") {
+    const auto directions = [](const Maker& maker, const std::string& eye, const std::string& look_at) {
+        const file::Scene scene = with_rays(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), maker);
+        const rays::RayBlock block = rays::MadeRays(scene).in(binary32, 0, height);
+        return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
+    };
+    const std::set<std::string_view> apart{"bevy_view", "nvpro", "godot", "optix", "pbrt", "differentials", "relative"};
+    for (const Maker& maker : makers()) {
+        CAPTURE(maker.info->name);
+        const auto here = directions(maker, "0, 0, 0", "2, 3, 6");
+        const auto far = directions(maker, "67108864, -33554432, 8388608", "67108880, -33554408, 8388656");
+        CHECK((here == far) == apart.contains(maker.info->name));
+    }
+}
+
+TEST_CASE("of shared inputs the camera that the rays are of is the one that binary32 stores") {
+    const std::string text = scene_of("0.1, 0.2, 0.3", "0.7, 5, 9", "near = 0.1\nfar = 1000.1");
+    const file::Scene scene = with_rays(loaded(text), *camera::find_maker("three"));
+    CHECK(scene.inputs == file::Inputs::own);
+    CHECK(scene.camera.eye.x == Real(0.1F));
+    CHECK(scene.camera.projection->near == Real(0.1F));
+    CHECK(*scene.camera.projection->far == Real(1000.1F));
+    const file::Scene own =
+        with_rays(loaded(test::replaced(text, "size =", "inputs = \"own\"\nsize =")), *camera::find_maker("three"));
+    CHECK(own.camera.eye.x == test::real("0.1"));
+}
+
+TEST_CASE("depths whose w is 0 give no ray: a far plane at infinity, and z = 0 where it is reversed") {
+    for (const auto& [planes_text, name] : {std::pair("near = 2\ndepth = \"reversed\"", "dxr"),
+                                            {"near = 2\ndepth = \"reversed\"", "glm"},
+                                            {"near = 2", "glm"}}) {
+        const file::Scene scene =
+            with_rays(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_maker(name));
+        const rays::RayBlock block = rays::MadeRays(scene).in(binary32, 0, height);
+        for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
+    }
+}
+
+}  // namespace test_makers
