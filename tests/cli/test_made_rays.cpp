@@ -45,8 +45,8 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
             has("bevy_view nvpro godot optix pbrt differentials relative", std::string(maker.info->name));
         CHECK((apart ? number_in(row.at("direction_lost_bits_max")) < 5
                      : number_in(row.at("direction_lost_bits_p50")) > 6));
-        const bool exact_eye = !maker.info->from_near && maker.info->name != "nvpro";
-        CHECK((number_in(row.at("origin_error_max")) == 0) == exact_eye);
+        // The eye is made of numbers of the format, and a point of the near plane is not.
+        if (maker.info->name != "nvpro") CHECK((number_in(row.at("origin_error_max")) > 0) == maker.info->from_near);
     }
 }
 
