@@ -42,8 +42,8 @@ Exit run(const ExplainOptions& o, const Common& common) {
                                      choice::formats_of(form), form.native32 ? "f32" : "f64"));
     if (intersect::hull::has_box(form) && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
-            "-i {}: the operations of a form behind a box are not written down; name the form or the box alone, such as "
-            "-i {}",
+            "-i {}: the operations of a form behind a box are not written down; name the form or the box alone, such "
+            "as -i {}",
             o.form, intersect::hull::innermost(form).info->name));
     if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(

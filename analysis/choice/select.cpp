@@ -180,9 +180,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
     if (std::ranges::none_of(rows, [](const MapRow& row) { return intersect::hull::has_box(*row.form); })) {
         std::erase_if(asked, [](const Metric* m) { return m->name == "lost_to"; });
         if (asked.empty())
-            throw InputError(fmt::format(
-                "--metric {}: none of the selected forms in {} is behind a box; name it with one, such as -i {}", first,
-                what, "'sphere.unified^box.signs'"));
+            throw InputError(fmt::format("--metric {}: no form in {} is behind a box, as FORM^BOX is", first, what));
     }
     if (any_marches(rows)) return asked;
     std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });

@@ -148,10 +148,10 @@ const Intersector& behind(const HullWay& way, const Intersector& box, const Inte
     return made.row;
 }
 
-Made made_of(const Intersector& row) {
+HullParts made_of(const Intersector& row) {
     const std::lock_guard lock(mutex());
     const auto known = std::ranges::find_if(all(), [&](const Row& made) { return &made.row == &row; });
-    return known == all().end() ? Made{nullptr, nullptr, nullptr} : Made{known->way, known->box, known->form};
+    return known == all().end() ? HullParts{nullptr, nullptr, nullptr} : HullParts{known->way, known->box, known->form};
 }
 
 bool has_box(const Intersector& row) {
@@ -162,13 +162,13 @@ bool has_box(const Intersector& row) {
 }
 
 const Intersector& innermost(const Intersector& row) {
-    if (const Made made = made_of(row); made.form != nullptr) return innermost(*made.form);
+    if (const HullParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
     const auto placed = space::made_of(row);
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
 const Intersector& around(const Intersector& row, const Intersector& form) {
-    if (const Made made = made_of(row); made.form != nullptr)
+    if (const HullParts made = made_of(row); made.form != nullptr)
         return behind(*made.way, *made.box, around(*made.form, form));
     const auto placed = space::made_of(row);
     return placed.form != nullptr ? space::through(*placed.space, around(*placed.form, form)) : form;

@@ -10,18 +10,18 @@ namespace lostbits::intersect::hull {
 /// The row `triangle.undivided^box.signs~nearest` of a form of one shape and a form of boxes: a hit where the form hits
 /// the solid and the other one the box around it, both in the format and with the ray's end; t is the form's. The usual
 /// way is not named. `through(space, behind(…))` has its box in the space of the solid, `behind(…, through(…))` in the
-/// world. What ends the ray is its own end alone: no hit found before is. Made once and kept, as enrolled rows are. It
-/// has no tape and no enclosures: without rounding it is the form. InputError for what has no box around it, and for
-/// what is no form of boxes.
+/// world. What ends the ray is its own end alone: no hit found before is. HullParts once and kept, as enrolled rows
+/// are. It has no tape and no enclosures: without rounding it is the form. InputError for what has no box around it,
+/// and for what is no form of boxes.
 const table::Intersector& behind(const HullWay& way, const table::Intersector& box, const table::Intersector& form);
 
 /// What a row was made of.
-struct Made {
+struct HullParts {
     const HullWay* way;
     const table::Intersector *box, *form;
 };
 /// Nulls for a row that was not made here.
-Made made_of(const table::Intersector& row);
+HullParts made_of(const table::Intersector& row);
 
 /// Whether a row is behind a box, in the space of its solid or in the world; of a set whether any of its forms is.
 bool has_box(const table::Intersector& row);

@@ -49,7 +49,6 @@ double worst_step(const Sample& s) {
 }
 
 double lost_to(const Sample& s) { return s.levels ? static_cast<double>(s.levels->lost_to) : missing; }
-
 double bound_ratio(const Sample& s) { return bound_over(s, rounding_error(s)); }
 
 constexpr unsigned split = needs_own_truth | needs_self;
