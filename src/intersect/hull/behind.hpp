@@ -10,7 +10,7 @@ namespace lostbits::intersect::hull {
 /// The row `triangle.undivided^box.signs~nearest` of a form of one shape and a form of boxes: a hit where the form hits
 /// the solid and the other one the box around it, both in the format and with the ray's end; t is the form's. The usual
 /// way is not named. `through(space, behind(…))` has its box in the space of the solid, `behind(…, through(…))` in the
-/// world. What ends the ray is its own end alone: no hit found before is. HullParts once and kept, as enrolled rows
+/// world. What ends the ray is its own end alone: no hit found before is. Made once and kept, as enrolled rows
 /// are. It has no tape and no enclosures: without rounding it is the form. InputError for what has no box around it,
 /// and for what is no form of boxes.
 const table::Intersector& behind(const HullWay& way, const table::Intersector& box, const table::Intersector& form);
