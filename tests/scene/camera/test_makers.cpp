@@ -172,9 +172,9 @@ TEST_CASE("of shared inputs the camera that the rays are of is the one that bina
     CHECK(scene.camera.eye.x == Real(0.1F));
     CHECK(scene.camera.projection->near == Real(0.1F));
     CHECK(*scene.camera.projection->far == Real(1000.1F));
-    const file::Scene own =
-        with_rays(loaded(test::replaced(text, "size =", "inputs = \"own\"\nsize =")), *camera::find_maker("three"));
-    CHECK(own.camera.eye.x == test::real("0.1"));
+    const file::Scene own = with_rays(loaded(scene::test::replaced(text, "size =", "inputs = \"own\"\nsize =")),
+                                      *camera::find_maker("three"));
+    CHECK(own.camera.eye.x == scene::test::real("0.1"));
 }
 
 TEST_CASE("depths whose w is 0 give no ray: a far plane at infinity, and z = 0 where it is reversed") {

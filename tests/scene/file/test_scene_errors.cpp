@@ -226,7 +226,7 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
     CHECK(planes("near = 3.4e38\nfar = 3.40001e38").find("overflows binary32") != std::string::npos);
     CHECK(planes("near = 1\nfar = inf").find("is not finite") != std::string::npos);
     CHECK(planes("near = 1\ndepth = \"backwards\"").starts_with("scene.toml:15:9: camera.projection.depth"));
-    CHECK(planes("near = 1\nfra = 2").starts_with("scene.toml:15:1: camera.projection.fra"));
+    CHECK(planes("near = 1\nfra = 2") == "scene.toml:15:1: unknown key camera.projection.fra; did you mean \"far\"?");
     CHECK(scene_error(pinhole("fov_deg = 1e-37\n[camera.projection]\nnear = 1"))
               .starts_with("scene.toml:12:11: camera.fov_deg overflows binary32"));
 }
