@@ -1,7 +1,9 @@
 // Rays that each format makes, from the command line: which ways there are, what is measured of them, and what is said
 // of mistakes.
-#include <cmath>
+#include <filesystem>
+#include <set>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +12,14 @@
 #include "scene/camera/makers.hpp"
 
 namespace test_cli_made_rays {
+
+namespace {
+
+/// Ways that take no difference of two points of the world.
+const std::set<std::string_view> stay_apart{"bevy_view", "nvpro",         "godot",   "optix",
+                                            "pbrt",      "differentials", "relative"};
+
+}  // namespace
 
 using namespace lostbits;
 using test::has;
@@ -41,8 +51,7 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
         const scene::camera::Maker& maker = scene::camera::makers()[k];
         CAPTURE(row.at("form"));
         CHECK(row.at("form") == "sphere.unified@ray-" + std::string(maker.info->name));
-        const bool apart =
-            has("bevy_view nvpro godot optix pbrt differentials relative", std::string(maker.info->name));
+        const bool apart = stay_apart.contains(maker.info->name);
         CHECK((apart ? number_in(row.at("direction_lost_bits_max")) < 5
                      : number_in(row.at("direction_lost_bits_p50")) > 6));
         // The eye is made of numbers of the format, and a point of the near plane is not.
@@ -66,7 +75,7 @@ TEST_CASE("a way behind the form and the same way in the scene are one map") {
         REQUIRE(behind.size() == 2);
         for (std::size_t k = 0; k < behind.size(); ++k)
             for (const auto& [column, value] : behind[k])
-                if (column != "form") CHECK(inside[k].at(column) == value);
+                if (column != "form" && !value.starts_with("lostbits explain")) CHECK(inside[k].at(column) == value);
     }
 }
 
