@@ -9,10 +9,10 @@ using toml::TableReader;
 
 namespace {
 
-constexpr std::pair<std::string_view, Projection::Depth> depth_names[] = {
-    {"gl", Projection::Depth::gl},
-    {"zero_to_one", Projection::Depth::zero_to_one},
-    {"reversed", Projection::Depth::reversed}};
+constexpr std::pair<std::string_view, CameraProjection::Depth> depth_names[] = {
+    {"gl", CameraProjection::Depth::gl},
+    {"zero_to_one", CameraProjection::Depth::zero_to_one},
+    {"reversed", CameraProjection::Depth::reversed}};
 
 constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthographic", Camera::Kind::orthographic},
                                                                       {"pinhole", Camera::Kind::pinhole},
@@ -27,10 +27,10 @@ bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
 }
 
 /// 1/tan, near and near far/(far − near) stand in the matrix: where one of them is 0 it has no inverse.
-Projection read_projection(TableReader table, const StoredNumbers& numbers) {
-    Projection projection;
-    projection.depth =
-        table.optional_one_of<Projection::Depth>("depth", depth_names).value_or(Projection::Depth::zero_to_one);
+CameraProjection read_projection(TableReader table, const StoredNumbers& numbers) {
+    CameraProjection projection;
+    projection.depth = table.optional_one_of<CameraProjection::Depth>("depth", depth_names)
+                           .value_or(CameraProjection::Depth::zero_to_one);
     projection.near = numbers.positive(table, "near", table.number("near"));
     if (table.has("far")) {
         projection.far = numbers.positive(table, "far", table.number("far"));

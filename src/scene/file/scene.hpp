@@ -26,7 +26,7 @@ namespace lostbits::scene::file {
 enum class Inputs { shared, own };
 
 /// What a pinhole's rays are unprojected from. Directions need none of it, clip space does.
-struct Projection {
+struct CameraProjection {
     /// z over w from the near plane to the far one: -1 to 1, 0 to 1, 1 to 0.
     enum class Depth { gl, zero_to_one, reversed };
     Depth depth = Depth::zero_to_one;
@@ -49,7 +49,7 @@ struct Camera {
     /// through the middle of its pixel there; its direction is the difference of the two points, never normalised, so
     /// that t = 1 is the plane.
     Real left, bottom, right, top;
-    std::optional<Projection> projection = {};  ///< pinhole
+    std::optional<CameraProjection> projection = {};  ///< pinhole
     /// Who makes the rays, in each format from the camera's numbers as it stores them; null: the ideal rays are
     /// rounded.
     const camera::Maker* rays = nullptr;

@@ -8,7 +8,7 @@ namespace lostbits::scene::rays {
 using camera::CameraNumbers;
 using camera::Maker;
 using camera::Matrix4;
-using file::Projection;
+using file::CameraProjection;
 using file::Scene;
 
 namespace {
@@ -23,7 +23,7 @@ Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& place) {
 
 /// z/w is `at_near` on the near plane and `at_far` on the far one, w = -z. With n and f: z' = a z + b,
 /// a = (at_near n - at_far f)/(f - n), b = (at_near - at_far) f n/(f - n); at infinity -at_far, (at_near - at_far) n.
-Matrix4<Real> projection(const Projection& p, const CameraNumbers<Real>& c) {
+Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
     const Real range = c.depth_near - c.depth_far, zero(0);
     const Real a =
         p.far ? Real((c.depth_near * p.near - c.depth_far * *p.far) / (*p.far - p.near)) : Real(-c.depth_far);
@@ -47,8 +47,8 @@ Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
 
 CameraNumbers<Real> camera_numbers(const Scene& scene) {
     const CameraFrame<Real> f = make_frame<Real>(scene);
-    const Projection& p = scene.camera.projection.value();
-    using Depth = Projection::Depth;
+    const CameraProjection& p = scene.camera.projection.value();
+    using Depth = CameraProjection::Depth;
     CameraNumbers<Real> c{};
     c.width = scene.width, c.height = scene.height;
     c.eye = f.origin, c.right = f.right, c.up = f.up, c.forward = f.forward;
