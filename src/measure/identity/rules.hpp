@@ -1,0 +1,91 @@
+// The rules of rewriting: identities of real arithmetic, one line each, and where a formula has room for one.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "measure/identity/sums.hpp"
+
+namespace lostbits::measure::identity {
+
+struct Rule;
+
+/// Nodes of a formula and what may stand in their places, all at once.
+struct Rewrite {
+    const Rule* rule;
+    std::vector<std::pair<NodeId, NodeId>> replaced;
+};
+
+/// A formula, and the rewrites of it that rules find.
+class Places {
+public:
+    /// `direction`: where the form promises that it has length one.
+    Places(Terms& all, const TapeOutputs& outputs, std::optional<Triple> direction)
+        : terms(all), needed(all.needed(outputs)), newest(newest_of(all, needed)), unit(direction) {}
+
+    Terms& terms;
+    const std::vector<NodeId> needed;  ///< of the formula
+    const Newest newest;
+    const std::optional<Triple> unit;
+    const Rule* rule = nullptr;  ///< that looks
+    std::vector<Rewrite> found = {};
+
+    /// One place alone.
+    void offer(NodeId old, NodeId now) { offer({{old, now}}); }
+    void offer(std::vector<std::pair<NodeId, NodeId>> replaced);
+    /// Each alone, and all at once.
+    void offer_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
+};
+
+struct Rule {
+    std::string_view name;
+    std::string_view identity;   ///< in real arithmetic
+    std::string_view condition;  ///< under which it holds; none: always
+    void (*find)(Places& places);
+};
+
+void find_differences_of_squares(Places& places);
+void find_differences_of_lengths(Places& places);
+void find_cross_products(Places& places);
+void find_volumes(Places& places);
+void find_closest_approach(Places& places);
+void find_unit_approach(Places& places);
+void find_stable_roots(Places& places);
+void find_edges_from_origin(Places& places);
+void find_fused_products(Places& places);
+void find_other_orders(Places& places);
+void find_quotients(Places& places);
+void find_reciprocals(Places& places);
+void find_split_quotients(Places& places);
+void find_scaled_lengths(Places& places);
+void find_exchanges(Places& places);
+
+inline constexpr Rule rules[]{
+    {"difference of squares", "a^2 - b^2 = (a - b)(a + b)", "", find_differences_of_squares},
+    {"difference of lengths", "|a|^2 - b^2 = (|a| - b)(|a| + b)", "", find_differences_of_lengths},
+    {"cross products", "(a.c)(b.d) - (a.d)(b.c) = (a x b).(c x d), so |f|^2 |d|^2 - (f.d)^2 = |f x d|^2", "",
+     find_cross_products},
+    {"volume", "|a|^2 |b|^2 |c|^2 + 2 (a.b)(b.c)(c.a) - |a|^2 (b.c)^2 - |b|^2 (c.a)^2 - |c|^2 (a.b)^2 = (a.(b x c))^2",
+     "", find_volumes},
+    {"closest approach", "|n|^2 (a.b) - (a.n)(b.n) = |n|^2 (a - (a.n)/|n|^2 n).b: from the point nearest to the centre",
+     "n != 0; where the form promises |d| = 1, for such directions", find_closest_approach},
+    {"closest approach, normalised", "the same with n/|n|", "n != 0", find_unit_approach},
+    {"stable roots", "-b + s and -b - s, s = sqrt(D): the one of like signs, q, and (b^2 - D)/q", "q != 0",
+     find_stable_roots},
+    {"edges from the origin", "u + v <= |s|: u, v and s - u - v as d.((p - o) x (q - o)) for the three edges p q", "",
+     find_edges_from_origin},
+    {"fused products", "ab - cd = fma(a, b, -w) + fma(-c, d, w), w = cd (Kahan)", "", find_fused_products},
+    {"other order", "(a + b) + c = a + (b + c) = (a + c) + b", "", find_other_orders},
+    {"quotient", "x (1/y) = x/y", "y != 0", find_quotients},
+    {"reciprocal", "x/y and z/y = x (1/y) and z (1/y)", "y != 0", find_reciprocals},
+    {"split quotient", "(x + y)/z = x/z + y/z", "z != 0", find_split_quotients},
+    {"scaled length", "sqrt(x^2 + y^2) = m sqrt((x/m)^2 + (y/m)^2), m = max(|x|, |y|)", "m != 0", find_scaled_lengths},
+    {"exchange", "min(a, b) = min(b, a), max likewise", "neither is NaN", find_exchanges},
+};
+
+/// All that the rules find, in their order.
+std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit);
+
+}  // namespace lostbits::measure::identity

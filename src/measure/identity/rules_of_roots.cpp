@@ -1,0 +1,78 @@
+// Roots of a quadratic that subtract what is alike.
+#include <map>
+
+#include "measure/identity/rules.hpp"
+
+namespace lostbits::measure::identity {
+
+namespace {
+
+/// (b ± s)/a with s = √D, as it was written.
+struct Root {
+    NodeId node;
+    NodeId s;
+    bool minus;
+    Sum b, a;
+};
+
+std::optional<Root> root_at(const Terms& terms, NodeId i) {
+    if (terms[i].op != TapeOp::div) return std::nullopt;
+    const auto above = multiplied_out(terms, terms[i].operands[0], true);
+    const auto below = multiplied_out(terms, terms[i].operands[1], true);
+    if (!above || !below || below->size() != 1) return std::nullopt;
+    for (const auto& [product, factor] : *above) {
+        if (product.size() != 1 || product.begin()->second != 1) continue;
+        const NodeId s = product.begin()->first;
+        const bool one = factor == Ratio(1, 1), minus = factor == Ratio(-1, 1);
+        if (terms[s].op != TapeOp::sqrt || (!one && !minus)) continue;
+        Sum b = *above;
+        b.erase(product);
+        if (b.empty()) return std::nullopt;
+        return Root{.node = i, .s = s, .minus = minus, .b = std::move(b), .a = *below};
+    }
+    return std::nullopt;
+}
+
+Sum over(const Sum& sum, const Sum& one) {
+    const auto& [product, factor] = *one.begin();
+    return times(sum, Sum{{inverse(product), Ratio(factor.under, factor.over)}});
+}
+
+}  // namespace
+
+void find_stable_roots(Places& places) {
+    Terms& terms = places.terms;
+    const Sum minus_one{{{}, Ratio(-1, 1)}};
+    std::map<NodeId, std::vector<Root>> roots;
+    for (const NodeId i : places.needed) {
+        auto root = root_at(terms, i);
+        if (!root) continue;
+        auto& both = roots[root->s];
+        if (both.empty() || both.front().b == root->b) both.push_back(std::move(*root));
+    }
+    for (const auto& [s, both] : roots) {
+        const Sum& b = both.front().b;
+        const auto disc = multiplied_out(terms, terms[s].operands[0], true);
+        if (!disc) continue;
+        // (b − s)(b + s), which of each root is the other's numerator
+        const Sum product = plus(times(b, b), times(*disc, minus_one));
+        if (product.empty() || product.size() > most_products) continue;
+        const auto newest = places.newest.find(s);
+        const NodeId root = newest == places.newest.end() ? s : newest->second;
+        const NodeId b_now = written_out(terms, b, places.newest);
+        const NodeId negative = terms.add(TapeOp::less, {b_now, terms.constant(0)});
+        const NodeId with_sign = terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {root}), root});
+        const NodeId q = terms.add(TapeOp::add, {b_now, with_sign}, "q");
+        std::vector<std::pair<NodeId, NodeId>> replaced;
+        for (const Root& one : both) {
+            const NodeId plain = terms.add(TapeOp::div, {q, written_out(terms, one.a, places.newest)});
+            const NodeId other = terms.add(TapeOp::div, {written_out(terms, over(product, one.a), places.newest), q});
+            // b − s subtracts where b > 0, b + s where b < 0.
+            replaced.emplace_back(one.node, one.minus ? terms.add(TapeOp::select, {negative, plain, other})
+                                                      : terms.add(TapeOp::select, {negative, other, plain}));
+        }
+        places.offer(replaced);
+    }
+}
+
+}  // namespace lostbits::measure::identity

@@ -1,0 +1,263 @@
+// Rules that look for products of opposite sign in a sum that is multiplied out.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "measure/identity/rules.hpp"
+
+namespace lostbits::measure::identity {
+
+namespace {
+
+/// act(node, sum) for every number of the formula that is a sum of products, dot products apart.
+void on_sums(Places& places, const std::function<void(NodeId, const Sum&)>& act) {
+    const Terms& terms = places.terms;
+    for (const NodeId i : places.needed) {
+        const TapeOp op = terms[i].op;
+        if ((op != TapeOp::add && op != TapeOp::sub) || !terms.is_own(i) || terms.factors_of(i)) continue;
+        const auto sum = multiplied_out(terms, i);
+        if (sum && sum->size() >= 2) act(i, *sum);
+    }
+}
+
+/// (a·c)(b·d) and −(a·d)(b·c), both times the same.
+struct Pair {
+    Triple a, b, c, d;
+    Product rest;
+    Ratio factor;
+    Sum others;  ///< of the sum without the two
+};
+
+Product dot_power(NodeId dot, int power) { return {{dot, power}}; }
+
+class PairFinder {
+public:
+    PairFinder(const Places& places, const Sum& sum) : terms_(places.terms), sum_(sum) {
+        if (places.unit) unit_ = terms_.known_dot(*places.unit, *places.unit);
+    }
+
+    std::vector<Pair> all() {
+        for (const auto& [product, factor] : sum_) {
+            const std::vector<NodeId> dots = dots_of(product);
+            for (std::size_t k = 0; k < dots.size(); ++k)
+                for (std::size_t l = k + 1; l < dots.size(); ++l) {
+                    const Product rest = times(product, times(dot_power(dots[k], -1), dot_power(dots[l], -1)));
+                    const auto [p, q] = terms_.factors_of(dots[k]).value();
+                    const auto [r, s] = terms_.factors_of(dots[l]).value();
+                    // This product is the one that is taken away: −(a·d)(b·c).
+                    look({.a = p, .b = s, .c = r, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
+                    look({.a = p, .b = r, .c = s, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
+                }
+        }
+        return std::move(found_);
+    }
+
+    /// A product in which the direction has length one.
+    [[nodiscard]] Product reduced(Product product) const {
+        if (unit_) product.erase(*unit_);
+        return product;
+    }
+
+private:
+    /// Each as often as its power.
+    [[nodiscard]] std::vector<NodeId> dots_of(const Product& product) const {
+        std::vector<NodeId> dots;
+        for (const auto& [atom, power] : product)
+            if (power > 0 && terms_.factors_of(atom)) dots.insert(dots.end(), static_cast<std::size_t>(power), atom);
+        return dots;
+    }
+    void look(Pair pair, const Product& product) {
+        const auto first = terms_.known_dot(pair.a, pair.c), second = terms_.known_dot(pair.b, pair.d);
+        if (!first || !second) return;
+        const Product partner = reduced(times(pair.rest, times(dot_power(*first, 1), dot_power(*second, 1))));
+        const auto other = sum_.find(partner);
+        if (partner == product || other == sum_.end() || !(other->second == pair.factor)) return;
+        pair.others = sum_;
+        pair.others.erase(product);
+        pair.others.erase(partner);
+        found_.push_back(std::move(pair));
+    }
+
+    const Terms& terms_;
+    const Sum& sum_;
+    std::optional<NodeId> unit_;
+    std::vector<Pair> found_;
+};
+
+/// The node with `instead` for the two products.
+NodeId with_pair(Places& places, NodeId i, const Pair& pair, const Product& instead) {
+    const PairFinder finder(places, pair.others);
+    const Sum now = plus(pair.others, Sum{{finder.reduced(times(pair.rest, instead)), pair.factor}});
+    return now.empty() ? i : written_out(places.terms, now, places.newest, places.terms[i].label);
+}
+
+/// Each, and at once the first of each place within which there is no other.
+void offer_all(Places& places, const std::vector<std::pair<NodeId, NodeId>>& all) {
+    std::vector<std::pair<NodeId, NodeId>> innermost;
+    for (const auto& [old, now] : all) {
+        const auto within = places.terms.needed({old, old, old, old});
+        const auto is_within = [&](const auto& other) { return std::ranges::binary_search(within, other.first); };
+        if (old != now && std::ranges::none_of(innermost, is_within)) innermost.emplace_back(old, now);
+    }
+    if (innermost.size() > 1) places.offer(innermost);
+    for (const auto& one : all) places.offer({one});
+}
+
+/// a − (a·n)/|n|² n, or with n/|n|.
+Triple foot(Places& places, const Triple& a, const Triple& n, bool normalised) {
+    Terms& terms = places.terms;
+    const bool is_unit = places.unit == n;
+    Triple along = n;
+    NodeId share = terms.dot(a, n);
+    if (!is_unit && normalised) {
+        const NodeId length = terms.add(TapeOp::sqrt, {terms.dot(n, n)}, "len");
+        for (NodeId& x : along) x = terms.add(TapeOp::div, {x, length});
+        share = terms.dot(a, along);
+    } else if (!is_unit) {
+        share = terms.add(TapeOp::div, {share, terms.dot(n, n)}, "share");
+    }
+    constexpr std::array<std::string_view, 3> names{"l.x", "l.y", "l.z"};
+    Triple at{};
+    for (std::size_t k = 0; k < 3; ++k)
+        at[k] = terms.add(TapeOp::sub, {a[k], terms.add(TapeOp::mul, {share, along[k]})}, names[k]);
+    return at;
+}
+
+void find_approach(Places& places, bool normalised) {
+    Terms& terms = places.terms;
+    std::vector<std::pair<NodeId, NodeId>> all;
+    if (places.unit) terms.dot(*places.unit, *places.unit);
+    on_sums(places, [&](NodeId i, const Sum& sum) {
+        for (const Pair& p : PairFinder(places, sum).all()) {
+            // (n·n)(b·d) − (n·d)(b·n)
+            const auto along = [&](const Triple& n, const Triple& a, const Triple& b) {
+                if (normalised && places.unit == n) return;
+                const Triple at = foot(places, a, n, normalised);
+                const NodeId with = a == b ? terms.dot(at, at, "l^2") : terms.dot(at, b);
+                all.emplace_back(i, with_pair(places, i, p, times(dot_power(terms.dot(n, n), 1), dot_power(with, 1))));
+            };
+            if (p.a == p.c) along(p.a, p.b, p.d);
+            if (p.b == p.d) along(p.b, p.a, p.c);
+        }
+    });
+    offer_all(places, all);
+}
+
+/// What a product is the square of.
+std::optional<NodeId> root_of(Places& places, const Product& product, bool by_length) {
+    Product half;
+    bool length = false;
+    NodeId whole = no_node;
+    for (const auto& [atom, power] : product) {
+        if (power % 2 == 0) {
+            half[atom] = power / 2;
+            continue;
+        }
+        const auto factors = places.terms.factors_of(atom);
+        if (!by_length || power != 1 || length || !factors || factors->first != factors->second) return std::nullopt;
+        length = true;
+        whole = places.terms.add(TapeOp::sqrt, {atom}, "length");
+    }
+    if (length != by_length) return std::nullopt;
+    if (!half.empty() || whole == no_node) {
+        const NodeId rest = product_of(places.terms, half, Ratio(1, 1), places.newest);
+        whole = whole == no_node ? rest : places.terms.add(TapeOp::mul, {whole, rest});
+    }
+    return whole;
+}
+
+void find_squares(Places& places, bool by_length) {
+    Terms& terms = places.terms;
+    on_sums(places, [&](NodeId i, const Sum& sum) {
+        if (sum.size() != 2) return;
+        const auto [common, rest] = without_common(sum);
+        const auto positive = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(1, 1); });
+        const auto negative = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(-1, 1); });
+        if (positive == rest.end() || negative == rest.end()) return;
+        const auto a = root_of(places, positive->first, by_length);
+        const auto b = root_of(places, negative->first, false);
+        if (!a || !b) return;
+        const NodeId product =
+            terms.add(TapeOp::mul, {terms.add(TapeOp::sub, {*a, *b}), terms.add(TapeOp::add, {*a, *b})});
+        const auto& [shared, factor] = common;
+        const NodeId before = product_of(terms, shared, factor, places.newest);
+        const bool alone = shared.empty() && factor == Ratio(1, 1);
+        places.offer(i, alone ? terms.named(product, terms[i].label)
+                              : terms.add(TapeOp::mul, {before, product}, terms[i].label));
+    });
+}
+
+/// Three vectors whose dot products with each other are the factors of a product.
+std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
+    const auto [a, b] = terms.factors_of(ab).value();
+    for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
+        const auto [p, q] = terms.factors_of(bc).value();
+        if (p != y && q != y) continue;
+        const Triple z = p == y ? q : p;
+        if (z != x && x != y && y != z && terms.known_dot(z, x) == ca) return std::array{x, y, z};
+    }
+    return std::nullopt;
+}
+
+/// The sum with (a·(b × c))² in place of its Gram determinant, where `crossed` is factor·rest·2(a·b)(b·c)(c·a).
+std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& crossed, const std::array<Triple, 3>& v) {
+    const auto dot = [&](std::size_t k, std::size_t l) { return terms.known_dot(v[k % 3], v[l % 3]); };
+    for (std::size_t k = 0; k < 3; ++k)
+        if (!dot(k, k)) return std::nullopt;
+    const Ratio factor = sum.at(crossed) * Ratio(1, 2);
+    Product rest = crossed, squares;
+    for (std::size_t k = 0; k < 3; ++k) {
+        rest = times(rest, dot_power(*dot(k, k + 1), -1));
+        squares = times(squares, dot_power(*dot(k, k), 1));
+    }
+    Sum gram{{crossed, sum.at(crossed)}, {times(rest, squares), factor}};
+    for (std::size_t k = 0; k < 3; ++k)
+        gram[times(rest, times(dot_power(*dot(k, k), 1), dot_power(*dot(k + 1, k + 2), 2)))] = -factor;
+    for (const auto& [product, x] : gram)
+        if (const auto found = sum.find(product); found == sum.end() || !(found->second == x)) return std::nullopt;
+    Sum now = sum;
+    for (const auto& [product, x] : gram) now.erase(product);
+    const NodeId volume = terms.dot(v[0], terms.cross(v[1], v[2]), "volume");
+    return plus(now, Sum{{times(rest, dot_power(volume, 2)), factor}});
+}
+
+}  // namespace
+
+void find_volumes(Places& places) {
+    Terms& terms = places.terms;
+    on_sums(places, [&](NodeId i, const Sum& sum) {
+        for (const auto& [product, factor] : sum) {
+            std::vector<NodeId> dots;
+            for (const auto& [atom, power] : product)
+                if (power > 0 && terms.factors_of(atom)) dots.push_back(atom);
+            for (std::size_t j = 0; j < dots.size(); ++j)
+                for (std::size_t k = j + 1; k < dots.size(); ++k)
+                    for (std::size_t l = k + 1; l < dots.size(); ++l) {
+                        const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
+                        const auto now = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
+                        if (now && !now->empty())
+                            places.offer(i, written_out(terms, *now, places.newest, terms[i].label));
+                    }
+        }
+    });
+}
+
+void find_differences_of_squares(Places& places) { find_squares(places, false); }
+void find_differences_of_lengths(Places& places) { find_squares(places, true); }
+void find_closest_approach(Places& places) { find_approach(places, false); }
+void find_unit_approach(Places& places) { find_approach(places, true); }
+
+void find_cross_products(Places& places) {
+    Terms& terms = places.terms;
+    std::vector<std::pair<NodeId, NodeId>> all;
+    if (places.unit) terms.dot(*places.unit, *places.unit);
+    on_sums(places, [&](NodeId i, const Sum& sum) {
+        for (const Pair& p : PairFinder(places, sum).all()) {
+            const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
+            all.emplace_back(i, with_pair(places, i, p, dot_power(terms.dot(first, second), 1)));
+        }
+    });
+    offer_all(places, all);
+}
+
+}  // namespace lostbits::measure::identity
