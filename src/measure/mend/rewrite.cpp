@@ -1,0 +1,167 @@
+#include "measure/mend/rewrite.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "measure/mend/sample.hpp"
+
+namespace lostbits::measure::mend {
+
+using identity::Rewrite;
+using identity::Terms;
+using identity::Triple;
+
+namespace {
+
+struct Candidate {
+    TapeOutputs outputs;
+    std::vector<const Rule*> rules = {};
+    Worth worth{};
+    std::size_t work = 0;
+    bool expanded = false;
+};
+
+class Writing {
+public:
+    Writing(const MendRequest& request, const Tape& form, const Worth& own, const SearchLimit& limit)
+        : request_(request),
+          limit_(limit),
+          form_(form),
+          terms_(form),
+          judge_(request, *request.scene),
+          sample_(*request.scene, request.row, request.limit) {
+        if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
+        all_.push_back({.outputs = terms_.outputs(), .worth = own, .work = work_of(form)});
+        seen_.insert(identity::all_of(terms_.outputs()));
+    }
+
+    Rewriting done() {
+        for (std::size_t round = 0; round < limit_.rounds; ++round)
+            if (!next_round()) break;
+        Rewriting result{.found = front(), .tried = judge_.tried(), .refused = refused_};
+        return result;
+    }
+
+private:
+    bool next_round() {
+        std::vector<Candidate> fresh;
+        for (const std::size_t k : promising()) {
+            all_[k].expanded = true;
+            for (Candidate& one : made_from(all_[k])) fresh.push_back(std::move(one));
+        }
+        std::vector<Tape> tapes;
+        std::erase_if(fresh, [&](Candidate& one) {
+            const Tape tape = terms_.tape(one.outputs);
+            one.work = work_of(tape);
+            if (!sample_.agree(form_, tape)) return ++refused_, true;
+            tapes.push_back(tape);
+            return false;
+        });
+        const auto worth = judge_.worth_of(tapes);
+        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k].worth = worth[k];
+        std::ranges::move(fresh, std::back_inserter(all_));
+        return !fresh.empty();
+    }
+
+    [[nodiscard]] bool meets(const Candidate& one) const { return one.worth.meets(request_.wish); }
+    static bool is_better(const Candidate& a, const Candidate& b) {
+        if (is_more_accurate(a.worth, b.worth) || is_more_accurate(b.worth, a.worth))
+            return is_more_accurate(a.worth, b.worth);
+        return a.work < b.work;
+    }
+
+    /// Of those that nothing was made from: the most accurate, and what meets the wish with least work.
+    [[nodiscard]] std::vector<std::size_t> promising() const {
+        std::vector<std::size_t> open;
+        for (std::size_t k = 0; k < all_.size(); ++k)
+            if (!all_[k].expanded) open.push_back(k);
+        std::ranges::stable_sort(open, [&](auto a, auto b) { return is_better(all_[a], all_[b]); });
+        std::vector<std::size_t> chosen(open.begin(),
+                                        open.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam, open.size())));
+        std::ranges::stable_sort(open, [&](auto a, auto b) {
+            return std::pair(!meets(all_[a]), all_[a].work) < std::pair(!meets(all_[b]), all_[b].work);
+        });
+        for (std::size_t k = 0; k < std::min(limit_.beam, open.size()); ++k)
+            if (meets(all_[open[k]]) && std::ranges::find(chosen, open[k]) == chosen.end()) chosen.push_back(open[k]);
+        return chosen;
+    }
+
+    /// What one rewrite makes of it, first of what loses most bits.
+    std::vector<Candidate> made_from(const Candidate& from) {
+        std::vector<NodeId> origins;
+        const Tape tape = terms_.tape(from.outputs, &origins);
+        const std::vector<int> culprits = sample_.culprits(tape);
+        std::map<NodeId, int> losses;
+        for (std::size_t k = 0; k < origins.size(); ++k) losses[origins[k]] = culprits[k];
+        auto rewrites = rewrites_of(terms_, from.outputs, unit_);
+        std::vector<std::pair<int, std::size_t>> order;
+        for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-lost_in(rewrites[k], losses), k);
+        std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });
+        std::vector<Candidate> made;
+        for (const auto& [loss, k] : order) {
+            if (made.size() == limit_.places) break;
+            const TapeOutputs outputs = terms_.with(from.outputs, rewrites[k].replaced);
+            if (!seen_.insert(identity::all_of(outputs)).second) continue;
+            made.push_back({.outputs = outputs, .rules = from.rules});
+            made.back().rules.push_back(rewrites[k].rule);
+        }
+        return made;
+    }
+    [[nodiscard]] int lost_in(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
+        int lost = 0;
+        for (const auto& [old, now] : rewrite.replaced)
+            for (const NodeId i : terms_.needed({old, old, old, old}))
+                if (const auto found = losses.find(i); found != losses.end()) lost = std::max(lost, found->second);
+        return lost;
+    }
+
+    /// What nothing beats in accuracy and work, of what meets the wish; where nothing does, the most accurate.
+    [[nodiscard]] std::vector<Rewritten> front() const {
+        std::vector<const Candidate*> order;
+        for (const Candidate& one : all_) order.push_back(&one);
+        std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
+        std::vector<Rewritten> found;
+        std::size_t least = SIZE_MAX;
+        for (const Candidate* one : order) {
+            // From the form itself on nothing is more accurate, or as accurate with less work.
+            if (one->rules.empty() || found.size() == limit_.proposals || (!found.empty() && !meets(*one))) break;
+            if (one->work >= least) continue;
+            least = one->work;
+            const Tape tape = terms_.tape(one->outputs);
+            found.push_back({.tape = tape,
+                             .rules = one->rules,
+                             .worth = one->worth,
+                             .operations = tape::rounded_operations(tape).size()});
+        }
+        return found;
+    }
+
+    const MendRequest& request_;
+    SearchLimit limit_;
+    const Tape& form_;
+    Terms terms_;
+    Judge judge_;
+    Sample sample_;
+    std::optional<Triple> unit_;
+    std::vector<Candidate> all_;
+    std::set<std::array<NodeId, 4>> seen_;
+    std::uint64_t refused_ = 0;
+};
+
+}  // namespace
+
+std::size_t work_of(const Tape& tape) {
+    std::size_t work = 0;
+    for (const NodeId i : tape::rounded_operations(tape))
+        work += tape[i].op == TapeOp::div || tape[i].op == TapeOp::sqrt ? 8 : 1;
+    return work;
+}
+
+Rewriting rewrite(const MendRequest& request, const Tape& form, const Worth& own, const SearchLimit& limit) {
+    return Writing(request, form, own, limit).done();
+}
+
+}  // namespace lostbits::measure::mend

@@ -1,0 +1,84 @@
+#include "measure/mend/sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/blame/attribution.hpp"
+#include "measure/blame/rerun.hpp"
+#include "measure/choice/candidates.hpp"
+
+namespace lostbits::measure::mend {
+
+namespace {
+
+std::vector<double> numbers_of(const Ray<double>& ray, const Solid<double>& solid, double tmax) {
+    const auto &o = ray.origin, &d = ray.direction;
+    std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
+    const auto used = solid.used();
+    all.insert(all.end(), used.begin(), used.end());
+    all.push_back(tmax);
+    return all;
+}
+
+/// With the direction along the axis that it is nearest to.
+std::vector<double> along_axis(std::vector<double> numbers) {
+    const auto d = numbers.begin() + 3;
+    const auto largest = std::max_element(d, d + 3, [](double a, double b) { return std::fabs(a) < std::fabs(b); });
+    const double one = std::copysign(1, *largest);
+    std::fill(d, d + 3, 0.0);
+    *largest = one;
+    return numbers;
+}
+
+bool divides_by_zero(const Tape& tape) {
+    return std::ranges::any_of(
+        tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
+}
+
+}  // namespace
+
+Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
+    for (TapeNode& n : tape.nodes)
+        if (n.op == TapeOp::input) n.value = inputs.at(static_cast<std::size_t>(n.operands[0]));
+    const blame::Rerun run(tape, [rounds](NodeId) { return rounds; });
+    for (NodeId i = 0; i < tape.size(); ++i) tape[i].value = run[i];
+    return tape;
+}
+
+Sample::Sample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays) {
+    const auto thin = choice::thinned(scene, rays);
+    const truth::Band band(thin, 0, thin.height, limit);
+    const auto inputs = band.inputs(row.format, choice::needs_of(row));
+    const auto& own = inputs.rays_for(*row.form->info);
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    for (std::size_t i = 0; i < band.pixels(); ++i) {
+        const auto truth = band.truth(i, row.convention());
+        const std::size_t solid = truth.is_hit() ? static_cast<std::size_t>(truth.object) : 0;
+        inputs_.push_back(numbers_of(own[i], inputs.solids[solid], band.range(i).tmax));
+        exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
+    }
+}
+
+std::vector<int> Sample::culprits(Tape tape) const {
+    std::vector<int> counts(tape.nodes.size());
+    for (const auto& inputs : inputs_) {
+        tape = filled(std::move(tape), inputs, true);
+        const auto found = blame::attribute(tape);
+        if (found.culprit != no_node) ++counts[static_cast<std::size_t>(found.culprit)];
+    }
+    return counts;
+}
+
+bool Sample::agree(const Tape& a, const Tape& b) const {
+    for (const auto& inputs : exact_inputs_) {
+        const Tape one = filled(a, inputs, false), other = filled(b, inputs, false);
+        if (divides_by_zero(one) || divides_by_zero(other)) continue;
+        const bool hit = one[one.outputs.hit].value != 0;
+        if (hit != (other[other.outputs.hit].value != 0)) return false;
+        const double t = one[one.outputs.t].value, s = other[other.outputs.t].value;
+        if (hit && !(std::fabs(t - s) <= 0x1p-45 * std::fabs(t))) return false;
+    }
+    return true;
+}
+
+}  // namespace lostbits::measure::mend

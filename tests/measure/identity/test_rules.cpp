@@ -1,0 +1,172 @@
+// Rules of rewriting: without rounding a formula stays what it was, whatever form and ray it is tried on.
+#include "measure/identity/rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "catch.hpp"
+#include "intersect/table/recording.hpp"
+#include "measure/mend/rewrite.hpp"
+#include "measure/mend/sample.hpp"
+#include "measure/rows.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test::test_rules {
+
+using namespace lostbits::measure::identity;
+using intersect::table::Intersector;
+using measure::mend::filled;
+using measure::mend::Sample;
+namespace tape = measure::tape;
+
+namespace {
+
+/// A small generator, so that a failure can be told by a number.
+class Numbers {
+public:
+    explicit Numbers(std::uint64_t seed) : state_(seed) {}
+    /// From −4 to 4, of 20 bits.
+    double next() {
+        state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+        return std::ldexp(static_cast<double>(state_ >> 44U), -17) - 4;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+std::vector<double> inputs_of(const Intersector& form, Numbers& numbers, std::size_t axis) {
+    const Solid<double> solid(form.shape);
+    std::vector<double> all;
+    for (std::size_t k = 0; k < intersect::table::input_names(form, intersect::Target<double>(solid)).size(); ++k)
+        all.push_back(numbers.next());
+    if (form.info->direction == intersect::Direction::unit)
+        for (std::size_t k = 0; k < 3; ++k) all[3 + k] = k == axis ? 1 : 0;
+    all.back() = HUGE_VAL;  // where the ray ends
+    return all;
+}
+
+bool is_near(double a, double b) {
+    return (std::isnan(a) && std::isnan(b)) || a == b || std::fabs(a - b) <= 0x1p-45 * std::fabs(a);
+}
+
+bool divides_by_zero(const Tape& t) {
+    return std::ranges::any_of(t.nodes,
+                               [&](const TapeNode& n) { return n.op == TapeOp::div && t[n.operands[1]].value == 0; });
+}
+
+/// The answers of both without rounding; a ray that meets no rule's condition tells nothing.
+/// How many of these rays hit.
+int check_same(const Tape& before, const Tape& after, const Intersector& form, std::uint64_t seed) {
+    Numbers numbers(seed);
+    int hits = 0;
+    for (std::size_t ray = 0; ray < 12; ++ray) {
+        const auto inputs = inputs_of(form, numbers, ray % 3);
+        const Tape a = filled(before, inputs, false), b = filled(after, inputs, false);
+        if (divides_by_zero(a) || divides_by_zero(b)) continue;
+        INFO("ray " << ray);
+        REQUIRE(a[a.outputs.hit].value == b[b.outputs.hit].value);
+        if (a[a.outputs.hit].value == 0) continue;
+        REQUIRE(is_near(a[a.outputs.t].value, b[b.outputs.t].value));
+        ++hits;
+    }
+    return hits;
+}
+
+std::optional<Triple> unit_of(const Intersector& form, const Terms& terms) {
+    if (form.info->direction != intersect::Direction::unit) return std::nullopt;
+    return direction_of(terms);
+}
+
+/// Whether `of` is computed from node i.
+bool computes(const Tape& tape, NodeId i, NodeId of) {
+    return i == of || (!is_given(tape[of].op) && std::ranges::any_of(tape[of].operands, [&](NodeId operand) {
+               return operand != no_node && computes(tape, i, operand);
+           }));
+}
+
+const Tape& tape_named(const char* name, Tape& kept) {
+    return kept = tape::tape_of(testing::form_named(name), *find_format("f32"));
+}
+
+}  // namespace
+
+TEST_CASE("no rule changes what a form of the catalogue answers without rounding", "[mend]") {
+    std::map<std::string_view, int> applied, hits;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        if (!is_solid(form.shape) || !form.record || !form.exists_in(*find_format("f32"))) continue;
+        const Tape before = tape::tape_of(form, *find_format("f32"));
+        if (before.formats.size() > 1 || before.nodes.size() > 400) continue;
+        Terms terms(before);
+        for (const Rewrite& rewrite : rewrites_of(terms, terms.outputs(), unit_of(form, terms))) {
+            INFO(form.info->name << ", " << rewrite.rule->name);
+            const Tape after = terms.tape(terms.with(terms.outputs(), rewrite.replaced));
+            const int seed = ++applied[rewrite.rule->name];
+            hits[rewrite.rule->name] += check_same(before, after, form, static_cast<std::uint64_t>(seed));
+        }
+    }
+    for (const Rule& rule : rules) {
+        INFO(rule.name);
+        CHECK(applied[rule.name] > 0);
+        CHECK(hits[rule.name] > 0);
+    }
+}
+
+TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]") {
+    Tape kept;
+    const Tape& before = tape_named("sphere.schoolbook", kept);
+    const Terms terms(before);
+    const Tape after = terms.tape(terms.outputs());
+    CHECK(tape::rounded_operations(after).size() <= tape::rounded_operations(before).size());
+    Numbers numbers(7);
+    int hits = 0;
+    for (int ray = 0; ray < 40; ++ray) {
+        const auto inputs = inputs_of(testing::form_named("sphere.schoolbook"), numbers, 0);
+        const Tape a = filled(before, inputs, true), b = filled(after, inputs, true);
+        CHECK(a[a.outputs.hit].value == b[b.outputs.hit].value);
+        if (a[a.outputs.hit].value == 0) continue;
+        ++hits;
+        CHECK(a[a.outputs.near].value == b[b.outputs.near].value);
+        CHECK(a[a.outputs.far].value == b[b.outputs.far].value);
+    }
+    CHECK(hits > 5);
+}
+
+TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
+    scene::file::LoadOptions options;
+    options.size = {{16, 16}};
+    const auto scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/near-benign.toml", options).front();
+    Tape kept;
+    const Tape& before = tape_named("sphere.schoolbook", kept);
+    const Sample sample(scene, testing::row("sphere.schoolbook", "f32"), {});
+    CHECK(sample.agree(before, before));
+    for (NodeId i = 0; i < before.size(); ++i) {
+        Tape wrong = before;
+        if (wrong[i].op == TapeOp::add) wrong[i].op = TapeOp::sub;
+        else if (wrong[i].op == TapeOp::mul && wrong[i].operands[0] != wrong[i].operands[1]) wrong[i].op = TapeOp::add;
+        else continue;
+        INFO("operation " << i << ", " << name_of(before[i].op) << " " << before[i].label);
+        // The far root is no answer where every ray starts outside.
+        if (computes(before, i, before.outputs.near)) CHECK_FALSE(sample.agree(before, wrong));
+    }
+}
+
+TEST_CASE("sums are multiplied out, whatever brackets they were written with", "[mend]") {
+    Tape kept;
+    Terms terms(tape_named("sphere.schoolbook", kept));
+    const auto named = [&](std::string_view label) {
+        for (NodeId i = 0; i < terms.size(); ++i)
+            if (terms[i].label == label) return i;
+        return no_node;
+    };
+    const Sum disc = multiplied_out(terms, named("disc")).value();
+    CHECK(disc.size() == 3);  // 4 (f·d)² − 4 a f·f + 4 a r²
+    const Sum a = multiplied_out(terms, named("a")).value(), b = multiplied_out(terms, named("b")).value(),
+              c = multiplied_out(terms, named("c")).value();
+    const Sum minus_four_ac = times(times(a, c), Sum{{{}, Ratio(-4, 1)}});
+    CHECK(plus(times(b, b), minus_four_ac) == disc);
+    CHECK(without_common(disc).first.second == Ratio(4, 1));
+}
+
+}  // namespace lostbits::test::test_rules
