@@ -52,6 +52,16 @@ $<JOIN:${LOSTBITS_ARITHMETIC_FLAGS}, > -DGLM_FORCE_XYZW_ONLY ${includes}
 \"${library}\" -lmpfi -lmpfr -Wl,--exclude-libs,ALL
 " TARGET lostbits_core)
 endfunction()
+
+# And for its packs: c++ -c mine.cpp -o packs.o @form.flags @form.w256.flags, with packs.o beside mine.cpp above.
+foreach(isa IN LISTS LOSTBITS_ISAS)
+    set(words "$<TARGET_PROPERTY:lostbits_stages_${isa},COMPILE_DEFINITIONS>")
+    set(options "$<FILTER:$<TARGET_PROPERTY:lostbits_stages_${isa},COMPILE_OPTIONS>,INCLUDE,^-(m|O|ffp|fno)>")
+    file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/form.${isa}.flags CONTENT
+        "-D$<JOIN:${words}, -D> $<JOIN:${options}, >\n" TARGET lostbits_stages_${isa})
+    install(FILES ${PROJECT_BINARY_DIR}/form.${isa}.flags DESTINATION lib/lostbits)
+endforeach()
+
 lostbits_form_flags(${PROJECT_BINARY_DIR}/form.flags $<TARGET_FILE:lostbits_core> ${PROJECT_SOURCE_DIR}/src
     ${PROJECT_SOURCE_DIR}/plugins ${PROJECT_BINARY_DIR}/include)
 lostbits_form_flags(${PROJECT_BINARY_DIR}/installed/form.flags @PREFIX@/${CMAKE_INSTALL_LIBDIR}/liblostbits_core.a

@@ -352,4 +352,12 @@ std::filesystem::path data_folder(const std::string& given) {
     return "data";
 }
 
+std::filesystem::path form_flags_folder() {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const fs::path installed = (program / "../lib/lostbits").lexically_normal();
+    return fs::exists(installed / "form.flags", error) ? installed : program;
+}
+
 }  // namespace lostbits::analysis::choice

@@ -158,4 +158,8 @@ std::string name_of_sweep(const std::filesystem::path& path, const std::filesyst
 /// was built in, or installed.
 std::filesystem::path data_folder(const std::string& given);
 
+/// Where the flags lie that forms are compiled with, `form.flags` and one a register width: in the build that this
+/// program is of, or beside the installed one.
+std::filesystem::path form_flags_folder();
+
 }  // namespace lostbits::analysis::choice
