@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/mend/form_code.hpp"
 #include "output/mend/mend_files.hpp"
 
 namespace lostbits::analysis {
@@ -25,7 +26,8 @@ namespace {
 
 struct MendOptions {
     choice::SceneChoice scene;
-    std::string scene_name, form, format = "f32", wider = "double", at = "max", out, emit;
+    std::string scene_name, form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
+    bool price = false;
     double bits = 0, wrong = 0;
 };
 
@@ -66,16 +68,40 @@ void add_catalogue(MendResult& result) {
     }
 }
 
-/// How far the mended form holds.
+/// How far each of the mended forms holds.
 void add_rooms(MendResult& result) {
     const MendRequest& request = result.request;
-    const auto& set = result.mended.set;
-    if (!set || set->operations.empty()) return;
-    const measure::tape::TapeForm form(*request.row.form, request.row.format,
-                                       with_wider(result.mended, set->operations), "mended", "");
     measure::choice::ChoiceRequest asked{.scene = request.scene, .wish = request.wish};
     asked.limit = request.limit;
-    result.rooms = rooms_of(asked, {.form = &form.row(), .format = request.row.format});
+    for (const auto& proposal : proposals_of(result)) {
+        const measure::tape::TapeForm form(*request.row.form, request.row.format, proposal.tape, "mended", "");
+        auto rooms = rooms_of(asked, {.form = &form.row(), .format = request.row.format});
+        if (proposal.rewritten) result.rewritten_rooms.push_back(std::move(rooms));
+        else result.rooms = std::move(rooms);
+    }
+}
+
+/// The form, what it was mended to, and the catalogue, timed in one run. Where nothing can be compiled, it says why.
+void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
+    const MendRequest& request = result.request;
+    std::vector<measure::mend::Written> written;
+    const auto proposals = proposals_of(result);
+    for (const auto& proposal : proposals) {
+        const std::string name = fmt::format("mended{}", written.size() + 1);
+        written.push_back({&proposal.tape, header_of(result, proposal, name, command),
+                           fmt::format("lostbits::intersect::{}::{}", row_of(request.row.form->shape).name,
+                                       output::mend::type_name(name))});
+    }
+    try {
+        std::vector<intersect::doors::Formula> formulas;
+        if (!written.empty()) formulas = compiled(request, written, {o.compiler, choice::form_flags_folder()});
+        std::vector<measure::map::MapRow> rows{request.row};
+        for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
+        rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
+        result.prices = prices_of(request, rows, {.stop = request.limit.stop});
+    } catch (const EnvironmentError& missing) {
+        result.no_price = missing.what();
+    }
 }
 
 std::string command_of(const MendOptions& o) {
@@ -123,6 +149,7 @@ Exit run(const MendOptions& o, const Common& common) {
     MendResult result{.request = request, .mended = mended, .catalogue = {}, .catalogue_worth = {}};
     add_catalogue(result);
     add_rooms(result);
+    if (o.price) add_prices(result, o, command_of(o));
     if (header) {
         header->write(emitted(result, o.emit, command_of(o)));
         header->commit();
@@ -130,14 +157,16 @@ Exit run(const MendOptions& o, const Common& common) {
     if (files) files->finish(result);
     fmt::print("{}", output::mend::in_words(result));
     if (files && !common.quiet) fmt::print("{}\n", (files->folder() / "mend.csv").string());
-    return mended.set ? Exit::done : Exit::answer_is_no;
+    const bool met = mended.set || best_of(proposals_of(result), request.wish);
+    return met ? Exit::done : Exit::answer_is_no;
 }
 
 }  // namespace
 
 void add_mend(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "mend", "The fewest operations of a form that must be done wider so that it meets a wish on a scene");
+        "mend",
+        "What to change in a form so that it meets a wish on a scene: the fewest operations wider, or other formulas");
     const auto o = std::make_shared<MendOptions>();
     o->scene.stop = common.stop;
     command.add("SCENE", o->scene_name, "A scene file, or a name in data/scenes").required();
@@ -151,6 +180,8 @@ void add_mend(const shell::Command& program, const Common& common) {
                 "What operations are done in: double (default; of f64 two doubles), or two words of the format",
                 shell::one_of({"double", "two-words"}));
     choice::add_changes(command, o->scene, "sphere[0].radius=10");
+    command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
+    command.add("--compiler", o->compiler, "That compiles for --price (default: c++)");
     command.add("--emit", o->emit, "Also write the mended form as a header of C++, NAME.hpp");
     command.add("-o,--out", o->out, "Folder for the results");
     command.runs([o, &common] { return run(*o, common); });

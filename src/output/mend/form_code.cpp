@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 
 #include "intersect/table/recording.hpp"
@@ -36,14 +37,15 @@ std::string identifier(std::string_view label) {
 
 class Code {
 public:
-    Code(const Tape& tape, const Intersector& form)
+    /// `like`: what has no name of its own is called as it is there.
+    Code(const Tape& tape, const Intersector& form, const Code* like = nullptr)
         : tape_(tape),
           slice_(tape, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far}),
           shape_(row_of(form.shape).name),
           own_(tape.format_of(tape.outputs.t)) {
         Solid<double> solid(form.shape);
         inputs_ = intersect::table::input_names(form, intersect::Target<double>(solid));
-        name_all();
+        name_all(like);
         choose_inlined();
     }
 
@@ -69,9 +71,10 @@ private:
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
 
     /// Conversions have no names: the others are called alike with and without them.
-    void name_all() {
+    void name_all(const Code* like) {
         std::set<std::string> used;
-        int place = 0;
+        if (like)
+            for (const auto& [text, names] : like->known_) used.insert(names.begin(), names.end());
         for (NodeId i = 0; i < tape_.size(); ++i) {
             const TapeNode& n = tape_[i];
             std::string name;
@@ -80,16 +83,42 @@ private:
                 if (name == "limit") name = "tmax";
                 else if (n.operands[0] >= 6) name = fmt::format("{}.{}", shape_, name);
             } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
-                ++place;
-                name = !n.label.empty() ? identifier(n.label) : of_inputs(n);
-                if (name.empty()) name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", place);
-                const std::string base = name;
-                const char* const between = std::isdigit(static_cast<unsigned char>(base.back())) != 0 ? "_" : "";
-                for (int again = 2; !used.insert(name).second; ++again)
-                    name = fmt::format("{}{}{}", base, between, again);
+                name = new_name(n, like, used);
             }
             names_.push_back(std::move(name));
+            first_names_.resize(names_.size(), names_.back());
         }
+    }
+    std::string new_name(const TapeNode& n, const Code* like, std::set<std::string>& used) {
+        const std::string given = !n.label.empty() ? identifier(n.label) : of_inputs(n), text = text_of(n);
+        std::string name = given;
+        if (std::vector<std::string>& alike = known_[text]; given.empty()) {
+            const auto there = like ? like->known_.find(text) : known_.end();
+            if (like && there != like->known_.end() && there->second.size() > alike.size())
+                name = there->second[alike.size()];
+            while (name.empty()) {
+                name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", ++unnamed_);
+                if (!used.insert(name).second) name.clear();
+            }
+            alike.push_back(name);
+        } else {
+            const char* const between = std::isdigit(static_cast<unsigned char>(given.back())) != 0 ? "_" : "";
+            for (int again = 2; !used.insert(name).second; ++again) name = fmt::format("{}{}{}", given, between, again);
+        }
+        first_names_.push_back(given.empty() ? known_[text].front() : name);
+        return name;
+    }
+    /// What an operation does to which names.
+    [[nodiscard]] std::string text_of(const TapeNode& n) const {
+        std::string text(name_of(n.op));
+        for (NodeId operand : n.operands) {
+            if (operand == no_node) continue;
+            if (tape_[operand].op == TapeOp::convert) operand = tape_[operand].operands[0];
+            const bool whole = tape_[operand].op == TapeOp::constant;
+            text += " " + (whole ? fmt::format("{}", tape_[operand].operands[0])
+                                 : first_names_[static_cast<std::size_t>(operand)]);
+        }
+        return text;
     }
     /// `o.x - centre.x` as `o_minus_centre_x`.
     [[nodiscard]] std::string of_inputs(const TapeNode& n) const {
@@ -166,6 +195,10 @@ private:
     std::string shape_;
     FloatFormat own_;
     std::vector<std::string> inputs_, names_;
+    /// What the source gives no name: by what it is, and the first that is the same.
+    std::map<std::string, std::vector<std::string>> known_;
+    std::vector<std::string> first_names_;
+    int unnamed_ = 0;
     std::vector<bool> inlined_;
 };
 
@@ -191,7 +224,7 @@ std::string info_of(const intersect::Info& like, const FormWords& words) {
     add(like.touching == Touching::miss, ".touching = Touching::miss");
     add(like.at_origin != AtOrigin::hit,
         fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(like.at_origin)]));
-    add(true, ".formats = Formats::binary32_only");
+    add(words.binary32_only, ".formats = Formats::binary32_only");
     add(like.inside != Inside::usual,
         fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(like.inside)]));
     add(like.endless, ".endless = true");
@@ -200,7 +233,11 @@ std::string info_of(const intersect::Info& like, const FormWords& words) {
 
 }  // namespace
 
-std::vector<std::string> statements(const Tape& tape, const Intersector& form) { return Code(tape, form).lines(); }
+std::vector<std::string> statements(const Tape& tape, const Intersector& form, const Tape* like) {
+    if (!like) return Code(tape, form).lines();
+    const Code other(*like, form);
+    return Code(tape, form, &other).lines();
+}
 
 std::string type_name(const std::string& form) {
     std::string name;
@@ -242,13 +279,27 @@ std::string form_header(const Tape& tape, const Intersector& like, const FormWor
 }
 
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {
-    std::vector<std::string> lines;
-    for (std::size_t k = 0; k < std::max(before.size(), after.size()); ++k) {
-        const bool old = k < before.size(), now = k < after.size();
-        if (old && now && before[k] == after[k]) continue;
-        if (old) lines.push_back("- " + before[k]);
-        if (now) lines.push_back("+ " + after[k]);
+    // common[i][j]: the most lines that before[i..] and after[j..] have in common, in order
+    std::vector<std::vector<std::size_t>> common(before.size() + 1, std::vector<std::size_t>(after.size() + 1));
+    for (std::size_t i = before.size(); i-- > 0;)
+        for (std::size_t j = after.size(); j-- > 0;)
+            common[i][j] =
+                before[i] == after[j] ? common[i + 1][j + 1] + 1 : std::max(common[i + 1][j], common[i][j + 1]);
+    std::vector<std::string> lines, old, now;
+    const auto write = [&] {
+        for (std::size_t k = 0; k < std::max(old.size(), now.size()); ++k) {
+            if (k < old.size()) lines.push_back("- " + old[k]);
+            if (k < now.size()) lines.push_back("+ " + now[k]);
+        }
+        old.clear(), now.clear();
+    };
+    for (std::size_t i = 0, j = 0; i < before.size() || j < after.size();) {
+        const bool more_before = i < before.size(), more_after = j < after.size();
+        if (more_before && more_after && before[i] == after[j]) write(), ++i, ++j;
+        else if (more_before && (!more_after || common[i + 1][j] >= common[i][j + 1])) old.push_back(before[i++]);
+        else now.push_back(after[j++]);
     }
+    write();
     return lines;
 }
 

@@ -12,14 +12,17 @@ namespace lostbits::output::mend {
 /// The statements of `intersect`, a line each, over T, the number of the form, and W, the wider one, with `wide(x)` and
 /// `narrow(x)` for the ways between; the last is the return. Operations have the source's names where it names them.
 /// Nothing but conversions and types differs between the lines of a tape and of the same with wider operations.
-std::vector<std::string> statements(const Tape& tape, const intersect::table::Intersector& form);
+/// `like`: a tape of the same form; what it computes, too, has the name that it has there.
+std::vector<std::string> statements(const Tape& tape, const intersect::table::Intersector& form,
+                                    const Tape* like = nullptr);
 
 /// What is to be said in a form's file.
 struct FormWords {
     std::string name;  ///< `shape.form`
     std::string title, source;
-    std::string comment;     ///< what stands at the head, a line each
-    bool two_words = false;  ///< W is two numbers of T, not the next wider one
+    std::string comment;         ///< what stands at the head, a line each
+    bool two_words = false;      ///< W is two numbers of T, not the next wider one
+    bool binary32_only = false;  ///< it goes to a wider number that other formats have not
 };
 
 /// `half_b_mended` as `HalfBMended`.

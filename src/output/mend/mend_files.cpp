@@ -19,12 +19,14 @@ namespace {
 
 const std::vector<Column> form_columns{
     {"kind", "string", "",
-     "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; catalogue"},
+     "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; rewritten: the form "
+     "written another way; catalogue"},
     {"form", "string", "", "form"},
     {"format", "string", "", "of its inputs and answers"},
     {"wider", "string", "", "what wider operations are done in; missing where none is"},
     {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue"},
     {"operations", "integer", "", "that round; missing for the catalogue"},
+    {"rules", "string", "", "that made it, in order; missing where it was not rewritten"},
     {"rays", "integer", "", "whose truth is known"},
     {"true_hits", "integer", "", "rays that truly hit"},
     {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
@@ -33,7 +35,11 @@ const std::vector<Column> form_columns{
     {"meets", "boolean", "", "whether it meets the wish"},
     {"apart_rays", "integer", "", "rays on which nothing was searched; missing where they were not asked"},
     {"apart_wrong", "integer", "", "of these, decided wrongly"},
-    {"apart_kept_bits", "number", "bits", "kept on these"}};
+    {"apart_kept_bits", "number", "bits", "kept on these"},
+    {"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled"},
+    {"time_ns", "number", "ns", "a ray and solid in packs, median"},
+    {"single_time_ns", "number", "ns", "a ray and solid, one by one, median"},
+    {"front", "boolean", "", "whether nothing here is at least as accurate and as fast in packs, and better in one"}};
 
 const std::vector<Column> minimal_columns{
     {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider"},
@@ -46,31 +52,48 @@ class Rows {
 public:
     Rows(file::CsvWriter& csv, const MendResult& r) : csv_(csv), r_(r) {}
 
-    void of_form(const char* kind, std::size_t wide, const Worth& worth, const Worth* apart) {
+    /// `timed`: whether it is the next in the order of the prices.
+    void of_form(const char* kind, std::size_t wide, const Worth& worth, const Worth* apart, bool timed = true) {
         const std::string wider = name_of_wider(r_.mended.wider);
         start(kind, r_.request.row);
-        csv_.add(wide == 0 ? Cell() : Cell(wider)).add(wide).add(r_.mended.operations);
-        finish(worth, apart);
+        csv_.add(wide == 0 ? Cell() : Cell(wider)).add(wide).add(r_.mended.operations).add({});
+        finish(worth, apart, timed);
+    }
+    void of_rewritten(const measure::mend::Rewritten& one) {
+        start("rewritten", r_.request.row);
+        const std::size_t wide = one.set ? one.set->operations.size() : 0;
+        csv_.add(wide == 0 ? Cell() : Cell(name_of_wider(r_.mended.wider))).add(wide).add(one.operations);
+        csv_.add(rules_of(one));
+        finish(one.worth, &one.apart, true);
     }
     void of_catalogue(const measure::map::MapRow& row, const Worth& worth) {
         start("catalogue", row);
-        csv_.add({}).add({}).add({});
-        finish(worth, nullptr);
+        csv_.add({}).add({}).add({}).add({});
+        finish(worth, nullptr, true);
     }
 
 private:
     void start(const char* kind, const measure::map::MapRow& row) {
         csv_.add(kind).add(row.form->info->name).add(row.format.name);
     }
-    void finish(const Worth& w, const Worth* apart) {
+    void finish(const Worth& w, const Worth* apart, bool timed) {
         csv_.add(w.rays).add(w.hits).add(w.wrong).add(w.wrong_fraction()).add(number_or_missing(w.kept_bits));
         csv_.add(w.meets(r_.request.wish));
         csv_.add(apart ? Cell(apart->rays) : Cell()).add(apart ? Cell(apart->wrong) : Cell());
-        csv_.add(apart ? number_or_missing(apart->kept_bits) : Cell()).end_row();
+        csv_.add(apart ? number_or_missing(apart->kept_bits) : Cell());
+        if (timed && next_ < r_.prices.size()) {
+            const auto& price = r_.prices[next_];
+            csv_.add(price.isa).add(price.packed.median * 1e9).add(price.single.median * 1e9);
+            csv_.add(static_cast<bool>(front_[next_++])).end_row();
+        } else {
+            csv_.add({}).add({}).add({}).add({}).end_row();
+        }
     }
 
     file::CsvWriter& csv_;
     const MendResult& r_;
+    std::vector<bool> front_ = on_front(r_);
+    std::size_t next_ = 0;
 };
 
 }  // namespace
@@ -81,10 +104,11 @@ MendFiles::MendFiles(const std::filesystem::path& folder)
 void MendFiles::finish(const MendResult& r) {
     const auto& m = r.mended;
     Rows rows(forms_, r);
-    const bool wider = m.set && !m.set->operations.empty();
+    const bool wider = r.has_set();
     rows.of_form("own", 0, m.own, &m.own_apart);
     if (wider) rows.of_form("wider", m.set->operations.size(), m.set->worth, &m.apart_worth);
-    rows.of_form("all_wider", m.operations, m.all, m.set ? nullptr : &m.apart_worth);
+    rows.of_form("all_wider", m.operations, m.all, m.set ? nullptr : &m.apart_worth, false);
+    for (const auto& one : m.rewriting.found) rows.of_rewritten(one);
     for (std::size_t k = 0; k < r.catalogue.size(); ++k) rows.of_catalogue(r.catalogue[k], r.catalogue_worth[k]);
     for (std::size_t k = 0; wider && k < m.set->operations.size(); ++k) {
         const Worth& w = m.set->without[k];
@@ -102,24 +126,32 @@ void MendFiles::finish(const MendResult& r) {
          {"minimal.csv", "an operation that is done wider", minimal_columns}});
 }
 
-std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
+std::string header_of(const MendResult& r, const Proposal& proposal, const std::string& name,
+                      const std::string& command) {
     const auto& m = r.mended;
-    const std::string own(r.request.row.form->info->name), stem = file.stem().string();
-    if (!m.set || m.set->operations.empty())
+    const std::string own(r.request.row.form->info->name), wider = name_of_wider(m.wider);
+    const std::string how = proposal.rewritten ? "written another way: " + rules_of(*proposal.rewritten)
+                                               : fmt::format("{} of its {} operations in {}", m.set->operations.size(),
+                                                             m.operations, wider);
+    const FormWords words{.name = "mended." + name,
+                          .title = own + ", " + how,
+                          .source = command,
+                          .comment = fmt::format("// {}, {}:\n// {} on every pixel of {}.\n// Made by {}\n", own, how,
+                                                 choice::in_words(r.request.wish), r.request.scene->id, command),
+                          .two_words = m.wider != binary64,
+                          .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+    return form_header(proposal.tape, *r.request.row.form, words);
+}
+
+std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
+    const auto proposals = proposals_of(r);
+    const Proposal* const best = best_of(proposals, r.request.wish);
+    if (!best)
         throw InputError(
-            fmt::format("--emit {}: no operation of {} is wider, so there is no other form to write; {}", file.string(),
-                        own, m.set ? "it meets the wish as it is" : "with all of them wider it fails the wish, too"));
-    const std::string wider = name_of_wider(m.wider);
-    FormWords words{
-        .name = "mended." + stem,
-        .title = fmt::format("{}, {} of its {} operations in {}", own, m.set->operations.size(), m.operations, wider),
-        .source = command,
-        .comment = fmt::format("// {} with {} of its {} operations in {}, the smallest set that was found for\n"
-                               "// {} on every pixel of {}.\n// Made by {}\n",
-                               own, m.set->operations.size(), m.operations, wider, choice::in_words(r.request.wish),
-                               r.request.scene->id, command),
-        .two_words = m.wider != binary64};
-    return form_header(with_wider(m, m.set->operations), *r.request.row.form, words);
+            fmt::format("--emit {}: no other form of {} was found that meets the wish, so there is none to write; {}",
+                        file.string(), r.request.row.form->info->name,
+                        r.mended.set ? "it meets the wish as it is" : "with all operations wider it fails it, too"));
+    return header_of(r, *best, file.stem().string(), command);
 }
 
 }  // namespace lostbits::output::mend

@@ -21,8 +21,12 @@ private:
     file::CsvWriter forms_, minimal_;
 };
 
-/// The mended form as a header of that file's name: `NAME.hpp` holds `mended.NAME`. `command` is what made it.
-/// InputError where no operation is wider.
+/// A proposal as a header that holds `mended.NAME`. `command` is what made it.
+std::string header_of(const MendResult& result, const Proposal& proposal, const std::string& name,
+                      const std::string& command);
+
+/// The best proposal as a header of that file's name: `NAME.hpp` holds `mended.NAME`. InputError where none meets the
+/// wish.
 std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
 
 }  // namespace lostbits::output::mend

@@ -6,6 +6,7 @@
 
 #include "measure/choice/room.hpp"
 #include "measure/mend/mend.hpp"
+#include "measure/mend/price.hpp"
 
 namespace lostbits::output::mend {
 
@@ -16,15 +17,38 @@ struct MendResult {
     /// The forms of the catalogue for the same solids in the same format, most accurate first, and what they are worth.
     std::vector<measure::map::MapRow> catalogue;
     std::vector<measure::mend::Worth> catalogue_worth;
-    std::vector<measure::choice::Room> rooms = {};  ///< of the mended form
+    std::vector<measure::choice::Room> rooms = {};                         ///< of the form with its set
+    std::vector<std::vector<measure::choice::Room>> rewritten_rooms = {};  ///< of each way of writing it
+    /// The form, the set if there is one, each way of writing it, the catalogue; empty where nothing was timed.
+    std::vector<measure::mend::Price> prices = {};
+    std::string no_price = {};  ///< why nothing was timed although it was asked for
+
+    [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
 };
+
+/// A form that came out: the set, or a way of writing it.
+struct Proposal {
+    Tape tape;
+    const measure::mend::Worth* worth;
+    const measure::mend::Rewritten* rewritten;    ///< null: the set
+    const measure::mend::Price* price = nullptr;  ///< null: it was not timed
+};
+/// The set first, if there is one.
+std::vector<Proposal> proposals_of(const MendResult& result);
+/// The one to take: of those that meet the wish the fastest in packs; where nothing was timed a way of writing it, the
+/// one with fewest operations, before the set. Null where none does.
+const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Wish& wish);
+/// `cross products, stable roots`
+std::string rules_of(const measure::mend::Rewritten& rewritten);
+/// Of the form, and of what is in `prices`, whether nothing beats it in accuracy and time in packs.
+std::vector<bool> on_front(const MendResult& result);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);
 /// `c = dot(o - centre, o - centre) - radius*radius`: an operation of the form's tape as the source has it.
 std::string operation_in_words(const MendResult& result, NodeId operation);
-/// The statements of the form that change, as a diff has them; none where nothing does.
-std::vector<std::string> changed_lines(const MendResult& result);
+/// The statements of the form that change, as a diff has them.
+std::vector<std::string> changed_lines(const MendResult& result, const Tape& now);
 /// The answer, several lines.
 std::string in_words(const MendResult& result);
 

@@ -7,10 +7,12 @@
 #include <algorithm>
 
 #include "catch.hpp"
+#include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
 #include "output/mend/form_code.hpp"
 #include "output/mend/mend_text.hpp"
 #include "scene/file/scene.hpp"
+#include "scratch.hpp"
 
 namespace lostbits::test::test_mend {
 
@@ -87,11 +89,50 @@ TEST_CASE("the search is the same for any number of threads", "[mend]") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
     const MendRequest request = request_of(scene, "sphere.half_b", 16);
     std::vector<NodeId> found[2];
+    std::vector<Rewritten> rewritten[2];
     for (const std::size_t threads : {1, 2}) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        found[threads - 1] = mend(request, 40).set.value().operations;
+        const Mended m = mend(request, 40);
+        found[threads - 1] = m.set.value().operations;
+        rewritten[threads - 1] = m.rewriting.found;
     }
     CHECK(found[0] == found[1]);
+    CHECK(std::ranges::equal(rewritten[0], rewritten[1], {}, &Rewritten::rules, &Rewritten::rules));
+}
+
+TEST_CASE("the schoolbook form is written so that it is no worse than Hearn and Baker's", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 64);
+    const MendRequest request = request_of(scene, "sphere.schoolbook", 16);
+    const Mended m = mend(request, 1);
+    REQUIRE_FALSE(m.rewriting.found.empty());
+    const Rewritten& found = m.rewriting.found.back();
+    CHECK(found.worth.meets(request.wish));
+    CHECK_FALSE(found.set);
+    const Tape known = tape::tape_of(testing::form_named("sphere.hearn_baker"), *find_format("f32"));
+    Judge judge(request, scene);
+    CHECK_FALSE(is_more_accurate(judge.worth_of({known}).front(), found.worth));
+    CHECK(work_of(found.tape) <= work_of(known));
+    CHECK(same(judge.worth_of({found.tape}).front(), found.worth));
+}
+
+TEST_CASE("a box that forgets what it knew is written so that it does not", "[mend]") {
+    const Scene scene = scene_named("box-axis", 129);
+    const MendRequest request = request_of(scene, "box.baseline", 20);
+    const Mended m = mend(request, 1);
+    CHECK(m.own.wrong > 0);
+    REQUIRE_FALSE(m.rewriting.found.empty());
+    CHECK(m.rewriting.found.front().worth.wrong == 0);
+}
+
+TEST_CASE("a cylinder from dot products is written so that it decides as the best of the catalogue", "[mend]") {
+    const Scene scene = scene_named("cylinder-far", 64);
+    const MendRequest request = request_of(scene, "cylinder.dot_products", 16);
+    const Mended m = mend(request, 1);
+    CHECK(m.own.wrong > 1000);
+    REQUIRE_FALSE(m.rewriting.found.empty());
+    const Tape known = tape::tape_of(testing::form_named("cylinder.triple_product"), *find_format("f32"));
+    Judge judge(request, scene);
+    CHECK_FALSE(is_more_accurate(judge.worth_of({known}).front(), m.rewriting.found.front().worth));
 }
 
 TEST_CASE("a form that is enough has nothing to be wider, and one that double does not help has no set", "[mend]") {
@@ -123,6 +164,18 @@ TEST_CASE("a form that decides by itself how far it goes is refused", "[mend]") 
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
     const MendRequest request = request_of(scene, "sphere.filtered", 16);
     CHECK_THROWS_WITH(mend(request), Catch::Contains("decides by itself"));
+}
+
+TEST_CASE("what cannot be compiled has no price, and the message says why", "[mend]") {
+    const Scene scene = scene_named("near-benign", 8);
+    const MendRequest request = request_of(scene, "sphere.half_b", 5);
+    const Tape tape = tape::tape_of(*request.row.form, request.row.format);
+    const std::vector<Written> forms{{.tape = &tape, .header = "", .type = "None"}};
+    const test::Scratch folder;
+    CHECK_THROWS_WITH(compiled(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
+    folder.write("form.flags", "");
+    CHECK_THROWS_WITH(compiled(request, forms, {"no-such-compiler", folder.path()}),
+                      Catch::Contains("no-such-compiler"));
 }
 
 TEST_CASE("only what is wider, and what takes of it, changes in the code", "[mend]") {
