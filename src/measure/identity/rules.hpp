@@ -19,10 +19,10 @@ struct Rewrite {
 };
 
 /// A formula, and the rewrites of it that rules find.
-class Places {
+class RewriteFinder {
 public:
     /// `direction`: where the form promises that it has length one.
-    Places(Terms& all, const TapeOutputs& outputs, std::optional<Triple> direction)
+    RewriteFinder(Terms& all, const TapeOutputs& outputs, std::optional<Triple> direction)
         : terms(all), needed(all.needed(outputs)), newest(newest_of(all, needed)), unit(direction) {}
 
     Terms& terms;
@@ -43,24 +43,24 @@ struct Rule {
     std::string_view name;
     std::string_view identity;   ///< in real arithmetic
     std::string_view condition;  ///< under which it holds; none: always
-    void (*find)(Places& places);
+    void (*find)(RewriteFinder& places);
 };
 
-void find_differences_of_squares(Places& places);
-void find_differences_of_lengths(Places& places);
-void find_cross_products(Places& places);
-void find_volumes(Places& places);
-void find_closest_approach(Places& places);
-void find_unit_approach(Places& places);
-void find_stable_roots(Places& places);
-void find_edges_from_origin(Places& places);
-void find_fused_products(Places& places);
-void find_other_orders(Places& places);
-void find_quotients(Places& places);
-void find_reciprocals(Places& places);
-void find_split_quotients(Places& places);
-void find_scaled_lengths(Places& places);
-void find_exchanges(Places& places);
+void find_differences_of_squares(RewriteFinder& places);
+void find_differences_of_lengths(RewriteFinder& places);
+void find_cross_products(RewriteFinder& places);
+void find_volumes(RewriteFinder& places);
+void find_closest_approach(RewriteFinder& places);
+void find_unit_approach(RewriteFinder& places);
+void find_stable_roots(RewriteFinder& places);
+void find_edges_from_origin(RewriteFinder& places);
+void find_fused_products(RewriteFinder& places);
+void find_other_orders(RewriteFinder& places);
+void find_quotients(RewriteFinder& places);
+void find_reciprocals(RewriteFinder& places);
+void find_split_quotients(RewriteFinder& places);
+void find_scaled_lengths(RewriteFinder& places);
+void find_exchanges(RewriteFinder& places);
 
 inline constexpr Rule rules[]{
     {"difference of squares", "a^2 - b^2 = (a - b)(a + b)", "", find_differences_of_squares},

@@ -79,7 +79,7 @@ std::optional<Turned> turned_at(const Terms& terms, NodeId i) {
 
 }  // namespace
 
-void find_edges_from_origin(Places& places) {
+void find_edges_from_origin(RewriteFinder& places) {
     Terms& terms = places.terms;
     for (const NodeId i : places.needed) {
         const TapeNode n = terms[i];

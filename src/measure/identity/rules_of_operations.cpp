@@ -14,7 +14,7 @@ bool is_one(const Terms& terms, NodeId i) { return terms[i].op == TapeOp::consta
 bool is_number(const Terms& terms, NodeId i) { return terms.is_own(i) && !is_decision(terms[i].op); }
 
 /// Quotients of the formula by what they divide by.
-std::map<NodeId, std::vector<NodeId>> quotients_of(const Places& places) {
+std::map<NodeId, std::vector<NodeId>> quotients_of(const RewriteFinder& places) {
     std::map<NodeId, std::vector<NodeId>> by;
     for (const NodeId i : places.needed)
         if (const TapeNode& n = places.terms[i]; n.op == TapeOp::div && places.terms.is_own(i))
@@ -24,7 +24,7 @@ std::map<NodeId, std::vector<NodeId>> quotients_of(const Places& places) {
 
 }  // namespace
 
-void find_fused_products(Places& places) {
+void find_fused_products(RewriteFinder& places) {
     Terms& terms = places.terms;
     Replaced all;
     for (const NodeId i : places.needed) {
@@ -43,7 +43,7 @@ void find_fused_products(Places& places) {
     places.offer_each(all);
 }
 
-void find_other_orders(Places& places) {
+void find_other_orders(RewriteFinder& places) {
     Terms& terms = places.terms;
     Replaced inner_last, middle_last;
     for (const NodeId i : places.needed) {
@@ -58,7 +58,7 @@ void find_other_orders(Places& places) {
     places.offer_each(middle_last);
 }
 
-void find_quotients(Places& places) {
+void find_quotients(RewriteFinder& places) {
     Terms& terms = places.terms;
     Replaced all;
     for (const NodeId i : places.needed) {
@@ -74,7 +74,7 @@ void find_quotients(Places& places) {
     places.offer_each(all);
 }
 
-void find_reciprocals(Places& places) {
+void find_reciprocals(RewriteFinder& places) {
     Terms& terms = places.terms;
     for (const auto& [below, quotients] : quotients_of(places)) {
         if (quotients.size() < 2) continue;
@@ -86,7 +86,7 @@ void find_reciprocals(Places& places) {
     }
 }
 
-void find_split_quotients(Places& places) {
+void find_split_quotients(RewriteFinder& places) {
     Terms& terms = places.terms;
     for (const auto& [below, quotients] : quotients_of(places)) {
         Replaced all;
@@ -100,7 +100,7 @@ void find_split_quotients(Places& places) {
     }
 }
 
-void find_scaled_lengths(Places& places) {
+void find_scaled_lengths(RewriteFinder& places) {
     Terms& terms = places.terms;
     Replaced all;
     for (const NodeId i : places.needed) {
@@ -118,7 +118,7 @@ void find_scaled_lengths(Places& places) {
 }
 
 /// Those of one line of the source, which a loop repeats, together.
-void find_exchanges(Places& places) {
+void find_exchanges(RewriteFinder& places) {
     Terms& terms = places.terms;
     std::map<std::pair<TapeOp, std::string_view>, Replaced> lines;
     for (const NodeId i : places.needed) {

@@ -40,7 +40,7 @@ Sum over(const Sum& sum, const Sum& one) {
 
 }  // namespace
 
-void find_stable_roots(Places& places) {
+void find_stable_roots(RewriteFinder& places) {
     Terms& terms = places.terms;
     const Sum minus_one{{{}, Ratio(-1, 1)}};
     std::map<NodeId, std::vector<Root>> roots;

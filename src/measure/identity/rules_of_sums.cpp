@@ -10,7 +10,7 @@ namespace lostbits::measure::identity {
 namespace {
 
 /// act(node, sum) for every number of the formula that is a sum of products, dot products apart.
-void on_sums(Places& places, const std::function<void(NodeId, const Sum&)>& act) {
+void on_sums(RewriteFinder& places, const std::function<void(NodeId, const Sum&)>& act) {
     const Terms& terms = places.terms;
     for (const NodeId i : places.needed) {
         const TapeOp op = terms[i].op;
@@ -32,7 +32,7 @@ Product dot_power(NodeId dot, int power) { return {{dot, power}}; }
 
 class PairFinder {
 public:
-    PairFinder(const Places& places, const Sum& sum) : terms_(places.terms), sum_(sum) {
+    PairFinder(const RewriteFinder& places, const Sum& sum) : terms_(places.terms), sum_(sum) {
         if (places.unit) unit_ = terms_.known_dot(*places.unit, *places.unit);
     }
 
@@ -85,14 +85,14 @@ private:
 };
 
 /// The node with `instead` for the two products.
-NodeId with_pair(Places& places, NodeId i, const Pair& pair, const Product& instead) {
+NodeId with_pair(RewriteFinder& places, NodeId i, const Pair& pair, const Product& instead) {
     const PairFinder finder(places, pair.others);
     const Sum now = plus(pair.others, Sum{{finder.reduced(times(pair.rest, instead)), pair.factor}});
     return now.empty() ? i : written_out(places.terms, now, places.newest, places.terms[i].label);
 }
 
 /// Each, and at once the first of each place within which there is no other.
-void offer_all(Places& places, const std::vector<std::pair<NodeId, NodeId>>& all) {
+void offer_all(RewriteFinder& places, const std::vector<std::pair<NodeId, NodeId>>& all) {
     std::vector<std::pair<NodeId, NodeId>> innermost;
     for (const auto& [old, now] : all) {
         const auto within = places.terms.needed({old, old, old, old});
@@ -104,7 +104,7 @@ void offer_all(Places& places, const std::vector<std::pair<NodeId, NodeId>>& all
 }
 
 /// a − (a·n)/|n|² n, or with n/|n|.
-Triple foot(Places& places, const Triple& a, const Triple& n, bool normalised) {
+Triple foot(RewriteFinder& places, const Triple& a, const Triple& n, bool normalised) {
     Terms& terms = places.terms;
     const bool is_unit = places.unit == n;
     Triple along = n;
@@ -123,7 +123,7 @@ Triple foot(Places& places, const Triple& a, const Triple& n, bool normalised) {
     return at;
 }
 
-void find_approach(Places& places, bool normalised) {
+void find_approach(RewriteFinder& places, bool normalised) {
     Terms& terms = places.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
     if (places.unit) terms.dot(*places.unit, *places.unit);
@@ -144,7 +144,7 @@ void find_approach(Places& places, bool normalised) {
 }
 
 /// What a product is the square of.
-std::optional<NodeId> root_of(Places& places, const Product& product, bool by_length) {
+std::optional<NodeId> root_of(RewriteFinder& places, const Product& product, bool by_length) {
     Product half;
     bool length = false;
     NodeId whole = no_node;
@@ -166,7 +166,7 @@ std::optional<NodeId> root_of(Places& places, const Product& product, bool by_le
     return whole;
 }
 
-void find_squares(Places& places, bool by_length) {
+void find_squares(RewriteFinder& places, bool by_length) {
     Terms& terms = places.terms;
     on_sums(places, [&](NodeId i, const Sum& sum) {
         if (sum.size() != 2) return;
@@ -223,7 +223,7 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
 
 }  // namespace
 
-void find_volumes(Places& places) {
+void find_volumes(RewriteFinder& places) {
     Terms& terms = places.terms;
     on_sums(places, [&](NodeId i, const Sum& sum) {
         for (const auto& [product, factor] : sum) {
@@ -242,12 +242,12 @@ void find_volumes(Places& places) {
     });
 }
 
-void find_differences_of_squares(Places& places) { find_squares(places, false); }
-void find_differences_of_lengths(Places& places) { find_squares(places, true); }
-void find_closest_approach(Places& places) { find_approach(places, false); }
-void find_unit_approach(Places& places) { find_approach(places, true); }
+void find_differences_of_squares(RewriteFinder& places) { find_squares(places, false); }
+void find_differences_of_lengths(RewriteFinder& places) { find_squares(places, true); }
+void find_closest_approach(RewriteFinder& places) { find_approach(places, false); }
+void find_unit_approach(RewriteFinder& places) { find_approach(places, true); }
 
-void find_cross_products(Places& places) {
+void find_cross_products(RewriteFinder& places) {
     Terms& terms = places.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
     if (places.unit) terms.dot(*places.unit, *places.unit);

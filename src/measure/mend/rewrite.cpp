@@ -144,7 +144,7 @@ private:
     const Tape& form_;
     Terms terms_;
     Judge judge_;
-    Sample sample_;
+    RaySample sample_;
     std::optional<Triple> unit_;
     std::vector<Candidate> all_;
     std::set<std::array<NodeId, 4>> seen_;

@@ -45,7 +45,7 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
     return tape;
 }
 
-Sample::Sample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays) {
+RaySample::RaySample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays) {
     const auto thin = choice::thinned(scene, rays);
     const truth::Band band(thin, 0, thin.height, limit);
     const auto inputs = band.inputs(row.format, choice::needs_of(row));
@@ -59,7 +59,7 @@ Sample::Sample(const scene::file::Scene& scene, const map::MapRow& row, truth::T
     }
 }
 
-std::vector<int> Sample::culprits(Tape tape) const {
+std::vector<int> RaySample::culprits(Tape tape) const {
     std::vector<int> counts(tape.nodes.size());
     for (const auto& inputs : inputs_) {
         tape = filled(std::move(tape), inputs, true);
@@ -69,7 +69,7 @@ std::vector<int> Sample::culprits(Tape tape) const {
     return counts;
 }
 
-bool Sample::agree(const Tape& a, const Tape& b) const {
+bool RaySample::agree(const Tape& a, const Tape& b) const {
     for (const auto& inputs : exact_inputs_) {
         const Tape one = filled(a, inputs, false), other = filled(b, inputs, false);
         if (divides_by_zero(one) || divides_by_zero(other)) continue;

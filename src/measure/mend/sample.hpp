@@ -9,10 +9,10 @@
 
 namespace lostbits::measure::mend {
 
-class Sample {
+class RaySample {
 public:
     /// About so many rays, evenly over the picture, each with the solid that it truly hits, or the first.
-    Sample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays = 64);
+    RaySample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays = 64);
 
     /// How often each operation of a tape loses most.
     [[nodiscard]] std::vector<int> culprits(Tape tape) const;
