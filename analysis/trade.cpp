@@ -44,6 +44,12 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow>& all) {
     const Shape shape = *shape_named(shape_name);
     const auto rows = choice::fitting(all, [shape](Shapes forms) { return forms == shape; });
+    if (rows.empty() &&
+        !choice::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
+        throw NothingSelected(fmt::format(
+            "--shape {}: its rays are aimed at a solid that stands under no matrix, and a space has nothing to do "
+            "there; name a scene whose solids do, as in --scene instance-far.{}",
+            shape_name, shape_name));
     if (rows.empty())
         throw NothingSelected(fmt::format(
             "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", shape_name));

@@ -4,6 +4,7 @@
 #include "intersect/space/adjugate.hpp"
 #include "intersect/space/bevy.hpp"
 #include "intersect/space/cycles.hpp"
+#include "intersect/space/cycles_3_3.hpp"
 #include "intersect/space/embree.hpp"
 #include "intersect/space/in_double.hpp"
 #include "intersect/space/mitsuba.hpp"
@@ -13,6 +14,7 @@
 #include "intersect/space/rigid.hpp"
 #include "intersect/space/three.hpp"
 #include "intersect/space/two_words.hpp"
+#include "intersect/space/unreal.hpp"
 
 namespace lostbits::intersect::space {
 
@@ -25,11 +27,13 @@ constexpr void for_each_space(const Act& act) {
                             EmbreeSpace,    //
                             MitsubaSpace,   //
                             CyclesSpace,    //
+                            Cycles33Space,  //
                             ThreeSpace,     //
                             BevySpace,      //
                             RigidSpace,     //
                             RelativeSpace,  //
                             AdjugateSpace,  //
+                            UnrealSpace,    //
                             InDoubleSpace,  //
                             TwoWordsSpace>();
 }

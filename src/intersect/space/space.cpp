@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "intersect/simd/packed.hpp"
 #include "intersect/space/list.hpp"
+#include "intersect/space/raw_steps.hpp"
 #include "number/recorded.hpp"
 #include "number/with_number.hpp"
 
@@ -41,11 +43,85 @@ Ray<T> world_ray(const RayBatch<S>& rays, std::size_t i) {
     return {lifted<T>(rays.ox[i], rays.oy[i], rays.oz[i]), lifted<T>(rays.dx[i], rays.dy[i], rays.dz[i])};
 }
 
+/// Where a way stands in the list.
+template <class L>
+constexpr std::size_t place_of() {
+    std::size_t place = 0, k = 0;
+    for_each_space([&]<class Other>() {
+        if (std::same_as<L, Other>) place = k;
+        ++k;
+    });
+    return place;
+}
+constexpr std::size_t space_count = [] {
+    std::size_t count = 0;
+    for_each_space([&count]<class L>() { ++count; });
+    return count;
+}();
+
+/// The steps of a width that this machine has, and how many bytes it has; none of `scalar`.
+struct Packs {
+    std::array<RawSpace, space_count> rows{};
+    std::size_t bytes = 0;
+
+    Packs(void (*fill)(RawSpace*), std::size_t size) : bytes(size) { fill(rows.data()); }
+};
+const Packs* packs_of(simd::Isa isa) {
+    static const Packs w128(fill_spaces_w128, 16);
+#if defined(__x86_64__)
+    if (isa == simd::Isa::w256) {
+        static const Packs w256(fill_spaces_w256, 32);
+        return &w256;
+    }
+    if (isa == simd::Isa::w512) {
+        static const Packs w512(fill_spaces_w512, 64);
+        return &w512;
+    }
+#endif
+    return isa == simd::Isa::scalar ? nullptr : &w128;
+}
+
+/// `act(way, steps)` on as many of the rays as whole packs hold, in the registers of this run; how many they are. The
+/// others are left, and all of an arithmetic that has no registers.
+template <class L, class T, class S, class Act>
+std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Act& act) {
+    if constexpr (std::same_as<T, S>) {
+        const Packs* const packs = packs_of(simd::current_isa());
+        if (packs == nullptr) return 0;
+        const std::size_t lanes = packs->bytes / sizeof(S), whole = rays.size() / lanes * lanes;
+        if (whole == 0) return 0;
+        std::array<S, 2 * Affine<S>::numbers> numbers;
+        std::size_t k = 0;
+        for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
+            map->each([&](const S& x) { numbers[k++] = x; });
+        RawSteps<S> steps{
+            .maps = numbers.data(),
+            .world = {rays.ox.data(), rays.oy.data(), rays.oz.data(), rays.dx.data(), rays.dy.data(), rays.dz.data()},
+            .object = {},
+            .length = nullptr,
+            .scale = nullptr,
+            .told = {},
+            .size = whole};
+        const RawSpace& row = packs->rows[place_of<L>()];
+        if constexpr (std::same_as<S, float>) act(row.f32, steps);
+        else act(row.f64, steps);
+        return whole;
+    } else {
+        return 0;
+    }
+}
+
 template <class L, class T, class S>
 void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& to) {
     for (auto& column : to.ray) column.resize(rays.size());
     to.length.resize(rays.size());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::size_t done = in_packs<L>(maps, rays, [&to](const auto& way, auto& steps) {
+        for (std::size_t k = 0; k < to.ray.size(); ++k) steps.object[k] = to.ray[k].data();
+        steps.length = to.length.data();
+        steps.scale = &to.scale;
+        way.to_object(steps);
+    });
+    for (std::size_t i = done; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const ObjectRay<T> in =
             L::finish(maps, world.origin, Ray<T>{L::origin(maps, world.origin), L::direction(maps, world.direction)});
@@ -60,7 +136,15 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
 
 template <class L, class T, class S>
 void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& in, const HitBatch<S>& hits) {
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::size_t done = in_packs<L>(maps, rays, [&](const auto& way, auto& steps) {
+        // What is read is not written: the one pointer is that of `to_object`.
+        for (std::size_t k = 0; k < in.ray.size(); ++k) steps.object[k] = const_cast<S*>(in.ray[k].data());
+        steps.length = const_cast<S*>(in.length.data());
+        steps.scale = const_cast<S*>(&in.scale);
+        steps.told[0] = hits.t.data(), steps.told[1] = hits.near.data(), steps.told[2] = hits.far.data();
+        way.back(steps);
+    });
+    for (std::size_t i = done; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
         const auto at = [&](std::size_t k) { return in.ray[k][i]; };
         const ObjectRay<T> there{

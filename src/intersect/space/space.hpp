@@ -73,6 +73,14 @@ struct Space {
     void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
 };
 
+/// The steps of a space in the number of a format.
+template <class T>
+const StepsIn<T>& steps_in(const Space& space) {
+    if constexpr (std::same_as<T, float>) return space.f32;
+    else if constexpr (std::same_as<T, double>) return space.f64;
+    else return space.rounded;
+}
+
 /// In the order of the list.
 std::span<const Space> spaces();
 /// Null where none has that name.

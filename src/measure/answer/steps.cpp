@@ -56,7 +56,7 @@ public:
     }
 
     Steps walk(const Certified& truth) {
-        const StepsIn<T>& here = steps_in<T>(*made_.space);
+        const StepsIn<T>& here = intersect::space::steps_in<T>(*made_.space);
         const StepsIn<Real>& exact = made_.space->real;
         Steps found;
         found.t[0] = truth;

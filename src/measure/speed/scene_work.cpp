@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <tuple>
 
 namespace lostbits::measure::speed {
 
@@ -29,11 +31,15 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
 
 /// Of each solid, the first that has the same numbers.
 std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
-    std::map<std::pair<Shape, decltype(Solid<double>::numbers)>, int> places;
+    using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
+    std::map<std::tuple<Shape, decltype(Solid<double>::numbers), Matrix>, int> places;
     std::vector<int> first;
-    for (const Solid<double>& solid : solids)
-        first.push_back(
-            places.emplace(std::pair(solid.shape, solid.numbers), static_cast<int>(first.size())).first->second);
+    for (const Solid<double>& solid : solids) {
+        Matrix matrix;
+        if (solid.placed) matrix.emplace(solid.placed->is_inverse, solid.placed->matrix);
+        const std::tuple same(solid.shape, solid.numbers, matrix);
+        first.push_back(places.emplace(same, static_cast<int>(first.size())).first->second);
+    }
     return first;
 }
 

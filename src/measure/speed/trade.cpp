@@ -128,8 +128,11 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
     };
     for (const MapRow& row : rows) {
         const intersect::Info* const form = row.form->info;
-        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-            if (isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
+        // A row through the space of a solid takes the registers of the run.
+        const auto isas = row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
+                                                          : intersect::simd::available_isas();
+        for (const intersect::simd::Isa isa : isas) {
+            if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
             const intersect::simd::PackedRow packed = packed_kernels(*row.form, isa);
             add({.measured = row, .form = form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }

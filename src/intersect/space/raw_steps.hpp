@@ -1,0 +1,34 @@
+// What space.cpp and the objects of the register widths say to each other: plain pointers.
+#pragma once
+
+#include <cstddef>
+
+namespace lostbits::intersect::space {
+
+/// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
+template <class F>
+struct RawSteps {
+    const F* maps;      ///< to the world and to the solid, each three rows of four
+    const F* world[6];  ///< ox, oy, oz, dx, dy, dz
+    F* object[6];       ///< the same in the space of the solid
+    F *length, *scale;  ///< of each ray; one of all
+    F* told[3];         ///< t, near and far, taken back in place
+    std::size_t size;
+};
+
+template <class F>
+struct RawWay {
+    void (*to_object)(const RawSteps<F>&);
+    void (*back)(const RawSteps<F>&);
+};
+struct RawSpace {
+    RawWay<float> f32;
+    RawWay<double> f64;
+};
+
+/// One function a register width, each in an object of its own: fills a row for each space, in the order of the list.
+void fill_spaces_w128(RawSpace* rows);
+void fill_spaces_w256(RawSpace* rows);
+void fill_spaces_w512(RawSpace* rows);
+
+}  // namespace lostbits::intersect::space
