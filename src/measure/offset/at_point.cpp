@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "intersect/space/spaced.hpp"
+#include "measure/offset/ball_of.hpp"
 #include "measure/offset/half_line.hpp"
 #include "measure/offset/smallest.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -41,6 +44,12 @@ double half_exit(const Ray<double>& ray, const Solid<double>& solid) {
 double least_distance(const Vec<double>& p, const Solid<double>& solid) {
     double size = largest_of(p);
     for (const double x : solid.used()) size = std::max(size, std::fabs(x));
+    if (solid.placed) {
+        if (solid.placed->is_inverse) return 0;  // rounding could put the ball anywhere
+        const auto ball = ball_of(solid);
+        size = std::max({size, largest_of(ball.centre), largest_of(solid.placed->map().shift), ball.radius});
+        return distance(p, ball.centre) - ball.radius - 0x1p-40 * size;
+    }
     return visit(solid, [&p](const auto& s) { return std::fabs(s.off_surface(p)) * s.unit(); }) - 0x1p-40 * size;
 }
 
@@ -56,10 +65,12 @@ public:
         const Ray<T> ray{lifted<T>(met.ray.origin), lifted<T>(met.ray.direction)};
         const T t = static_cast<T>(met.t);
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const Solid<T> solid = transformed(own(), lift);
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
-        const Vec<T> p = work.point_ == HitPoint::computed ? there : projected<T>(ray, solid, there);
-        leaving_.emplace(Leaving<T>{ray, t, solid, p, outward_normal<T>(ray, solid, p), p, T(1), T(1)});
+        Leaving<T> found{ray, t, transformed(own(), lift), {}, there, there, there, T(1), T(1)};
+        if (found.solid.placed) put_object_point(found);
+        else put_point(found.ray, found.solid, found.p, found.n);
+        leaving_.emplace(std::move(found));
+        const Vec<T>& p = leaving_->p;
         p_ = dropped(p);
         n_ = dropped(leaving_->n);
         const T infinite = T(1) / T(0);
@@ -125,6 +136,31 @@ public:
     }
 
 private:
+    /// p as it is taken, and the normal there.
+    void put_point(const Ray<T>& ray, const Solid<T>& solid, Vec<T>& p, Vec<T>& n) const {
+        if (work_.point_ == HitPoint::projected) p = projected<T>(ray, solid, p);
+        n = outward_normal<T>(ray, solid, p);
+    }
+    /// Both in the space of the solid, by the way that leads there in the row, and in the world: what is computed is
+    /// o + t d, what is projected M times the point there, and the normal A⁻ᵀ times that there, made unit. A way that
+    /// takes adj(A) for A⁻¹ and a solid |det A| times as large has its ray made as much smaller.
+    void put_object_point(Leaving<T>& found) const {
+        const auto& steps =
+            intersect::space::steps_in<T>(*intersect::space::made_of(work_.row_.form->of(found.solid.shape)).space);
+        const Placement<T> placed = *std::exchange(found.solid.placed, std::nullopt);
+        const auto maps = steps.maps(placed);
+        const auto in = steps.to_object(maps, found.ray);
+        const T t = found.t * in.length;
+        const Ray<T> ray{in.ray.origin / in.scale, in.ray.direction / in.scale};
+        ObjectPoint<T> there{ray,           t, moved<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world,
+                             maps.to_object};
+        put_point(ray, found.solid, there.p, there.n);
+        if (work_.point_ == HitPoint::projected) found.p = maps.to_world.point(there.p);
+        const auto& rows = maps.to_object.rows;
+        const T sign = as_double(in.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
+        found.n = normalised<T>(sign * times(rows, there.n));
+        found.object = there;
+    }
     [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {
         return ways_[static_cast<std::size_t>(side)];
     }
@@ -132,7 +168,7 @@ private:
 
     /// Whether a place is nearer to the far side of the solid, as the normal goes.
     [[nodiscard]] bool is_past_middle(const Vec<double>& place) const {
-        const Vec<double> middle = ball_around(own()).centre;
+        const Vec<double> middle = ball_of(own()).centre;
         return dot(Vec<double>(place - middle), n_) < 0;
     }
 

@@ -4,23 +4,35 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "number/rounded.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {
 
-/// What a strategy is given: a ray met a solid at t, and a new one leaves in direction w.
+/// The same point in the space of a solid that stands under a matrix, where that is asked.
+template <class T>
+struct ObjectPoint {
+    Ray<T> ray;
+    T t;  ///< of that ray
+    Vec<T> p, n;
+    Affine<T> to_world, to_object;
+};
+
+/// What a strategy is given: a ray met a solid at t, and a new one leaves in direction w. All is of the world but the
+/// numbers of a solid under a matrix, which has none here.
 template <class T>
 struct Leaving {
     Ray<T> ray;
     T t;
     Solid<T> solid;
-    Vec<T> p;  ///< the point as computed
-    Vec<T> n;  ///< the outward unit normal as computed
-    Vec<T> w;  ///< unit up to rounding
-    T side;    ///< sign(n·w): +1 away from the solid, −1 into it
-    T reach;   ///< how far away what is aimed at is; infinite where nothing is
+    std::optional<ObjectPoint<T>> object = {};  ///< of a solid under a matrix
+    Vec<T> p;                              ///< the point as computed
+    Vec<T> n;                              ///< the outward unit normal as computed
+    Vec<T> w;                              ///< unit up to rounding
+    T side;                                ///< sign(n·w): +1 away from the solid, −1 into it
+    T reach;                               ///< how far away what is aimed at is; infinite where nothing is
 };
 
 /// What the new ray is: only what it meets at tmin < t < tmax counts.

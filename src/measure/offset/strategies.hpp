@@ -145,17 +145,56 @@ struct Relative {
     }
 };
 
-/// d = |n|·δ along n, then each component one float further away.
+/// p + d n with d = |n|·δ, then each component one float further away.
+template <Number T>
+Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
+    const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
+    Vec<T> o = moved<T>(b.p, d, n);
+    for (int i = 0; i < 3; ++i) o[i] = n[i] > T(0) ? next_up(o[i]) : n[i] < T(0) ? next_down(o[i]) : o[i];
+    return o;
+}
+
+/// In the space of the solid.
+template <Number T>
+BoundedPoint<T> bounded_there(const Leaving<T>& l) {
+    return visit(l.solid, [&l](const auto& shape) {
+        return l.object ? shape.bounded_point(l.object->ray, l.object->t, l.object->p)
+                        : shape.bounded_point(l.ray, l.t, l.p);
+    });
+}
+
+/// M p and its bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|): pbrt-v4's Transform::operator()(Point3fi).
+template <Number T>
+BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
+    const T g = gamma_bound<T>(3);
+    BoundedPoint<T> to{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
+    for (int i = 0; i < 3; ++i) {
+        const Vec<T>& a = m.rows[static_cast<std::size_t>(i)];
+        const Vec<T> parts(a.x * b.p.x, a.y * b.p.y, a.z * b.p.z);
+        to.p[i] = (parts.x + parts.y) + (parts.z + m.shift[i]);
+        to.delta[i] = (g + T(1)) * (abs(a.x) * b.delta.x + abs(a.y) * b.delta.y + abs(a.z) * b.delta.z) +
+                      g * (abs(parts.x) + abs(parts.y) + abs(parts.z) + abs(m.shift[i]));
+    }
+    return to;
+}
+
+/// Under a matrix the bound is taken to the world with the point, as pbrt's SpawnRay has it.
 struct Bound {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        const BoundedPoint<T> b =
-            visit(l.solid, [&l](const auto& shape) { return shape.bounded_point(l.ray, l.t, l.p); });
-        const Vec<T> n = facing<T>(l);
-        const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
-        Vec<T> o = moved<T>(b.p, d, n);
-        for (int i = 0; i < 3; ++i) o[i] = n[i] > T(0) ? next_up(o[i]) : n[i] < T(0) ? next_down(o[i]) : o[i];
-        return from<T>(o, l);
+        const BoundedPoint<T> there = bounded_there(l);
+        return from<T>(beyond_bound<T>(l.object ? mapped<T>(l.object->to_world, there) : there, facing<T>(l)), l);
+    }
+};
+
+/// The same in the space of the solid, and the origin taken to the world: what it rounds there is not counted.
+struct BoundInObject {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        if (!l.object) return Bound::respawn(l);
+        const Vec<T>& n = l.object->n;
+        const Vec<T> o = beyond_bound<T>(bounded_there(l), Vec<T>(l.side * n.x, l.side * n.y, l.side * n.z));
+        return from<T>(l.object->to_world.point(o), l);
     }
 };
 

@@ -36,6 +36,9 @@ constexpr Strategy strategy_rows[] = {
     row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
     row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
                "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
+    row<BoundInObject>("offset.bound_object", "the same before a matrix takes p to the world; without one the same",
+                       "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
+                       "of the shape"),
     row<Exclude>("offset.exclude", "p, and the solid that is left is not asked", "common practice for convex solids",
                  true),
 };

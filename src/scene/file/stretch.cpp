@@ -31,11 +31,19 @@ Real half_tangent(const Real& degrees) { return tan(degrees * pi() / 360); }
 Real degrees_of(const Real& half_tangent) { return atan(half_tangent) * 360 / pi(); }
 
 Vec<Real> middle_of(const Solid<Real>& solid) {
-    return visit(solid, [](const auto& shape) { return shape.middle(); });
+    const Vec<Real> middle = visit(solid, [](const auto& shape) { return shape.middle(); });
+    if (!solid.placed) return middle;
+    // What a stored inverse M⁻¹ takes to the middle.
+    if (solid.placed->is_inverse)
+        return point_in_object(middle, Placement<Real>{solid.placed->matrix, false, solid.placed->orientation});
+    return solid.placed->map().point(middle);
 }
 
 Real size_of(const Solid<Real>& solid) {
-    return visit(solid, [](const auto& shape) { return shape.half_extent(); });
+    const Real size = visit(solid, [](const auto& shape) { return shape.half_extent(); });
+    if (!solid.placed) return size;
+    const Real times = cbrt(abs(solid.placed->map().determinant()));
+    return solid.placed->is_inverse ? Real(size / times) : Real(size * times);
 }
 
 Vec<Real> middle_of(const Scene& scene) {
@@ -57,6 +65,12 @@ Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
 Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by) {
     Solid<Real> to = solid;
+    if (solid.placed) {
+        const Affine<Real> m = solid.placed->map();
+        const Vec<Real> shift = solid.placed->is_inverse ? Vec<Real>(-m.linear(by)) : by;
+        for (int i = 0; i < 3; ++i) to.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
+        return to;
+    }
     for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::point) to.set_point(k, to.point(k) + by);
     });
@@ -64,8 +78,26 @@ Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by) {
 }
 
 std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& still, const Real& k) {
-    return visit(solid, [&](const auto& shape) -> std::optional<Solid<Real>> { return shape.grown(still, k); });
+    const Vec<Real> there = solid.placed ? point_in_object(still, *solid.placed) : still;
+    auto to = visit(solid, [&](const auto& shape) -> std::optional<Solid<Real>> { return shape.grown(there, k); });
+    if (to) to->placed = solid.placed;
+    return to;
 }
+
+namespace {
+
+/// Every length of the world k times itself.
+Solid<Real> enlarged(const Solid<Real>& solid, const Real& k) {
+    if (!solid.placed) return transformed(solid, [&k](const Real& x) { return Real(k * x); });
+    Solid<Real> to = solid;
+    for (std::size_t i = 0; i < to.placed->matrix.size(); ++i) {
+        if (!to.placed->is_inverse) to.placed->matrix[i] *= k;
+        else if (i % 4 != 3) to.placed->matrix[i] /= k;
+    }
+    return to;
+}
+
+}  // namespace
 
 Real view_share(const Scene& scene) {
     const Vec<Real> view = scene.camera.look_at - scene.camera.eye;
@@ -85,9 +117,7 @@ std::optional<Scene> farther(Scene scene, const Real& k) {
 
 Scene enlarged(Scene scene, const Real& k) {
     const auto place = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
-    change_solids(scene, [&k](const Solid<Real>& solid) {
-        return std::optional(transformed(solid, [&k](const Real& x) { return Real(k * x); }));
-    });
+    change_solids(scene, [&k](const Solid<Real>& solid) { return std::optional(enlarged(solid, k)); });
     scene.camera.eye = place(scene.camera.eye);
     scene.camera.look_at = place(scene.camera.look_at);
     scene.camera.width = k * scene.camera.width;

@@ -15,14 +15,15 @@ Real degrees_of(const Real& half_tangent);
 Vec<Real> middle_of(const Scene& scene);
 Vec<Real> middle_of(const Solid<Real>& solid);
 
-/// The radius of a sphere; of a box half its longest side.
+/// The radius of a sphere; of a box half its longest side. Under a matrix times the cube root of |det A|.
 Real size_of(const Solid<Real>& solid);
 
 /// (1, 11/16, −7/16): the way in which everything is moved, short in binary and along no axis.
 Vec<Real> offset_direction();
 
 /// A solid moved; and one k times as large about its point nearest to `still` (of a sphere a point of the surface,
-/// also from inside), which stays where it is. The latter is nothing for a sphere whose centre that is.
+/// also from inside), which stays where it is. The latter is nothing for a sphere whose centre that is. Under a matrix
+/// the first moves the matrix, and the second is done in the space of the solid.
 Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by);
 std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& still, const Real& k);
 

@@ -134,4 +134,34 @@ TEST_CASE("bisection finds the least float that is enough, and says where none i
     }
 }
 
+TEST_CASE("half-lines meet a solid under a matrix where they meet the one whose numbers were moved",
+          "[measure][offset]") {
+    // A quarter turn about z, a doubling and a shift: no number is rounded.
+    const Vec<double> shift(16, -32, 8);
+    const auto turned = [](const Vec<double>& v) { return Vec<double>(-2 * v.y, 2 * v.x, 2 * v.z); };
+    Seeded random(42);
+    int met = 0, inside = 0;
+    for (const bool inverse : {false, true}) {
+        for (int i = 0; i < 2000; ++i) {
+            const auto small = [&] { return static_cast<double>(random.integer(-16, 16)) / 4; };
+            const Vec<double> centre(small(), small(), small()), p(small(), small(), small());
+            Vec<double> w(small(), small(), small());
+            if (w == Vec<double>(0, 0, 0)) w.x = 1;
+            const double r = std::max(0.25, std::fabs(small()));
+            Solid<double> placed(Sphere<double>{centre, r}), moved(Sphere<double>{turned(centre) + shift, 2 * r});
+            placed.placed = Placement<double>{{0, -2, 0, 16, 2, 0, 0, -32, 0, 0, 2, 8}, false, 1};
+            if (inverse) placed.placed = Placement<double>{{0, 0.5, 0, 16, -0.5, 0, 0, 8, 0, 0, 0.5, -4}, true, 1};
+            const HalfLine line{{turned(p) + shift, turned(w)}, random.coin() ? 0.5 : 0};
+            const Meeting one = find_meeting(line, placed), other = find_meeting(line, moved);
+            REQUIRE(one == other);
+            met += one.meets, inside += one.inside;
+            const Vec<double> end = turned(p + w) + shift;
+            REQUIRE(measure::offset::passes_through(line.ray.origin, end, placed) ==
+                    measure::offset::passes_through(line.ray.origin, end, moved));
+        }
+    }
+    CHECK(met > 400);
+    CHECK(inside > 200);
+}
+
 }  // namespace test_half_line
