@@ -43,7 +43,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     CHECK(has(r.out, "sphere.half_b f32 answers alike: beyond, end, before, short, packs\n"));
     std::vector<std::string> expected{"contact.png", "datapackage.json", "manifest.json", "sphere.half_b.f32.csv",
                                       "summary.csv"};
-    const std::vector<std::string> checks{"beyond", "end", "before", "segment", "short", "packs", "reverse"};
+    const std::vector<std::string> checks{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"};
     for (const auto& check : checks) expected.push_back("sphere.half_b.f32." + check + ".png");
     for (auto& name : expected) name = "near-benign/" + name;
     std::ranges::sort(expected);
@@ -64,14 +64,14 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
             const std::string accord = cell_of(pixels, check, p);
             rays += accord != "not_asked";
             alike += accord == "agree";
-            if (check != "reverse") continue;
-            const double excess = number_in(cell_of(pixels, "reverse_excess", p));
+            if (check != "reverse" && check != "placed") continue;
+            const double excess = number_in(cell_of(pixels, check + "_excess", p));
             if (!std::isnan(excess)) most = std::max(most, excess);
         }
         INFO(check);
         CHECK(std::to_string(rays) == cell_of(table, "rays", i));
         CHECK(std::to_string(alike) == cell_of(table, "agree", i));
-        if (check == "reverse") CHECK(most == number_in(cell_of(table, "excess_max", i)));
+        if (check == "reverse" || check == "placed") CHECK(most == number_in(cell_of(table, "excess_max", i)));
     }
 }
 

@@ -54,6 +54,9 @@ constexpr Check check_rows[] = {
      always, check_packs},
     {"reverse", "one segment from either end: one decision, and near and far sides that add up to its length",
      "from p to q", "from q to p", always, check_reverse, true},
+    {"placed", "one solid under a matrix or directly: one decision, and t within an ulp",
+     "solids as the scene has them", "directly what stands under a matrix, and under one what stands directly", always,
+     check_placed, true},
 };
 
 }  // namespace

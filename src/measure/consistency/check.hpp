@@ -66,5 +66,7 @@ void check_light(const RowOnBand& on, AccordOfPixels& out);
 void check_packs(const RowOnBand& on, AccordOfPixels& out);
 /// The segment from p to q and the same from q to p: one chord.
 void check_reverse(const RowOnBand& on, AccordOfPixels& out);
+/// Solids under matrices against those whose numbers say where they stand; and the other way round.
+void check_placed(const RowOnBand& on, AccordOfPixels& out);
 
 }  // namespace lostbits::measure::consistency

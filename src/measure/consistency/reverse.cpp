@@ -5,6 +5,7 @@
 
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/chord.hpp"
+#include "measure/offset/ball_of.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/with_number.hpp"
 
@@ -21,7 +22,7 @@ struct Around {
     double aside;         ///< how far the line passes from the centre, in radii, squared
 
     Around(const Ray<double>& ray, const Solid<double>& solid) {
-        const auto [centre, radius] = ball_around(solid);
+        const auto [centre, radius] = offset::ball_of(solid);
         const Vec<double> f = centre - ray.origin;
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;

@@ -26,11 +26,12 @@ AccordCounts every_class() {
 image::SheetSpec sheet_spec(const ConsistencyRequest& request, const image::ColourScale& scale) {
     image::SheetSpec spec{
         .title = request.scene->title,
-        .subtitle = {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
-                                 "alike",
-                                 request.scene->id, request.scene->width, request.scene->height),
-                     "shares are of the pixels of which both are asked; reverse has on the ramp by how much more than "
-                     "the exact answers the chord differs from either end"},
+        .subtitle =
+            {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
+                         "alike",
+                         request.scene->id, request.scene->width, request.scene->height),
+             "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
+             "more than the exact answers both chords, or both t, differ"},
         .forms = {},
         .formats = {},
         .field_width = request.scene->width,

@@ -179,8 +179,8 @@ TEST_CASE("consistency: only checks that can be asked are", "[measure][consisten
     };
     using Names = std::vector<std::string>;
     CHECK(names("near-benign", "sphere.half_b") ==
-          Names{"beyond", "end", "before", "segment", "short", "packs", "reverse"});
-    CHECK(names("near-benign", "sphere.unit_half_b") == Names{"beyond", "end", "before", "packs", "reverse"});
+          Names{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"});
+    CHECK(names("near-benign", "sphere.unit_half_b") == Names{"beyond", "end", "before", "packs", "reverse", "placed"});
     CHECK(names("offset-touching", "sphere.half_b").size() == checks().size());
     CHECK_THROWS_AS(consistency_value(CheckSummary(), "disagree", "x"), InputError);
     CHECK(std::isnan(consistency_value(CheckSummary(), "disagree_fraction", "x")));

@@ -1,0 +1,139 @@
+// The same solid under a matrix and directly.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "intersect/space/spaced.hpp"
+#include "intersect/table/sets.hpp"
+#include "measure/consistency/check.hpp"
+#include "measure/consistency/other_place.hpp"
+#include "measure/truth/lost_bits.hpp"
+
+namespace lostbits::measure::consistency {
+
+using intersect::table::Intersector;
+using truth::Truth;
+
+namespace {
+
+/// About its own middle, under the matrix that moves it to where it stands.
+Solid<double> under_matrix(const Solid<double>& solid, const FloatFormat& format) {
+    const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
+    const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
+    const Vec<double> middle = stored_point(visit(solid, [](const auto& shape) { return shape.middle(); }));
+    Solid<double> there = solid;
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point) there.set_point(k, stored_point(solid.point(k) - middle));
+    });
+    there.placed = Placement<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
+    return there;
+}
+
+/// What the columns of a matrix do to lengths where they do the same to all of them, to within what a format rounds.
+std::optional<double> common_scale(const Affine<double>& m, const FloatFormat& format) {
+    const auto column = [&m](int i) { return Vec<double>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
+    const Vec<double> x = column(0), y = column(1), z = column(2);
+    const double size = square(x), most = std::ldexp(size, 3 - format.precision);
+    for (const double off : {dot(x, y), dot(y, z), dot(z, x), square(y) - size, square(z) - size})
+        if (!(std::fabs(off) <= most)) return std::nullopt;
+    return std::sqrt(size);
+}
+
+bool is_diagonal(const Affine<double>& m) {
+    return m.rows[0].y == 0 && m.rows[0].z == 0 && m.rows[1].x == 0 && m.rows[1].z == 0 && m.rows[2].x == 0 &&
+           m.rows[2].y == 0;
+}
+
+}  // namespace
+
+std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFormat& format) {
+    if (!solid.placed || solid.placed->is_inverse) return std::nullopt;
+    const Affine<double> m = solid.placed->map();
+    const std::span<const Key> keys = row_of(solid.shape).keys;
+    const bool along_axes =
+        std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_before; });
+    const bool all_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
+    const bool by_axis = std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });
+    const auto scale = common_scale(m, format);
+    if (along_axes ? !is_diagonal(m) : by_axis || (!all_points && !scale)) return std::nullopt;
+    Solid<double> image = solid;
+    image.placed.reset();
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        switch (key.kind) {
+            case Key::Kind::point: image.set_point(k, m.point(solid.point(k))); break;
+            case Key::Kind::direction: image.set_point(k, m.linear(solid.point(k))); break;
+            default: image.numbers[k] = scale.value_or(1) * solid.numbers[k];
+        }
+    });
+    if (along_axes)
+        for (std::size_t i = 0; i < 3; ++i)
+            if (image.numbers[i] > image.numbers[i + 3]) std::swap(image.numbers[i], image.numbers[i + 3]);
+    return transformed(image, [&format](double x) { return rounding::to_format(x, 0, format); });
+}
+
+namespace {
+
+/// The form that takes solids under matrices and others: itself, or through the usual way.
+const Intersector& form_for(const Intersector& form) {
+    const auto& usual = intersect::space::usual_space();
+    if (form.shapes().are_placed()) return form;
+    if (!form.is_set()) return intersect::space::through(usual, form);
+    std::vector<const Intersector*> parts;
+    for (const Intersector* const part : form.parts) parts.push_back(&intersect::space::through(usual, *part));
+    return intersect::table::set_of(parts);
+}
+
+/// The solids the other way, where there is one; as they are where not. Empty where there is none for any.
+std::vector<Solid<double>> in_other_place(const RowOnBand& on) {
+    bool any = false;
+    std::vector<Solid<double>> others;
+    for (const Solid<double>& solid : on.solids) {
+        const auto other =
+            solid.placed ? image_of(solid, on.format()) : std::optional(under_matrix(solid, on.format()));
+        any = any || other;
+        others.push_back(other.value_or(solid));
+    }
+    return any ? others : std::vector<Solid<double>>{};
+}
+
+truth::Band band_of(const RowOnBand& on, const std::vector<Solid<double>>& solids) {
+    return truth::Band(scene::rays::RayGroup{.rays = on.inputs.rays, .solids = solids}, {.stop = on.form.stop});
+}
+
+}  // namespace
+
+void check_placed(const RowOnBand& on, AccordOfPixels& out) {
+    out.apart.assign(on.pixels(), truth::missing);
+    out.excess.assign(on.pixels(), truth::missing);
+    const std::vector<Solid<double>> others = in_other_place(on);
+    if (others.empty()) return;
+    const truth::Band here = band_of(on, on.solids), there = band_of(on, others);
+    const Intersector& form = form_for(*on.row.form);
+    const bool unit = form.info->direction == intersect::Direction::unit;
+    const auto answers = answer::evaluate(form, there.inputs(on.row.format, {.unit_rays = unit, .own_truth = false}));
+    const answer::Answers &a = on.closest, &b = answers;
+    for (std::size_t i = 0; i < on.pixels(); ++i) {
+        const Truth p = here.truth(i, on.row.convention()), q = there.truth(i, on.row.convention());
+        Accord how = accord_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
+        if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
+            how = Accord::unresolved;
+        else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && tells_t(*form.info)) {
+            const auto &one = unit ? p.distance : p.t, &other = unit ? q.distance : q.t;
+            const std::int64_t ulp = ulp_exponent(on.format(), one.floor_log2());
+            const auto off = [ulp](double t, const truth::Certified& exact) {
+                return truth::scaled_difference(truth::exactly(t), exact, ulp);
+            };
+            out.apart[i] = std::fabs(off(a.t[i], truth::exactly(b.t[i])));
+            out.excess[i] = std::fabs(off(a.t[i], one) - off(b.t[i], other));
+            // Each t is rounded correctly where it is off by half an ulp at most, and two of them by one.
+            how = !(out.excess[i] <= 1) ? Accord::other_number : out.apart[i] > 1 ? Accord::by_inputs : Accord::agree;
+        }
+        out.set(i, how, [&] {
+            TwoRays two{i, on.shown(on.inputs.rays[i], HUGE_VAL), scene::rays::group_of(on.inputs.rays[i])};
+            if (others.size() <= truth::Band::most_given) two.second.solids = others;
+            return two;
+        });
+    }
+}
+
+}  // namespace lostbits::measure::consistency
