@@ -171,11 +171,10 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto dump = scene::dump::join_dumps(std::move(each));
     measure::choice::FileTerms terms{
         .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
-    const auto& layout = dump->layout();
+    choice::put_under_matrices(*dump, terms.solids);
+    const Shapes shapes = choice::shapes_of_rays(dump->layout(), terms.solids);
     ChoiceRequest request = request_of(o, common.stop);
-    request.rows = rows_of(o, id, common.quiet, [&](Shapes forms) {
-        return forms == (layout.solid() ? *layout.solid() : choice::shapes_of(terms.solids));
-    });
+    request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });
     if (emulated > 0 && !common.quiet)
         fmt::print(

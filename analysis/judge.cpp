@@ -31,7 +31,7 @@ namespace {
 
 /// The metrics of the request, as its forms have them.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
-                                      measure::metric::MetricSet& made) {
+                                      bool have_matrices, measure::metric::MetricSet& made) {
     std::vector<measure::map::MapRow> asked = request.rows;
     if (request.answered) asked.erase(asked.begin());
     if (asked.empty()) return choice::measured(drawn, request.rows);
@@ -41,6 +41,8 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
         group.solids.resize(1);
         group.solids.front().shape = asked.front().form->shape;
     }
+    for (Solid<double>& solid : group.solids)
+        if (have_matrices) solid.placed = choice::any_matrix();
     group.march = request.march;
     return made.for_forms(choice::measured(drawn, request.rows), measure::map::forms_of(asked),
                           [&group] { return measure::blame::SettingOf(group); });
@@ -160,7 +162,8 @@ Exit run(const JudgeWords& o, const Common& common) {
     const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows || !o.by.empty());
     JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const Shapes shapes = dump->layout().solid() ? *dump->layout().solid() : choice::shapes_of(request.solids);
+    choice::put_under_matrices(*dump, request.solids);
+    const Shapes shapes = choice::shapes_of_rays(dump->layout(), request.solids);
     const choice::Meets meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
@@ -201,7 +204,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     choice::note_without_formula(drawn, request.rows, common.quiet);
     auto asked = drawn;
     choice::add_wish(o, made, asked);
-    request.metrics = metrics_of(asked, request, made);
+    request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), made);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
     const choice::ThreadLimit limit(common.threads);
 
@@ -269,7 +272,9 @@ void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
     const auto o = std::make_shared<JudgeWords>();
     o->stop = common.stop;
-    command.add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's, hit and t").required();
+    command
+        .add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's and its matrix's, hit and t")
+        .required();
     choice::add_ray_options(command, *o, "--format,--file-format");
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");

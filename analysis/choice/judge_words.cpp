@@ -21,12 +21,10 @@ using scene::dump::MissRule;
 
 namespace {
 
-/// `CX,CY,CZ,R`: numbers rounded once to the format.
-Solid<double> solid_of(const std::string& text, Shape shape, const Format& format) {
-    const std::string option = "--" + std::string(name_of(shape));
+/// The numbers between the commas of `text`, each rounded once to the format.
+std::vector<double> numbers_in(const std::string& text, const std::string& option, const Format& format) {
     const scene::dump::NumberWords words(format);
-    Solid<double> solid(shape);
-    std::size_t count = 0;
+    std::vector<double> numbers;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
         std::string word = text.substr(begin, end - begin);
@@ -38,12 +36,39 @@ Solid<double> solid_of(const std::string& text, Shape shape, const Format& forma
                                          read.kind == Kind::too_large
                                              ? fmt::format("larger than the largest number of {}", format.name)
                                              : "not a finite number; write a decimal or a hexadecimal float"));
-        if (count < solid.used().size()) solid.numbers[count] = read.value;
-        ++count;
+        numbers.push_back(read.value);
         begin = end + 1;
     }
-    if (count != solid.used().size())
-        throw InputError(fmt::format("{} {}: has {} numbers; write {}", option, text, count, option_words(shape)));
+    return numbers;
+}
+
+/// `CX,CY,CZ,R`, perhaps with `@` and the twelve numbers of a matrix, `@/` and those of a stored inverse.
+Solid<double> solid_of(const std::string& whole, Shape shape, const Format& format) {
+    const std::string option = "--" + std::string(name_of(shape));
+    const std::size_t at = std::min(whole.find('@'), whole.size());
+    const std::string text = whole.substr(0, at);
+    Solid<double> solid(shape);
+    const auto numbers = numbers_in(text, option, format);
+    if (numbers.size() != solid.used().size())
+        throw InputError(
+            fmt::format("{} {}: has {} numbers; write {}", option, text, numbers.size(), option_words(shape)));
+    std::ranges::copy(numbers, solid.used().begin());
+    if (at < whole.size()) {
+        const bool inverse = whole.substr(at + 1).starts_with('/');
+        const auto matrix = numbers_in(whole.substr(at + (inverse ? 2 : 1)), option, format);
+        Placement<double> placed{{}, inverse, 1};
+        if (matrix.size() != placed.matrix.size())
+            throw InputError(
+                fmt::format("{} {}: has {} numbers after the @; write the three rows of four numbers of a "
+                            "matrix, and a / before those of a stored inverse",
+                            option, whole, matrix.size()));
+        std::ranges::copy(matrix, placed.matrix.begin());
+        placed.orientation = orientation_of(placed.matrix);
+        if (!placed.is_proper())
+            throw InputError(
+                fmt::format("{} {}: the matrix is singular: it flattens the solid; write another", option, whole));
+        solid.placed = placed;
+    }
     if (const auto broken = broken_limit(solid))
         throw InputError(
             fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
@@ -144,6 +169,21 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::s
     options.keep = keep;
     options.open = open_ends_named(o.open_ends);
     return scene::dump::open_dump(file, options);
+}
+
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Solid<double>>& given) {
+    const Shapes shapes = layout.solid() ? Shapes(*layout.solid()) : shapes_of(given);
+    return layout.has_matrix() ? shapes.placed() : shapes;
+}
+
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>>& given) {
+    if (!dump.layout().has_matrix() || dump.layout().solid()) return;
+    if (given.size() != 1 || given.front().placed)
+        throw InputError(
+            dump.name() +
+            ": each ray has the matrix that its solid stands under, m00 to m23, so that one solid is to be "
+            "given for all, without a matrix of its own; or write each ray's solid in columns too");
+    dump.put_under_matrices(given.front());
 }
 
 intersect::Info contract_of(const RayFileWords& o) {

@@ -58,6 +58,16 @@ std::vector<Solid<double>> solids_given(const RayFileWords& o, const std::option
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileWords& o, const std::string& file, std::optional<Shape> solid,
                                              bool keep = false);
 
+/// The shapes of what the rays are aimed at, in columns or given once.
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Solid<double>>& given);
+
+/// Puts the solid that is given once for all rays under their matrices, of a file that has matrices and no solids.
+/// InputError where it is not one, or has a matrix.
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>>& given);
+
+/// Some matrix: the operations of a form under one are the same under all.
+inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
+
 /// The place of the column that rays are grouped by among those of the file's own; nothing where none is asked for.
 std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layout& layout);
 

@@ -14,11 +14,15 @@ namespace lostbits::analysis::choice {
 /// More sets than this on one scene are an error: whoever writes two globs seldom means their product.
 inline constexpr std::size_t most_sets = 200;
 
-/// The shapes of solids.
+/// The shapes of solids, under matrices where one of them stands under one.
 template <class List>
 Shapes shapes_of(const List& solids) {
     Shapes all;
-    for (const auto& solid : solids) all |= solid.shape;
+    for (const auto& solid : solids) {
+        const bool placed = all.are_placed() || solid.placed;
+        all |= solid.shape;
+        all = all.placed(placed);
+    }
     return all;
 }
 

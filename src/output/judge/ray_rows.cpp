@@ -31,6 +31,7 @@ std::vector<Column> given_columns(const Layout& layout) {
     add(slot::tmin, "number", "where the range of the ray begins");
     add(slot::tmax, "number", "where it ends");
     for (std::size_t s = slot::solid; s < slot::t; ++s) add(s, "number", "of the ray's solid, as it was judged");
+    for (std::size_t s = slot::matrix; s < slot::count; ++s) add(s, "number", "of its matrix, as it was judged");
     add(slot::hit, "boolean", "whether the file has a hit there");
     add(slot::t, "number", "the file's answer; missing where it has no hit");
     return columns;
@@ -85,9 +86,10 @@ void RayRows::add_given(const Chunk& chunk, std::size_t i) {
     for (int k = 0; k < 3; ++k) csv_.add(number(ray.direction[k]));
     if (layout.has(slot::tmin)) csv_.add(number(chunk.rays.tmin[i]));
     if (layout.has(slot::tmax)) csv_.add(number(chunk.rays.tmax[i]));
-    if (!chunk.solids.empty()) {
+    if (layout.solid())
         for (const double x : chunk.solids[i].used()) csv_.add(number(x));
-    }
+    if (layout.has_matrix())
+        for (const double x : chunk.solids[i].placed->matrix) csv_.add(number(x));
     const bool hit = !chunk.hit.empty() && chunk.hit[i] != 0;
     if (layout.has(slot::hit)) csv_.add(hit);
     if (layout.has(slot::t)) csv_.add(hit ? number(chunk.t[i]) : Cell());

@@ -36,6 +36,9 @@ std::string solid_text(const Solid<double>& solid) {
         keys += key.count() == 3 ? hex_list(solid.used().subspan(k, 3))
                                  : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
     });
+    if (solid.placed)
+        keys += fmt::format(", {} = {}", solid.placed->is_inverse ? "inverse_matrix" : "matrix",
+                            hex_list(solid.placed->matrix));
     return fmt::format("{{{} }}", keys);
 }
 

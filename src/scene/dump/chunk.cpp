@@ -11,6 +11,7 @@ namespace lostbits::scene::dump {
 
 ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk)
     : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.solid()), decides_(layout.has_answers()) {
+    if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz}) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
@@ -68,6 +69,13 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                                            name, order_words(*broken->key)));
         }
     }
+    for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {
+        if (!is_there(s) || !std::isfinite(x[s]))
+            return bad(s, "a matrix has twelve finite numbers; leave this ray out");
+    }
+    if (layout_.has_matrix() && !solid().placed->is_proper())
+        return Fault{slot::matrix,
+                     "the matrix is singular: it flattens the solid; write another, or leave this ray out"};
     const double object = x[slot::object];
     if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return bad(slot::object, "write which solid was hit, counted from 0, and -1 or nothing where none was");
@@ -105,8 +113,13 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
 }
 
 Solid<double> ChunkWriter::solid() const {
-    Solid<double> solid(*shape_);
-    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
+    Solid<double> solid = terms_.under.value_or(Solid<double>(*shape_));
+    for (std::size_t k = 0; !terms_.under && k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
+    if (!layout_.has_matrix()) return solid;
+    Placement<double> placed{};
+    for (std::size_t k = 0; k < placed.matrix.size(); ++k) placed.matrix[k] = numbers_[slot::matrix + k];
+    placed.orientation = orientation_of(placed.matrix);
+    solid.placed = placed;
     return solid;
 }
 

@@ -31,6 +31,8 @@ struct DumpTerms {
     std::optional<Shape> solid = {};  ///< of the solids given once for all rays
     bool keep = false;                ///< the user's own columns are wanted
     OpenEnds open = {};               ///< of the ranges of all rays
+    /// The one solid that stands under the matrix of each record, where these have matrices and no solids.
+    std::optional<Solid<double>> under = {};
 };
 
 struct Chunk {
@@ -56,7 +58,7 @@ public:
     /// A number of this record, as the format holds it; where none is put, the cell is empty.
     void put(std::size_t slot, double value, bool held, int digits = 0) {
         numbers_[slot] = value;
-        there_ |= 1U << slot;
+        there_ |= std::uint64_t{1} << slot;
         chunk_.rounded += held ? 0 : 1;
         chunk_.digits = std::max(chunk_.digits, digits);
         chunk_.decimals += digits > 0 ? 1 : 0;
@@ -78,15 +80,15 @@ private:
     [[noreturn]] static void fail(const std::string& place, const std::string& why);
     [[nodiscard]] Solid<double> solid() const;  ///< of this record
     void keep();
-    [[nodiscard]] bool is_there(std::size_t slot) const { return (there_ >> slot & 1U) != 0; }
+    [[nodiscard]] bool is_there(std::size_t slot) const { return (there_ >> slot & 1) != 0; }
     [[nodiscard]] std::string called(std::size_t slot) const;
 
     const Layout& layout_;
     const DumpTerms& terms_;
     Chunk& chunk_;
     double numbers_[slot::count] = {};
-    unsigned there_ = 0;
-    std::optional<Shape> shape_;  ///< of the solid that each record has
+    std::uint64_t there_ = 0;
+    std::optional<Shape> shape_;  ///< of the solid that each record has, or that stands under its matrix
     bool decides_ = false;        ///< records have answers
     bool hits_ = false;           ///< this record's
 };

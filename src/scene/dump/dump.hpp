@@ -64,6 +64,9 @@ public:
     virtual bool next(std::size_t most, Records& records) = 0;
     /// The numbers of records. For several threads at once.
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
+    /// Puts one solid, whose numbers are of the format, under the matrix of each record, of a file with matrices and no
+    /// solids; before any record is read.
+    virtual void put_under_matrices(const Solid<double>& solid) { terms_.under = solid; }
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}

@@ -14,7 +14,8 @@ std::string names_of(const std::vector<std::unique_ptr<Dump>>& files) {
 
 /// Whether a solid, an answer and a format are there in both alike.
 bool are_alike(const Dump& a, const Dump& b) {
-    return a.layout().solid() == b.layout().solid() && a.layout().has_answers() == b.layout().has_answers() &&
+    return a.layout().solid() == b.layout().solid() && a.layout().has_matrix() == b.layout().has_matrix() &&
+           a.layout().has_answers() == b.layout().has_answers() &&
            a.layout().decides_only() == b.layout().decides_only() && a.format() == b.format();
 }
 
@@ -56,6 +57,9 @@ public:
         return false;
     }
 
+    void put_under_matrices(const Solid<double>& solid) override {
+        for (const auto& file : files_) file->put_under_matrices(solid);
+    }
     [[nodiscard]] Chunk decode(const Records& records) const override {
         Chunk chunk = files_[records.file]->decode(records);
         chunk.first += first_[records.file];

@@ -34,6 +34,7 @@ std::vector<KnownName> make_known_names() {
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
+    add(slot::matrix, {"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"});
     // As the project's own tables and other people have it.
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
@@ -108,7 +109,7 @@ std::string what_to_write() {
     for (const ShapeRow& row : shape_rows)
         solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
     return "name the columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, the solid's " + solids +
-           ", and the answer's hit and t";
+           ", perhaps its matrix m00,m01,...,m23, and the answer's hit and t";
 }
 
 }  // namespace
@@ -165,6 +166,7 @@ void Layout::find_slots(const Complain& complain) {
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
+        if (known.slot >= slot::matrix && !has_any_of_matrix()) continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -197,10 +199,19 @@ void Layout::require_whole(const Complain& complain) const {
         }
         complain(0, fmt::format("a ray has no {}; {}", names, what_to_write()));
     }
+    if (const auto names = lacks(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
+        complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
+                                "columns that are none of it",
+                                names));
     if (!solid_) return;
     const std::size_t end = slot::solid + row_of(*solid_).numbers;
     if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
         complain(0, fmt::format("{} has no {}; {}", with_article(*solid_), names, what_to_write()));
+}
+
+bool Layout::has_any_of_matrix() const {
+    return std::ranges::any_of(std::span(places_).subspan(slot::matrix),
+                               [](const auto& place) { return place.has_value(); });
 }
 
 std::vector<std::string> Layout::kept() const {
@@ -218,8 +229,13 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
     };
     static const std::vector<Group> groups = [] {
         std::vector<Group> all{
-            {"origin", {"ox", "oy", "oz"}}, {"o", {"ox", "oy", "oz"}}, {"direction", {"dx", "dy", "dz"}},
-            {"dir", {"dx", "dy", "dz"}},    {"d", {"dx", "dy", "dz"}}, {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
+            {"origin", {"ox", "oy", "oz"}},
+            {"o", {"ox", "oy", "oz"}},
+            {"direction", {"dx", "dy", "dz"}},
+            {"dir", {"dx", "dy", "dz"}},
+            {"d", {"dx", "dy", "dz"}},
+            {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
+            {"matrix", {"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"}},
         };
         for (const ShapeRow& row : shape_rows) {
             const auto names = column_names(row.shape);

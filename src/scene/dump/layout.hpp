@@ -13,10 +13,12 @@
 
 namespace lostbits::scene::dump {
 
-/// The numbers of a record that mean something to us, in one row: the ray, its range, its solid, its answer.
+/// The numbers of a record that mean something to us, in one row: the ray, its range, its solid, its answer, and the
+/// matrix that its solid stands under, row by row.
 namespace slot {
 inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, solid = 8;
-inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t + 2, count = t + 3;
+inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t + 2, matrix = t + 3;
+inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 }  // namespace slot
 
 /// One column of a file.
@@ -29,10 +31,10 @@ struct LayoutColumn {
 /// How a file is laid out: its columns in their order, each number of a record at most once.
 class Layout {
 public:
-    /// Throws what `complain(column, why)` throws: for a ray of fewer than six numbers, a solid of fewer than it has,
-    /// a sphere's and a box's numbers at once, a number that is there twice, and a name so near to a known one that is
-    /// missing that a slip of the fingers explains it. Names are known in upper case too, and with `_hex` behind them:
-    /// of `t` and `t_hex` the latter is read and the former kept.
+    /// Throws what `complain(column, why)` throws: for a ray of fewer than six numbers, a solid or a matrix of fewer
+    /// than it has, a sphere's and a box's numbers at once, a number that is there twice, and a name so near to a known
+    /// one that is missing that a slip of the fingers explains it. Names are known in upper case too, and with `_hex`
+    /// behind them: of `t` and `t_hex` the latter is read and the former kept.
     using Complain = std::function<void(std::size_t column, const std::string& why)>;
     Layout(std::vector<std::string> names, const Complain& complain);
 
@@ -42,6 +44,8 @@ public:
     [[nodiscard]] std::size_t place_of(std::size_t slot) const { return places_.at(slot).value(); }
     /// Of the solid that each record has; nothing where records have none.
     [[nodiscard]] std::optional<Shape> solid() const { return solid_; }
+    /// Whether each record has the matrix of its solid.
+    [[nodiscard]] bool has_matrix() const { return has(slot::matrix); }
     [[nodiscard]] bool has_answers() const { return has(slot::t) || has(slot::hit); }
     /// Whether the answers are decisions without a t.
     [[nodiscard]] bool decides_only() const { return has(slot::hit) && !has(slot::t); }
@@ -51,6 +55,7 @@ public:
 private:
     void find_slots(const Complain& complain);
     void require_whole(const Complain& complain) const;
+    [[nodiscard]] bool has_any_of_matrix() const;
 
     std::vector<LayoutColumn> columns_;
     std::array<std::optional<std::size_t>, slot::count> places_;
@@ -62,7 +67,7 @@ private:
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);
 
 /// The names that stand for several numbers in a row: `origin` or `o` (3), `direction` or `d` (3), `centre` (3),
-/// `lo` (3), `hi` (3), `sphere` (4), `box` (6), `ray` (6). Empty for other names and other counts.
+/// `lo` (3), `hi` (3), `sphere` (4), `box` (6), `ray` (6), `matrix` (12). Empty for other names and other counts.
 std::vector<std::string> parts_of(std::string_view name, std::size_t count);
 
 }  // namespace lostbits::scene::dump

@@ -36,8 +36,25 @@ struct Symmetry {
     [[nodiscard]] Vec<double> of(const Vec<double>& v) const {
         return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]};
     }
+    /// S M of the matrix to the world, and M⁻¹ S⁻¹ of a stored inverse: the solid stays in its own space.
+    [[nodiscard]] Placement<double> of(const Placement<double>& m) const {
+        Placement<double> to = m;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto k = static_cast<std::size_t>(from[i]);
+            for (std::size_t j = 0; j < 4; ++j) {
+                if (!m.is_inverse) to.matrix[4 * i + j] = sign[i] * m.matrix[4 * k + j];
+                else if (j < 3) to.matrix[4 * j + i] = sign[i] * m.matrix[4 * j + k];
+            }
+        }
+        to.orientation = orientation_of(to.matrix);
+        return to;
+    }
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
         Solid<double> to = s;
+        if (s.placed) {
+            to.placed = of(*s.placed);
+            return to;
+        }
         for_each_key(s.shape, [&](const Key& key, std::size_t k) {
             if (key.count() != 3) return;
             const Vec<double> point = of(s.point(k));
@@ -104,6 +121,14 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
                     std::ranges::move(quantities(solid, key.name, key.count(), false),
                                       std::back_inserter(spec.numbers));
             }
+            for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
+                if (!solid.has(key)) continue;
+                if (!spec.matrix.empty()) solid.fail_at(key, "stands beside matrix; write one of the two");
+                spec.matrix = quantities(solid, key, Affine<double>::numbers, false);
+                spec.is_inverse = is_inverse;
+                if (!spec.in(binary64, 0).placed->is_proper())
+                    solid.fail_at(key, "is singular: it flattens the solid; write rows that lie in no plane");
+            }
             solid.reject_unknown_keys();
             c.solids.push_back(std::move(spec));
         }
@@ -141,9 +166,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
             table.fail_at("name",
                           "is \"" + c.name + "\", which is also the name of another case; give each its own name");
         for (const SolidSpec& spec : c.solids) {
-            Solid<double> solid(spec.shape);
-            std::ranges::transform(spec.numbers, solid.numbers.begin(),
-                                   [](const Quantity& q) { return q.in(binary64, 0); });
+            const Solid<double> solid = spec.in(binary64, 0);
             if (const auto broken = broken_limit(solid))
                 toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
                                               std::string(broken->key->name) + " " +
@@ -153,6 +176,23 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
     }
     file.reject_unknown_keys();
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
+}
+
+Solid<double> CaseFile::SolidSpec::in(const FloatFormat& format, int lengths) const {
+    Solid<double> solid(shape);
+    for (std::size_t k = 0; k < numbers.size(); ++k) solid.numbers[k] = numbers[k].in(format, lengths);
+    if (matrix.empty()) return solid;
+    Placement<double> placed{{}, is_inverse, 1};
+    for (std::size_t k = 0; k < matrix.size(); ++k) placed.matrix[k] = matrix[k].in(format, k % 4 == 3 ? lengths : 0);
+    placed.orientation = orientation_of(placed.matrix);
+    solid.placed = placed;
+    return solid;
+}
+
+bool CaseFile::are_placed() const {
+    return std::ranges::any_of(cases_, [](const Case& c) {
+        return std::ranges::any_of(c.solids, [](const SolidSpec& spec) { return !spec.matrix.empty(); });
+    });
 }
 
 std::vector<Shape> CaseFile::shapes() const {
@@ -190,12 +230,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
     std::vector<RayGroup> groups;
     for (const Symmetry& symmetry : symmetries(c.symmetric)) {
         RayGroup group;
-        for (const SolidSpec& spec : c.solids) {
-            Solid<double> solid(spec.shape);
-            for (std::size_t k = 0; k < spec.numbers.size(); ++k)
-                solid.numbers[k] = spec.numbers[k].in(format, lengths);
-            group.solids.push_back(symmetry.of(solid));
-        }
+        for (const SolidSpec& spec : c.solids) group.solids.push_back(symmetry.of(spec.in(format, lengths)));
         for (const RaySpec& ray : c.rays) {
             Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];

@@ -31,7 +31,9 @@ public:
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
     /// Of the solids of all cases, each once; a case need not have them all.
     [[nodiscard]] std::vector<Shape> shapes() const;
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(shapes()); }
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(shapes()).placed(are_placed()); }
+    /// Whether solids of cases stand under matrices.
+    [[nodiscard]] bool are_placed() const;
     /// The places of the cases whose name matches a glob; InputError with did-you-mean, `where` in front.
     [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const toml::Where& where) const;
 
@@ -45,6 +47,11 @@ private:
     struct SolidSpec {
         Shape shape;
         std::vector<toml::Quantity> numbers;
+        std::vector<toml::Quantity> matrix = {};  ///< that it stands under, row by row; none: it stands under none
+        bool is_inverse = false;                  ///< the matrix leads from the world to the solid
+
+        /// As numbers of the format, at that scale.
+        [[nodiscard]] Solid<double> in(const FloatFormat& format, int lengths) const;
     };
     struct RaySpec {
         std::vector<toml::Quantity> origin, direction;
