@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 2
+#define LOSTBITS_ABI 3
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -78,8 +78,14 @@ LOSTBITS_API int lostbits_scene_solids(lostbits_scene* scene, const char* shape,
 /* The same of a mesh: vertices count x 3, faces count x 3 places among them. */
 LOSTBITS_API int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count,
                                      const uint32_t* faces, size_t face_count, lostbits_error* error);
+/* Puts all solids and the mesh of a scene under one matrix: twelve numbers, three rows of four, from their own space to
+ * the world, or with `inverse` not 0 back (docs/spaces.md). The matrix is ideal too, and replaces those that there are;
+ * none of their numbers is multiplied by it. */
+LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int inverse,
+                                          lostbits_error* error);
 /* The rays of the scene's camera as every format gets them: a table `rays` with x, y, ox ... dz, row after row of
- * pixels; and a table a shape with the stored numbers of its solids. */
+ * pixels; and a table a shape with the stored numbers of its solids. Where solids of the shape stand under matrices it
+ * has also M00 ... M23, missing for those that do not, and `inverse`, whether these lead to the solid. */
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);
 LOSTBITS_API void lostbits_scene_free(lostbits_scene* scene);
 
@@ -157,6 +163,8 @@ typedef struct lostbits_rays {
     int unit;                        /* not 0: t is a distance, of the direction normalised */
     int touching, at_origin, inside; /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
     lostbits_array by;               /* count: a number by which the summary of a judgement is grouped as well */
+    lostbits_array matrix; /* count x 12: under which each ray's solid stands, from its space to the world, row by row;
+                              its own solid of pairs, else the only one there is */
 } lostbits_rays;
 
 /* Rays of one's own, and answers if there are any: as `lostbits judge`. Tables as of a map, the answers being those of

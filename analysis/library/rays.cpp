@@ -1,5 +1,6 @@
 // Rays that come as arrays: judged, asked about, and their truth.
 #include "scene/rays/rays.hpp"
+#include "analysis/choice/judge_words.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
 #include "intersect/process/parallel.hpp"
@@ -79,6 +80,9 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     put_columns(columns, rays.t, std::array<std::string, 1>{"t"});
     put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
     put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // by is a number of cylinders
+    put_columns(columns, rays.matrix,
+                std::array<std::string, 12>{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22",
+                                            "m23"});
     scene::dump::DumpOptions options{.stop = running.stop()};
     if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
     if (rays.format != nullptr) options.format = choice::select_formats({rays.format}, "format").front();
@@ -106,6 +110,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
+    choice::put_under_matrices(*made.dump, made.solids);
     return made;
 }
 
@@ -138,7 +143,7 @@ private:
 };
 
 choice::Meets meets_of(const GivenRays& all) {
-    const Shapes shapes = all.solids.empty() ? Shapes(all.shape) : choice::shapes_of(all.solids);
+    const Shapes shapes = choice::shapes_of_rays(all.dump->layout(), all.solids);
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
@@ -162,6 +167,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         RayGroup group;
         group.solids = all.solids;
         if (group.solids.empty()) group.solids.emplace_back(all.shape);
+        if (all.dump->layout().has_matrix()) group.solids.front().placed = choice::any_matrix();
         request.metrics = chosen.made.for_forms(request.metrics, measure::map::forms_of(chosen.rows),
                                                 [&group] { return measure::blame::SettingOf(group); });
     }

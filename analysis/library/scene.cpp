@@ -91,16 +91,33 @@ void add_rays(const Scene& scene, lostbits_result& result) {
         table.columns[k++].numbers = std::move(*column);
 }
 
+/// The numbers of the matrix, and which way it leads.
+void add_matrix(const std::optional<Placement<double>>& placed, std::span<ResultColumn> columns) {
+    constexpr std::size_t numbers = Affine<double>::numbers;
+    for (std::size_t k = 0; k < numbers; ++k)
+        columns[k].numbers.push_back(placed ? placed->matrix[k] : measure::truth::missing);
+    columns[numbers].numbers.push_back(!placed ? measure::truth::missing : placed->is_inverse ? 1 : 0);
+}
+
 void add_solids(const Scene& scene, lostbits_result& result) {
     const std::vector<Solid<double>> solids = scene::rays::stored_solids(scene, binary64);
     for (const Shape shape : scene.shapes()) {
         std::vector<output::file::Column> columns;
+        const bool placed = std::ranges::any_of(
+            solids, [shape](const Solid<double>& solid) { return solid.shape == shape && solid.placed; });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "of the solid, as it is stored"});
+        const std::size_t numbers = columns.size();
+        for (std::size_t k = 0; placed && k < Affine<double>::numbers; ++k)
+            columns.push_back({"M" + std::to_string(k / 4) + std::to_string(k % 4), "number", "",
+                               "of the matrix that it stands under, as it is stored"});
+        if (placed)
+            columns.push_back({"inverse", "boolean", "", "whether the matrix leads from the world to the solid"});
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
         for (const Solid<double>& solid : solids) {
-            for (std::size_t k = 0; solid.shape == shape && k < columns.size(); ++k)
-                table.columns[k].numbers.push_back(solid.numbers[k]);
+            if (solid.shape != shape) continue;
+            for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(solid.numbers[k]);
+            if (placed) add_matrix(solid.placed, std::span(table.columns).subspan(numbers));
         }
     }
 }
@@ -193,6 +210,31 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         if (mesh.faces.empty()) throw InputError("the mesh has no face with an area; give at least one");
         make_room(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
+        return Exit::done;
+    });
+}
+
+int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int inverse, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(matrix, "matrix");
+        Scene& of = scene->scene;
+        if (of.flake) throw InputError("transform: a sphereflake is made in the world, and no matrix moves it");
+        const bool shared = of.inputs == scene::file::Inputs::shared;
+        Placement<double> placed{{}, inverse != 0, 1};
+        for (std::size_t k = 0; k < placed.matrix.size(); ++k) {
+            const double x = shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
+            if (!std::isfinite(x))
+                throw InputError("transform: number " + std::to_string(k) + " is not a finite number" +
+                                 (shared ? " of float32" : ""));
+            placed.matrix[k] = x;
+        }
+        placed.orientation = orientation_of(placed.matrix);
+        if (!placed.is_proper())
+            throw InputError("transform: the matrix is singular: it flattens the solids; write another");
+        for (Solid<Real>& solid : of.listed) solid.placed = transformed(placed, [](double x) { return Real(x); });
+        if (of.mesh) of.mesh_placed = placed;
+        scene->named.clear();
         return Exit::done;
     });
 }

@@ -73,7 +73,7 @@ class Rays:
     """Arrays as lostbits_rays; it keeps them alive. `values`: what the numbers of `by` stand for."""
 
     def __init__(self, o: Any, d: Any, solids: Any, shape: str, paired: bool = False, *, t: Any = None, hit: Any = None,
-                 tmin: Any = None, tmax: Any = None, by: Any = None, open_ends: str = "none",
+                 tmin: Any = None, tmax: Any = None, by: Any = None, matrix: Any = None, open_ends: str = "none",
                  format: str | None = None, **words: str) -> None:
         if o is None or d is None:
             raise lib.InputError("o and d are the origins and directions of rays, n x 3; give both")
@@ -95,6 +95,10 @@ class Rays:
                 raise lib.InputError(f"solids is None; give an array of {count} numbers a {shape}, or a scene")
             raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(paired)
             self.kept.append(solids)
+        if isinstance(matrix, np.ndarray) and matrix.ndim == 3 and matrix.shape[1:] in ((3, 4), (4, 4)):
+            matrix = matrix[:, :3].reshape(len(matrix), 12)
+        matrix, raw.matrix = array_of(matrix, "matrix", 12, n)
+        self.kept.append(matrix)
         codes = None
         if by is not None:
             by = np.asarray(by)

@@ -43,15 +43,17 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
           shape: str = "sphere", paired: bool = False, forms: Forms = None, formats: Texts = (), metrics: Texts = (),
           by: Any = None, bits: float | None = None, tolerance: float | None = None, rows: bool = True,
           threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
-          open_ends: str = "none", format: str | None = None, direction: str = "any", touching: str = "hit",
-          at_origin: str = "hit", inside: str = "usual") -> Judgement:
+          matrix: Floats | None = None, open_ends: str = "none", format: str | None = None, direction: str = "any",
+          touching: str = "hit", at_origin: str = "hit", inside: str = "usual") -> Judgement:
     """Rays and the answers that some code gave to them, against the certified truth.
 
     `o`, `d`: n x 3, float32 or float64, read where they lie, whatever their strides. `t`: n, in lengths of d (of d
     normalised with direction="unit"), nan where it misses; `hit`: n booleans, where t does not say it. `solids`: m x k
     numbers of a `shape`, which every ray is aimed at, or with paired=True one a ray, or a scene. `tmin`, `tmax`: where
-    each ray begins and ends, both ends being part of it but for open_ends="tmin", "tmax" or "both". `forms`: others
-    that answer to the same rays. `format`: what t was computed in; by its type where absent.
+    each ray begins and ends, both ends being part of it but for open_ends="tmin", "tmax" or "both". `matrix`, n x 12 or
+    n x 3 x 4: what each ray's solid stands under, from its own space to the world, with one solid for all rays or with
+    paired=True. `forms`: others that answer to the same rays. `format`: what t was computed in; by its type where
+    absent.
 
     The result: `.summary`, `.frame`, `.rays` (a row a ray: outcome, lost_bits, truth, ...), `.of["sphere.unified",
     "f32"]`. `by`, an item a ray (depth, material, instance): the summary also has a row for each value, in its column
@@ -61,8 +63,9 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     wished = [f"enough_bits:{bits!r}"] if bits is not None else []
     if tolerance is not None:
         wished += ["distance_error", f"tolerance:{float(tolerance)!r}"]
-    given = Rays(o, d, solids, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, open_ends=open_ends,
-                 format=format, direction=direction, touching=touching, at_origin=at_origin, inside=inside)
+    given = Rays(o, d, solids, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, matrix=matrix,
+                 open_ends=open_ends, format=format, direction=direction, touching=touching, at_origin=at_origin,
+                 inside=inside)
     own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
     asked = Asked(forms, formats or own_format, [*texts(metrics), *wished], rows)
     _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
@@ -92,15 +95,16 @@ def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere",
 
 def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
           touching: str = "hit", at_origin: str = "hit", inside: str = "usual", tmin: Floats | None = None,
-          tmax: Floats | None = None, open_ends: str = "none", threads: int = 0) -> Truths:
+          tmax: Floats | None = None, matrix: Floats | None = None, open_ends: str = "none",
+          threads: int = 0) -> Truths:
     """The certified truth of rays: `hit` (booleans), `t` (the nearest double, nan of a miss) and `t_lo` (what is
     left, so that t + t_lo is the exact t to 2^-72 of itself), `solid` (which is hit first, from 0; -1 of a miss),
     `resolved`.
 
     `o`, `d`: n x 3 of float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre,
-    radius), or a scene. `tmin`, `tmax`, `open_ends`: where each ray begins and ends, as in lb.judge.
+    radius), or a scene. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
     """
-    given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, open_ends=open_ends, format="f64",
+    given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
                  direction=direction, touching=touching, at_origin=at_origin, inside=inside)
     return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])
 

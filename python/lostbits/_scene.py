@@ -37,7 +37,8 @@ class Scene:
         """o, d (a row a pixel) and the solids of a shape."""
         rays, table = self.rays["rays"], self.rays.get(shape)
         o, d = (np.stack([rays[k + axis] for axis in "xyz"], axis=1).astype(dtype) for k in "od")
-        solids = np.empty((0, COUNTS[shape])) if table is None else np.stack([table[k] for k in table], axis=1)
+        keys = [] if table is None else list(table)[:COUNTS[shape]]  # those of a matrix come after them
+        solids = np.stack([table[k] for k in keys], axis=1) if table is not None else np.empty((0, COUNTS[shape]))
         return o, d, solids.astype(dtype)
 
     def sample(self, shape: str, dtype: Any) -> tuple[Floats, Floats, Floats]:
@@ -70,9 +71,11 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
 
     Without a name: `camera` as in docs/files.md, {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0],
     "fov_deg": 40}, and solids by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi),
-    `triangles` n x 9, `cones` n x 8, ...; lb.SHAPES has the keys of each. Or `mesh` = (vertices n x 3, faces m x 3),
-    which `transform` (4 x 4, or 3 x 4) moves, in float64. Solids are doubles; with inputs="shared" they are rounded
-    once to float32, so that every format gets the same numbers, with "own" each format rounds them itself.
+    `triangles` n x 9, `cones` n x 8, ...; lb.SHAPES has the keys of each. Or `mesh` = (vertices n x 3, faces m x 3).
+    `transform` (4 x 4, or 3 x 4): the matrix that all of them stand under, as it is stored; nothing is multiplied by
+    it, and forms are asked through a space ("triangle.undivided@pbrt"). Solids are doubles; with inputs="shared" they
+    and the matrix are rounded once to float32, so that every format gets the same numbers, with "own" each format
+    rounds them itself.
     """
     try:
         width, height = (int(n) for n in size or (0, 0))
@@ -112,7 +115,9 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
         numbers = _numbers(value, key, COUNTS[shape], keys)
         lib.call("lostbits_scene_solids", handle.pointer, shape.encode(), numbers.ctypes, c.c_size_t(len(numbers)))
     if mesh is not None:
-        _put_mesh(handle, mesh, transform)
+        _put_mesh(handle, mesh)
+    if transform is not None:
+        _put_under(handle, transform)
     return Scene(handle, None)
 
 
@@ -130,14 +135,18 @@ def _numbers(value: Any, name: str, columns: int, means: str = "", dtype: Any = 
     return numbers
 
 
-def _put_mesh(handle: lib.Handle, mesh: Any, transform: Any) -> None:
+def _put_under(handle: lib.Handle, transform: Any) -> None:
+    matrix = _numbers(transform, "transform", 4, ", 3 or 4 rows")
+    if len(matrix) == 4 and matrix[3].tolist() != [0, 0, 0, 1]:
+        raise lib.InputError(f"transform has {matrix[3].tolist()} as its last row; of an affine map it is 0, 0, 0, 1")
+    lib.call("lostbits_scene_transform", handle.pointer, matrix.ctypes, c.c_int(0))
+
+
+def _put_mesh(handle: lib.Handle, mesh: Any) -> None:
     if not isinstance(mesh, (tuple, list)) or len(mesh) != 2:
         raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
     vertices = _numbers(mesh[0], "mesh: the array of vertices", 3)
     faces = _numbers(mesh[1], "mesh: the array of faces", 3, dtype=np.uint32)
-    if transform is not None:
-        matrix = _numbers(transform, "transform", 4, ", 3 or 4 rows")
-        vertices = np.ascontiguousarray(vertices @ matrix[:3, :3].T + matrix[:3, 3])
     lib.call("lostbits_scene_mesh", handle.pointer, vertices.ctypes, c.c_size_t(len(vertices)), faces.ctypes,
              c.c_size_t(len(faces)))
 

@@ -216,6 +216,51 @@ class Bits(unittest.TestCase):
         with self.assertRaises(ValueError):
             t[0] = 1  # it is the library's memory
 
+    def test_matrices_are_those_that_are_stored(self):
+        from fractions import Fraction as F
+
+        rng = np.random.default_rng(5)
+        move = np.eye(4)
+        move[:3] = rng.normal(size=(3, 4))
+        vertices = rng.normal(size=(3, 3))
+        camera = {"kind": "pinhole", "eye": [0, 0, 9], "look_at": [0, 0, 0], "fov_deg": 40}
+        s = lb.scene(camera=camera, mesh=(vertices, [[0, 1, 2]]), transform=move, size=(16, 16), inputs="own")
+        table = s.rays["triangle"]
+        for row in range(3):
+            for column in range(4):
+                self.assertEqual(table[f"M{row}{column}"][0], move[row, column])
+        self.assertEqual(s.arrays("triangle", np.float64)[2].shape, (1, 9))
+        # The exact image of the vertices under the stored matrix, in fractions, and where the ray meets its plane.
+        o, d = rng.normal(size=(300, 3)) * 3, rng.normal(size=(300, 3))
+        image = [[sum(F(m) * F(x) for m, x in zip(row[:3], v)) + F(row[3]) for row in move[:3]] for v in vertices]
+        minus = lambda a, b: [x - y for x, y in zip(a, b)]
+        dot = lambda a, b: sum(x * y for x, y in zip(a, b))
+        cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        b, c = minus(image[1], image[0]), minus(image[2], image[0])
+        n = cross(b, c)
+        d = np.array([float(x) for x in image[0]]) + 0.3 * rng.normal(size=(300, 3)) - o
+        of_scene = lb.truth(o, d, s)
+        of_rays = lb.truth(o, d, vertices.reshape(1, 9), shape="triangle", matrix=np.repeat(move[None, :3], 300, axis=0))
+        np.testing.assert_array_equal(of_scene.hit, of_rays.hit)
+        np.testing.assert_array_equal(of_scene.t, of_rays.t)
+        hits = 0
+        for i in range(300):
+            ray, to = [F(x) for x in o[i]], [F(x) for x in d[i]]
+            t = dot(minus(image[0], ray), n) / dot(to, n)
+            p = minus([x + t * y for x, y in zip(ray, to)], image[0])
+            u, v = dot(cross(p, c), n) / dot(n, n), dot(cross(b, p), n) / dot(n, n)
+            hit = t >= 0 and u >= 0 and v >= 0 and u + v <= 1
+            self.assertEqual(bool(of_scene.hit[i]), hit)
+            if hit:
+                hits += 1
+                self.assertLess(abs(F(of_scene.t[i]) + F(of_scene.t_lo[i]) - t), abs(t) / 2**70)
+        self.assertGreater(hits, 30)
+        judged = lb.judge(o, d, of_scene.t, solids=vertices.reshape(1, 9), shape="triangle",
+                          matrix=np.repeat(move[:3].reshape(1, 12), 300, axis=0), forms="triangle.undivided@relative",
+                          progress=False)
+        self.assertEqual(judged.summary["form"][1], "triangle.undivided@relative")
+        self.assertEqual(judged.summary["lost_bits_max"][0], 0)
+
     def test_truth_is_exact(self):
         from fractions import Fraction as F
 

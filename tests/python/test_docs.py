@@ -91,7 +91,8 @@ class Docs(unittest.TestCase):
         vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
         move = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 2], [0, 0, 0, 1.0]])
         mesh = lb.scene(camera=camera, mesh=(vertices, [[0, 1, 2], [0, 2, 3]]), transform=move, size=(32, 32))
-        t = lb.map(mesh, "triangle.pbrt", "f64", progress=False).pixels["triangle.pbrt", "f64"].truth
+        t = lb.map(mesh, "triangle.pbrt@relative", "f64",
+                   progress=False).pixels["triangle.pbrt@relative", "f64"].truth
         self.assertEqual(np.nanmin(t), 3.0)
 
 
