@@ -1,6 +1,7 @@
 // What the truth of a ray takes for each shape, in packs.
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <random>
 
 #include "intersect/simd/packed.hpp"
@@ -16,19 +17,31 @@ using namespace lostbits;
 using measure::truth::ProblemColumns;
 using measure::truth::Tightness;
 
-/// The easy rays of a shape's family, at one solid.
+/// A turn about (1, 2, 2) with cosine 3/5, one and a half times as large, and a shift: numbers of binary32 once they
+/// are rounded.
+Placement<double> turned() {
+    const Placement<double> placed{{0.9666667, -0.6666667, 0.9333333, 12, 0.9333333, 1.1666667, -0.1333333, -7,
+                                    -0.6666667, 0.6666667, 1.1666667, 5},
+                                   false,
+                                   1};
+    return transformed(placed, [](double x) { return static_cast<double>(static_cast<float>(x)); });
+}
+
+/// The easy rays of a shape's family, at one solid; or the same under a matrix.
 struct ShapeSet {
     Shape shape;
     std::array<std::vector<double>, 6> wide;
     std::array<std::vector<float>, 6> narrow;
     Solid<double> solid;
-    std::array<float, most_numbers> narrow_numbers{};
+    std::array<float, most_stored> narrow_numbers{};
 
-    explicit ShapeSet(const scene::rays::RayGroup& group)
+    ShapeSet(const scene::rays::RayGroup& group, std::optional<Placement<double>> placed)
         : shape(group.solids.front().shape), solid(group.solids.front()) {
+        solid.placed = placed;
         std::mt19937_64 engine(20261126);
         for (std::size_t i = 0; i < group.rays.size(); ++i) {
-            const Ray<double> ray = group.rays[i];
+            Ray<double> ray = group.rays[i];
+            if (placed) ray = {placed->map().point(ray.origin), placed->map().linear(ray.direction)};
             for (int k = 0; k < 6; ++k) {
                 const double x = k < 3 ? ray.origin[k] : ray.direction[k - 3];
                 narrow[static_cast<std::size_t>(k)].push_back(static_cast<float>(x));
@@ -38,6 +51,8 @@ struct ShapeSet {
             }
         }
         for (std::size_t k = 0; k < solid.used().size(); ++k) narrow_numbers[k] = static_cast<float>(solid.numbers[k]);
+        for (std::size_t k = most_numbers; placed && k < most_stored; ++k)
+            narrow_numbers[k] = static_cast<float>(placed->matrix[k - most_numbers]);
     }
     template <class S>
     [[nodiscard]] ProblemColumns<S> problems() const {
@@ -50,6 +65,11 @@ struct ShapeSet {
             if constexpr (sizeof(S) == 4) p.solid[k] = std::span(&narrow_numbers[k], 1);
             else p.solid[k] = std::span(&solid.numbers[k], 1);
         }
+        for (std::size_t k = most_numbers; solid.placed && k < most_stored; ++k) {
+            if constexpr (sizeof(S) == 4) p.solid[k] = std::span(&narrow_numbers[k], 1);
+            else p.solid[k] = std::span(&solid.placed->matrix[k - most_numbers], 1);
+        }
+        if (solid.placed) p.matrix = {true, false, solid.placed->orientation};
         return p;
     }
 };
@@ -57,19 +77,32 @@ struct ShapeSet {
 }  // namespace
 
 void print_truth_of_shapes() {
-    std::vector<ShapeSet> sets;
-    for (const auto& family : scene::sweep::families()) sets.emplace_back(family.timed().hits);
-    std::printf("%-12s %14s %14s   rays that hit, one solid, packs of %s\n", "truth", "24 bits, ns", "53 bits, ns",
+    struct Pair {
+        ShapeSet own, placed;
+    };
+    std::vector<Pair> sets;
+    for (const auto& family : scene::sweep::families()) {
+        const auto hits = family.timed().hits;
+        sets.push_back({ShapeSet(hits, std::nullopt), ShapeSet(hits, turned())});
+    }
+    std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one solid, packs of %s\n", "truth", "24 bits, ns",
+                "53 bits, ns", "under a matrix", "53 bits, ns", "times, 24", "times, 53",
                 std::string(name_of(intersect::simd::current_isa())).c_str());
-    for (const ShapeSet& set : sets) {
+    for (const auto& [own, placed] : sets) {
         static measure::truth::TruthColumns out;
-        const std::vector<lostbits::measure::speed::TimedWork> work{
-            {[&set] { find_truth_columns(set.problems<float>(), {.tightness = Tightness::ulps_of_binary32}, out); },
-             set.narrow[0].size(), true},
-            {[&set] { find_truth_columns(set.problems<double>(), {}, out); }, set.narrow[0].size(), true}};
+        std::vector<measure::speed::TimedWork> work;
+        for (const ShapeSet* const set : {&own, &placed}) {
+            const std::size_t rays = set->narrow[0].size();
+            work.push_back(
+                {[set] { find_truth_columns(set->problems<float>(), {.tightness = Tightness::ulps_of_binary32}, out); },
+                 rays, true});
+            work.push_back({[set] { find_truth_columns(set->problems<double>(), {}, out); }, rays, true});
+        }
         const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 15});
-        std::printf("%-12s", std::string(name_of(set.shape)).c_str());
+        std::printf("%-12s", std::string(name_of(own.shape)).c_str());
         for (const auto& sample : samples) std::printf(" %14.1f", 1e9 * measure::speed::timing_of(sample).median);
+        for (const std::size_t k : {0, 1})
+            std::printf(" %14.2f", measure::speed::ratio_of(samples[k + 2], samples[k]).median);
         std::printf("\n");
     }
     std::printf("\n");

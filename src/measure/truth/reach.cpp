@@ -35,8 +35,9 @@ int binary_exponent(const Real& x) {
 }
 
 /// A problem with N numbers (origin, direction, the solid's, its matrix's), in units in which its largest length and
-/// its largest component of d are about 1 (under a matrix as they are), each number as all that it may be: f(x') of any
-/// x' within the errors is in f(ray, solid).
+/// its largest component of d are about 1, each number as all that it may be: f(x') of any x' within the errors is in
+/// f(ray, solid). Under a matrix the lengths of the solid have a unit of their own, and A that of a quotient; no number
+/// is above 1 then, so that nothing overflows, and what small ones lose to underflow is in the bounds.
 template <std::size_t N>
 class Perturbable {
 public:
@@ -54,20 +55,22 @@ public:
                    : i < matrix_ ? s.numbers[i - 6]
                                  : s.placed->matrix[place_in_matrix(i - matrix_)];
         };
+        placed_ = s.placed.has_value();
+        inverse_ = placed_ && s.placed->is_inverse;
         std::array<int, N> exponents;
         for (std::size_t i = 0; i < N; ++i) {
             exponents[i] = binary_exponent(number(i));
-            int& unit = is_direction(i) ? direction_ : length_;
+            int& unit = units_[unit_place(i)];
             unit = std::max(unit, exponents[i]);
         }
+        if (placed_) put_units_of_matrix();
         // Within these nothing that decides underflows: a triangle multiplies four numbers.
         for (int* const unit : {&length_, &direction_})
-            if (std::abs(*unit) < 32 || s.placed) *unit = 0;
+            if (std::abs(*unit) < 32 && !placed_) *unit = 0;
         for (std::size_t i = 0; i < N; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
             const int exponent = exponents[i] - unit_of(i);
-            // Under a matrix up to twenty-four numbers are multiplied.
-            spread_ |= exponents[i] > exponent_of_zero && (s.placed ? std::abs(exponent) > 40 : exponent < -600);
+            spread_ |= exponents[i] > exponent_of_zero && exponent < -600;
             step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
         }
         if (normwise_)
@@ -155,8 +158,22 @@ public:
 private:
     /// The linear part first, row by row, then what is added.
     static std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
-    static bool is_direction(std::size_t i) { return i >= 3 && i < 6; }
-    [[nodiscard]] int unit_of(std::size_t i) const { return is_direction(i) ? direction_ : length_; }
+    /// Of the world's lengths, directions, the solid's lengths under a matrix, its linear part.
+    [[nodiscard]] std::size_t unit_place(std::size_t i) const {
+        if (i >= 3 && i < 6) return 1;
+        if (!placed_ || i < 3) return 0;
+        if (i < matrix_) return 2;
+        return i < matrix_ + 9 ? 3 : inverse_ ? 2 : 0;
+    }
+    [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
+    /// x of the world is A x' + τ of the solid, or the other way: A's unit is the quotient of both, and where A is
+    /// larger the unit of what it makes grows.
+    void put_units_of_matrix() {
+        int &made = units_[inverse_ ? 2 : 0], &from = units_[inverse_ ? 0 : 2], &linear = units_[3];
+        from = std::max(from, -1000);  // of zeros
+        made = std::max(made, linear + from);
+        linear = made - from;
+    }
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
@@ -166,7 +183,9 @@ private:
 
     bool normwise_, spread_ = false;
     std::size_t matrix_;  ///< the place of its first number
-    int length_ = exponent_of_zero, direction_ = exponent_of_zero;
+    bool placed_ = false, inverse_ = false;
+    std::array<int, 4> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
+    int &length_ = units_[0], &direction_ = units_[1];
     std::array<double, N> x_, step_;
 };
 
