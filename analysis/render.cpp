@@ -32,17 +32,13 @@ struct RenderOptions {
 
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
+    choice::refuse_placed(scenes, "render");
     for (const Scene& scene : scenes) {
         if (scene.flake)
             throw InputError(
                 fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
                             "`lostbits map`",
                             scene.path.string()));
-        if (scene.is_placed())
-            throw InputError(
-                fmt::format("{}: render draws {} where their numbers say, and solids of scene \"{}\" stand under "
-                            "matrices; use `lostbits map`",
-                            scene.path.string(), row_of(scene::file::rendered_shape).plural, scene.id));
         if (!scene.meets(scene::file::rendered_shape))
             throw InputError(
                 fmt::format("{}: render draws {}, and scene \"{}\" has {}; use `lostbits map`", scene.path.string(),

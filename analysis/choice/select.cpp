@@ -119,6 +119,20 @@ std::vector<const measure::consistency::Check*> select_checks(const std::vector<
 std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
+        if (glob.starts_with("step:") && is_glob(glob)) {
+            bool any = false;
+            for (const std::string_view step : intersect::space::step_names) {
+                const std::string name = "step:" + std::string(step);
+                if (fnmatch(glob.c_str(), name.c_str(), 0) != 0) continue;
+                any = true;
+                if (const Metric* const one = made.find(name); std::ranges::find(chosen, one) == chosen.end())
+                    chosen.push_back(one);
+            }
+            if (!any)
+                throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; they are {}", glob,
+                                                  fmt::join(intersect::space::step_names, ", ")));
+            continue;
+        }
         if (const Metric* const one = made.find(glob)) {
             if (std::ranges::find(chosen, one) == chosen.end()) chosen.push_back(one);
             continue;

@@ -240,9 +240,16 @@ Forms made_named(const std::string& word, const char* option) {
         return all;
     }
     if (is_space) {
-        for (const Intersector* const one : forms)
+        const bool is_glob = form.find_first_of("*?[") != std::string::npos;
+        for (const Intersector* const one : forms) {
+            if (is_glob && !is_solid(one->shape)) continue;  // a form that marches has no space; named, it says so
             for (const auto* const through : select_spaces(last, option))
                 all.push_back(&intersect::space::through(*through, *one));
+        }
+        if (all.empty())
+            throw NothingSelected(
+                fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",
+                            option, word, last));
         return all;
     }
     const std::size_t tilde = std::min(last.find('~'), last.size());

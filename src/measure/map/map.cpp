@@ -132,7 +132,7 @@ std::vector<RowsOfMaker> by_maker(const std::vector<MapRow>& rows) {
 
 /// Groups of rays with one solid each, as one group whose rays are paired with it.
 struct Joined {
-    scene::rays::RayGroup rays = {.solids = {}, .paired = true};
+    scene::rays::RayGroup rays = {.rays = {}, .solids = {}, .paired = true};
     std::vector<std::size_t> first = {};  ///< of each group, the place of its first ray
 
     /// What names a ray of the whole names it by its group again.

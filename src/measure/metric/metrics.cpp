@@ -239,7 +239,7 @@ constexpr Metric table[] = {
      .value = arithmetic,
      .over = Over::every,
      .categories = intersect::way_names},
-    {.name = "step",
+    {.name = "worst_step",
      .layer = "space.step",
      .meaning = "of the steps into the space of a solid under a matrix and back, the one to which most of the error of "
                 "t is assigned, or the first that turns the decision: each step in turn rounded, those after it exact",
