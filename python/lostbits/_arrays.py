@@ -97,8 +97,6 @@ class Rays:
             self.kept.append(solids)
         if isinstance(matrix, np.ndarray) and matrix.ndim == 3 and matrix.shape[1:] in ((3, 4), (4, 4)):
             matrix = matrix[:, :3].reshape(len(matrix), 12)
-        matrix, raw.matrix = array_of(matrix, "matrix", 12, n)
-        self.kept.append(matrix)
         codes = None
         if by is not None:
             by = np.asarray(by)
@@ -109,8 +107,9 @@ class Rays:
             except TypeError:
                 raise lib.InputError("by has items without an order; give numbers, or texts") from None
             codes = codes.astype(np.float64)
-        for field, value, kinds in (("t", t, "f"), ("hit", hit, "b"), ("tmin", tmin, "f"), ("tmax", tmax, "f"),
-                                    ("by", codes, "f")):
-            value, array = array_of(value, field, 0, n, kinds)
+        for field, value, kinds, columns in (
+                ("t", t, "f", 0), ("hit", hit, "b", 0), ("tmin", tmin, "f", 0), ("tmax", tmax, "f", 0),
+                ("by", codes, "f", 0), ("matrix", matrix, "f", 12)):
+            value, array = array_of(value, field, columns, n, kinds)
             setattr(raw, field, array)
             self.kept.append(value)

@@ -52,8 +52,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     numbers of a `shape`, which every ray is aimed at, or with paired=True one a ray, or a scene. `tmin`, `tmax`: where
     each ray begins and ends, both ends being part of it but for open_ends="tmin", "tmax" or "both". `matrix`, n x 12 or
     n x 3 x 4: what each ray's solid stands under, from its own space to the world, with one solid for all rays or with
-    paired=True. `forms`: others that answer to the same rays. `format`: what t was computed in; by its type where
-    absent.
+    paired=True. `forms`: others that answer to the same rays. `format`: what t was computed in (default: its type).
 
     The result: `.summary`, `.frame`, `.rays` (a row a ray: outcome, lost_bits, truth, ...), `.of["sphere.unified",
     "f32"]`. `by`, an item a ray (depth, material, instance): the summary also has a row for each value, in its column
@@ -172,9 +171,8 @@ def _sweep_text(on: Scene, along: Union[str, Mapping[str, float]], start: float 
                              "write start=1, or along=\"distance\"")
     paths = {along: 1.0} if isinstance(along, str) else dict(along)
     axis = {"name": name, "unit": "world", "spacing": spacing, "from": float(start), "to": float(to),
-            "steps": int(steps), "set": list(paths), "factors": list(paths.values())}
-    if any(bases):
-        axis["bases"] = bases
+            "steps": int(steps), "set": list(paths), "factors": list(paths.values()),
+            **({"bases": bases} if any(bases) else {})}
     lines = ['schema = "lostbits-sweep/1"', f"title = {toml_text(f'{on.name} along {name}')}", 'source = "-"',
              f"scene = {toml_text(path)}", "[[axis]]", *(f"{key} = {toml_text(value)}" for key, value in axis.items())]
     return "\n".join(lines) + "\n"

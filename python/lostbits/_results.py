@@ -9,16 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._library import EnvironmentFault
-from ._tables import Table, frame_of
+from ._tables import Table, optional
 from ._trace import Tape
-
-
-def _figure(width: float, height: float) -> Any:
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise EnvironmentFault("matplotlib is not installed; the arrays are there without it") from None
-    return Figure(figsize=(width, height))
 
 
 class ByRow:
@@ -85,7 +77,7 @@ class Map(Summarised):
         """A picture a form and format, of one range, as a matplotlib Figure; grey: no agreed hit."""
         rows = list(self.pixels)
         images = [np.asarray(self.pixels[row][column], dtype=float) for row in rows]
-        figure = _figure(3 * len(rows) + 0.8, 3.4)
+        figure = optional("matplotlib.figure").Figure(figsize=(3 * len(rows) + 0.8, 3.4))
         top = max((float(np.nanmax(i)) for i in images if np.isfinite(i).any()), default=1.0)
         axes = figure.subplots(1, len(rows), squeeze=False)[0]
         for axis, (form, format), image in zip(axes, rows, images):
@@ -157,7 +149,7 @@ class Sweep(Summarised):
         """A line a form and format along the first axis, as a matplotlib Figure."""
         name = next(iter(self.samples))
         x, y, forms, formats = (self.samples[k] for k in (name, column, "form", "format"))
-        figure = _figure(7, 4)
+        figure = optional("matplotlib.figure").Figure(figsize=(7, 4))
         axis = figure.subplots()
         for form, format in dict.fromkeys(zip(forms, formats)):
             of = (forms == form) & (formats == format)
@@ -176,10 +168,8 @@ class Choice(Summarised):
     def __init__(self, tables: dict[str, Table], text: str, meets: bool) -> None:
         super().__init__(tables["choose"])
         self.candidates, self.room, self.text = tables["choose"], tables["room"], text
-        self.chosen: tuple[str, str] | None = None
-        if meets:
-            i = int(np.argmax(self.candidates["chosen"]))
-            self.chosen = (self.candidates["form"][i], self.candidates["format"][i])
+        best = int(np.argmax(self.candidates["chosen"])) if meets else None
+        self.chosen = None if best is None else tuple(self.candidates[k][best] for k in ("form", "format"))
 
     def __repr__(self) -> str:
         return self.text
@@ -202,8 +192,9 @@ class Explanation:
     @property
     def frame(self) -> Any:
         """The operations as a pandas.DataFrame."""
-        return frame_of([{**row, "computed": row["computed"]["decimal"] if isinstance(row["computed"], dict)
-                          else row["computed"]} for row in self.operations])
+        return optional("pandas").DataFrame([
+            {**row, "computed": row["computed"]["decimal"] if isinstance(row["computed"], dict) else row["computed"]}
+            for row in self.operations])
 
     def __repr__(self) -> str:
         return self.text
@@ -211,8 +202,7 @@ class Explanation:
 
 def _put_lines(operations: list[dict[str, Any]], followed: Tape) -> None:
     """Where each operation was done. The tape has one more input, and constants in pieces of their own."""
-    constant: dict[str, bool] = {}
-    rows = []
+    constant, rows = dict[str, bool](), list[dict[str, Any]]()
     for row in operations:
         operands = [constant.get(name, False) for name in row["operands"]]
         constant[row["name"]] = row["operation"] == "constant" or bool(operands) and all(operands)

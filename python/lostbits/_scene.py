@@ -37,9 +37,9 @@ class Scene:
         """o, d (a row a pixel) and the solids of a shape."""
         rays, table = self.rays["rays"], self.rays.get(shape)
         o, d = (np.stack([rays[k + axis] for axis in "xyz"], axis=1).astype(dtype) for k in "od")
-        keys = [] if table is None else list(table)[:COUNTS[shape]]  # those of a matrix come after them
-        solids = np.stack([table[k] for k in keys], axis=1) if table is not None else np.empty((0, COUNTS[shape]))
-        return o, d, solids.astype(dtype)
+        # Columns of a matrix come after those of the solid.
+        solids = [table[k] for k in list(table)[:COUNTS[shape]]] if table else [np.empty(0)] * COUNTS[shape]
+        return o, d, np.stack(solids, axis=1).astype(dtype)
 
     def sample(self, shape: str, dtype: Any) -> tuple[Floats, Floats, Floats]:
         """At most some thousand of its rays, evenly, a stretch of them to each of the solids."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 import difflib
+import importlib
 from typing import Any, Iterator
 
 import numpy as np
@@ -12,13 +13,13 @@ from numpy.typing import NDArray
 from ._library import ColumnWords, EnvironmentFault, Handle, TableWords, library
 
 
-def frame_of(columns: Any) -> Any:
-    """A pandas.DataFrame of arrays by name, or of rows."""
+def optional(module: str) -> Any:
+    """Of a package that arrays do without."""
     try:
-        import pandas
+        return importlib.import_module(module)
     except ImportError:
-        raise EnvironmentFault("pandas is not installed; the arrays are there without it") from None
-    return pandas.DataFrame(columns)
+        package = module.partition(".")[0]
+        raise EnvironmentFault(f"{package} is not installed; the arrays are there without it") from None
 
 
 class Column:
@@ -97,7 +98,7 @@ class Table:
     @property
     def frame(self) -> Any:
         """The table as a pandas.DataFrame."""
-        return frame_of({name: column.values for name, column in self.columns.items()})
+        return optional("pandas").DataFrame({name: column.values for name, column in self.columns.items()})
 
     def __repr__(self) -> str:
         return f"<lostbits table {self.name}: {self._rows} rows of {', '.join(self.columns)}>"

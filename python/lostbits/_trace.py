@@ -29,12 +29,9 @@ class Unfollowed(TypeError):
 
 def user_line() -> tuple[str, int]:
     frame: Any = sys._getframe(1)
-    while frame is not None:
-        name = frame.f_code.co_filename
-        if not name.startswith((PACKAGE, NUMPY, "<__array_function__")):
-            return name, frame.f_lineno
+    while frame and frame.f_code.co_filename.startswith((PACKAGE, NUMPY, "<__array_function__")):
         frame = frame.f_back
-    return "?", 0
+    return (frame.f_code.co_filename, frame.f_lineno) if frame else ("?", 0)
 
 
 def fail(what: str) -> Unfollowed:

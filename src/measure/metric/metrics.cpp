@@ -10,6 +10,7 @@
 #include "measure/metric/errors_of_rays.hpp"
 #include "measure/metric/errors_of_t.hpp"
 #include "measure/metric/hit_point.hpp"
+#include "measure/metric/march.hpp"
 #include "measure/metric/own_bound.hpp"
 #include "measure/metric/published_bounds.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -26,11 +27,6 @@ double condition_number(const Sample& s) { return s.condition; }
 double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.truth, s.format->shape); }
 double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.truth, s.format->shape); }
 double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->shape, s.reach); }
-
-double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
-double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
-double overshoot(const Sample& s) { return s.march ? std::max(0.0, -s.march->deepest) : missing; }
-double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
 
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
 double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
@@ -286,41 +282,6 @@ constexpr Metric table[] = {
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,
      .value = counterfactual<&blame::Counterfactuals::alone>},
-    {.name = "iterations",
-     .unit = "samples",
-     .layer = "march.iterations",
-     .meaning = "samples of the field that the march took",
-     .ramp = Ramp::magnitude,
-     .low = 1,
-     .high = 0x1p+8,
-     .by_default = true,
-     .value = iterations,
-     .over = Over::marches},
-    {.name = "stop",
-     .layer = "march.stop",
-     .meaning = "why the march ended; stagnated: at the step cap, where the next step would lead nowhere (t + d == t)",
-     .ramp = Ramp::categories,
-     .by_default = true,
-     .value = stop,
-     .over = Over::marches,
-     .categories = intersect::stop_names},
-    {.name = "least_field",
-     .unit = "length",
-     .layer = "march.least_field",
-     .meaning = "smallest |field| that the march sampled",
-     .ramp = Ramp::magnitude,
-     .high = 0x1p+4,
-     .by_default = true,
-     .value = least_field,
-     .over = Over::marches},
-    {.name = "overshoot",
-     .unit = "length",
-     .layer = "march.overshoot",
-     .meaning = "how deep inside the march sampled the field: max(0, -field); from outside it is 0 in exact arithmetic",
-     .ramp = Ramp::magnitude,
-     .high = 0x1p+4,
-     .value = overshoot,
-     .over = Over::marches},
     {.name = "against",
      .layer = "against.class",
      .meaning = "whether the form of --against decides the same, and has the same t; alone_hits: the other one misses",
@@ -337,8 +298,9 @@ constexpr Metric table[] = {
 };
 
 constexpr auto all = [] {
-    std::array<Metric, std::size(table) + std::size(metrics_of_rays)> rows{};
-    std::ranges::copy(metrics_of_rays, std::ranges::copy(table, rows.begin()).out);
+    std::array<Metric, std::size(table) + std::size(metrics_of_marches) + std::size(metrics_of_rays)> rows{};
+    const auto marches = std::ranges::copy(table, rows.begin()).out;
+    std::ranges::copy(metrics_of_rays, std::ranges::copy(metrics_of_marches, marches).out);
     return rows;
 }();
 

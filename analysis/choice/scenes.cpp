@@ -1,0 +1,80 @@
+// Scenes by name, and the folders that they and what forms are compiled with lie in.
+#include <fmt/format.h>
+
+#include <set>
+
+#include "analysis/choice/ray_numbers.hpp"
+#include "analysis/choice/select.hpp"
+#include "intersect/process/own_state.hpp"
+#include "number/error.hpp"
+#include "output/blame/explain_command.hpp"
+
+namespace lostbits::analysis::choice {
+
+using scene::file::Scene;
+
+std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
+    scene::file::LoadOptions options{.stop = choice.stop};
+    if (!choice.size.empty()) options.size = parse_size(choice.size);
+    for (const auto& s : choice.set) options.overrides.push_back(scene::toml::parse_override(s));
+    std::vector<Scene> scenes;
+    std::set<std::string> ids;
+    for (const std::string& word : choice.names) {
+        const scene::file::SceneName name = scene::file::find_scene(word, data);
+        options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
+        for (auto& scene : scene::file::load_scene(name.path, options)) {
+            if (choice.all_ahead && !scene.range.is_whole())
+                throw InputError(
+                    fmt::format("{}: the rays of {} have a range, and this command asks about all that "
+                                "lies ahead of them; leave the [rays] table out",
+                                word, scene.id));
+            // A title tells of the file's own numbers: "… 100 away" would go on saying so.
+            if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
+            if (!ids.insert(scene.id).second)
+                throw InputError(fmt::format("{}: scene \"{}\" is given twice; both would write to the same folder",
+                                             word, scene.id));
+            for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
+            scenes.push_back(std::move(scene));
+        }
+    }
+    return scenes;
+}
+
+std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
+    using output::blame::shell_word;
+    if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
+    const std::string stem = scene.path.stem().string();
+    const std::string variant = scene.id == stem ? "" : " --variant " + shell_word(scene.id.substr(stem.size() + 1));
+    return shell_word(scene.path.string()) + variant;
+}
+
+std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
+    const auto inside = path.lexically_relative(data / "sweeps");
+    const bool in_data = !inside.empty() && *inside.begin() != "..";
+    return output::blame::shell_word((in_data ? std::filesystem::path(inside).replace_extension() : path).string());
+}
+
+std::filesystem::path data_folder(const std::string& given) {
+    namespace fs = std::filesystem;
+    if (!given.empty()) return given;
+    if (const char* variable = intersect::process::own_environment("LOSTBITS_DATA")) return variable;
+    if (fs::is_directory("data/scenes")) return "data";
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+    // Unpacked beside the program, of the tree it was built in, installed.
+    for (const char* const place : {"data", "../data", "../share/lostbits/data"}) {
+        const fs::path folder = (program / place).lexically_normal();
+        if (!program.empty() && fs::is_directory(folder / "scenes", error)) return folder;
+    }
+    return "data";
+}
+
+std::filesystem::path form_flags_folder() {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const fs::path installed = (program / "../lib/lostbits").lexically_normal();
+    return fs::exists(installed / "form.flags", error) ? installed : program;
+}
+
+}  // namespace lostbits::analysis::choice
