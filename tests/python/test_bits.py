@@ -238,7 +238,8 @@ class Bits(unittest.TestCase):
         cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         b, c = minus(image[1], image[0]), minus(image[2], image[0])
         n = cross(b, c)
-        d = np.array([float(x) for x in image[0]]) + 0.3 * rng.normal(size=(300, 3)) - o
+        corners = np.array([[float(x) for x in corner] for corner in image])
+        d = rng.dirichlet((1, 1, 1), 300) @ corners + 0.1 * rng.normal(size=(300, 3)) - o
         of_scene = lb.truth(o, d, s)
         of_rays = lb.truth(o, d, vertices.reshape(1, 9), shape="triangle", matrix=np.repeat(move[None, :3], 300, axis=0))
         np.testing.assert_array_equal(of_scene.hit, of_rays.hit)
