@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
+#include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/answer/steps.hpp"
@@ -171,6 +172,58 @@ TEST_CASE("batches answer as ray by ray, and the tape of a row as its kernel") {
             }
         }
     }
+}
+
+namespace {
+
+/// So many rays at the solid of the first, all at once, in the registers of a width.
+template <class S, class Kernel>
+std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all) {
+    std::array<std::vector<S>, 6> x;
+    for (const Asked& a : all)
+        for (int k = 0; k < 3; ++k) {
+            x[static_cast<std::size_t>(k)].push_back(static_cast<S>(a.ray.origin[k]));
+            x[static_cast<std::size_t>(k + 3)].push_back(static_cast<S>(a.ray.direction[k]));
+        }
+    std::vector<S> t(all.size()), near(all.size()), far(all.size());
+    std::vector<std::uint8_t> hit(all.size());
+    kernel({x[0], x[1], x[2], x[3], x[4], x[5]},
+           Target<S>(transformed(all.front().solid, [](double n) { return static_cast<S>(n); })), {t, near, far, hit});
+    for (std::size_t i = 0; i < t.size(); ++i) t[i] = hit[i] != 0 ? t[i] : S(-1);
+    return t;
+}
+
+}  // namespace
+
+TEST_CASE("at every width of registers a batch answers as its rays alone") {
+    const auto before = intersect::simd::current_isa();
+    for (const Intersector* const form : plain_forms()) {
+        for (const Space& space : spaces()) {
+            CAPTURE(form->info->name, space.info->name);
+            const Intersector& row = through(space, *form);
+            Seeded r(13);
+            std::vector<Asked> all;
+            for (int i = 0; i < 37; ++i) {
+                all.push_back(draw(r, form->shape, binary32, 3));
+                all.back().solid = all.front().solid;
+                const Vec<double> middle = visit(all.front().solid, [](const auto& s) { return s.middle(); });
+                const Vec<double> at = all.front().solid.placed->map().point(middle) + 1.2 * r.vec(-1, 1);
+                all.back().ray.origin = rounded(at - 7.0 * all.back().ray.direction, binary32);
+            }
+            for (const auto isa : intersect::simd::available_isas()) {
+                intersect::simd::set_isa(isa);
+                const auto f32 = ask_together<float>(row.native32, all);
+                const auto f64 = ask_together<double>(row.native64, all);
+                intersect::simd::set_isa(intersect::simd::Isa::scalar);
+                for (std::size_t i = 0; i < all.size(); ++i) {
+                    const One one32 = ask<float>(row.native32, all[i]), one64 = ask<double>(row.native64, all[i]);
+                    REQUIRE((one32.hit ? one32.t : -1) == f32[i]);
+                    REQUIRE((one64.hit ? one64.t : -1) == f64[i]);
+                }
+            }
+        }
+    }
+    intersect::simd::set_isa(before);
 }
 
 TEST_CASE("what the steps are assigned sums to the error, and a stored inverse loses nothing by inverting") {
