@@ -219,7 +219,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases)
-        return [shapes = Shapes(scene::sweep::CaseFile(path).shapes())](Shapes forms) { return forms == shapes; };
+        return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
