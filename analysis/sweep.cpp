@@ -218,8 +218,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
-    if (kind == K::cases)
-        return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
+    if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
