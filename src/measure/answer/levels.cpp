@@ -3,6 +3,7 @@
 #include "intersect/space/spaced.hpp"
 #include "measure/answer/asked.hpp"
 #include "measure/truth/truth.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::measure::answer {
 
@@ -23,7 +24,7 @@ Place object_of(const Space& space, const Format& format, const Place& world) {
         const auto lift = [](double x) { return static_cast<T>(x); };
         const auto vec = [&](const Vec<double>& v) { return Vec<T>(lift(v.x), lift(v.y), lift(v.z)); };
         const auto back = [](const Vec<T>& v) { return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z)); };
-        const auto& steps = steps_in<T>(space);
+        const auto& steps = intersect::space::steps_in<T>(space);
         const auto in = steps.to_object(steps.maps(transformed(*world.solid.placed, lift)),
                                         {vec(world.ray.origin), vec(world.ray.direction)});
         Solid<T> object = transformed(world.solid, lift);
