@@ -34,10 +34,9 @@ class Scene:
         return int(rays["x"][-1]) + 1, int(rays["y"][-1]) + 1
 
     def arrays(self, shape: str = "sphere", dtype: Any = np.float32) -> tuple[Floats, Floats, Floats]:
-        """o, d (a row a pixel) and the solids of a shape."""
+        """o, d (a row a pixel) and the solids of a shape, without their matrices, whose columns come behind theirs."""
         rays, table = self.rays["rays"], self.rays.get(shape)
         o, d = (np.stack([rays[k + axis] for axis in "xyz"], axis=1).astype(dtype) for k in "od")
-        # Columns of a matrix come after those of the solid.
         solids = [table[k] for k in list(table)[:COUNTS[shape]]] if table else [np.empty(0)] * COUNTS[shape]
         return o, d, np.stack(solids, axis=1).astype(dtype)
 
