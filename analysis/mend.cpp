@@ -9,8 +9,8 @@
 #include <optional>
 #include <regex>
 
+#include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
-#include "analysis/choice/timed.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"

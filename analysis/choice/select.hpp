@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/scenes.hpp"
 #include "analysis/choice/sets.hpp"
 #include "intersect/hull/behind.hpp"
-#include "intersect/process/stop_token.hpp"
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
@@ -127,18 +127,6 @@ private:
     std::unique_ptr<Control> control_;
 };
 
-/// Scenes as the command line names them, and what it changes about them.
-struct SceneChoice {
-    std::vector<std::string> names;  ///< files, or ids of scenes or of variants
-    std::string size, variant;       ///< empty: the scene's own, all
-    std::vector<std::string> set;
-    intersect::process::StopToken stop = {};
-    bool all_ahead = false;  ///< of a command that knows no range: a scene whose rays have one is refused
-};
-
-/// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
-std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
-
 /// InputError for a form with a way to make rays, of a command that gives forms the camera's own.
 void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
 void refuse_makers(const std::vector<measure::map::MapRow>& rows, const char* command);
@@ -147,19 +135,5 @@ void refuse_makers(const std::vector<measure::map::MapRow>& rows, const char* co
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 /// The same, and for a scene with solids under matrices: of a command that asks about solids where their numbers say.
 void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command);
-
-/// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as
-/// a shell reads it.
-std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
-/// The same of a sweep.
-std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
-
-/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
-/// was built in, or installed.
-std::filesystem::path data_folder(const std::string& given);
-
-/// Where the flags lie that forms are compiled with, `form.flags` and one a register width: in the build that this
-/// program is of, or beside the installed one.
-std::filesystem::path form_flags_folder();
 
 }  // namespace lostbits::analysis::choice

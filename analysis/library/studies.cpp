@@ -1,7 +1,7 @@
 // Sweeps, explained rays, offsets and choices.
 #include <cmath>
 
-#include "analysis/choice/timed.hpp"
+#include "analysis/choice/scenes.hpp"
 #include "analysis/library/handles.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/choice/candidates.hpp"

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
-#include "analysis/choice/timed.hpp"
 #include "measure/choice/room.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"

@@ -42,7 +42,8 @@ const Row rows[] = {
     {"map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit "
      "--metric cancellation --metric contribution:c --pixels csv -o out",
      11},
-    {"map instance-far.sphere --size 21x17 -i 'sphere.unified@*' -f f32 -f p13 --metric worst_step --metric step:origin "
+    {"map instance-far.sphere --size 21x17 -i 'sphere.unified@*' -f f32 -f p13 --metric worst_step --metric "
+     "step:origin "
      "--pixels csv -o out",
      30, true},
     {"sweep distance.toml -i '*press*' -o out", 5},

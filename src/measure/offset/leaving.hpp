@@ -28,11 +28,11 @@ struct Leaving {
     T t;
     Solid<T> solid;
     std::optional<ObjectPoint<T>> object = {};  ///< of a solid under a matrix
-    Vec<T> p;                              ///< the point as computed
-    Vec<T> n;                              ///< the outward unit normal as computed
-    Vec<T> w;                              ///< unit up to rounding
-    T side;                                ///< sign(n·w): +1 away from the solid, −1 into it
-    T reach;                               ///< how far away what is aimed at is; infinite where nothing is
+    Vec<T> p;                                   ///< the point as computed
+    Vec<T> n;                                   ///< the outward unit normal as computed
+    Vec<T> w;                                   ///< unit up to rounding
+    T side;                                     ///< sign(n·w): +1 away from the solid, −1 into it
+    T reach;                                    ///< how far away what is aimed at is; infinite where nothing is
 };
 
 /// What the new ray is: only what it meets at tmin < t < tmax counts.

@@ -1,0 +1,56 @@
+// The scenes of a command, the folders that they and what forms are compiled with lie in, and what can be timed on one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/choice/sets.hpp"
+#include "intersect/process/stop_token.hpp"
+#include "number/format.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::analysis::choice {
+
+/// Scenes as the command line names them, and what it changes about them.
+struct SceneChoice {
+    std::vector<std::string> names;  ///< files, or ids of scenes or of variants
+    std::string size, variant;       ///< empty: the scene's own, all
+    std::vector<std::string> set;
+    intersect::process::StopToken stop = {};
+    bool all_ahead = false;  ///< of a command that knows no range: a scene whose rays have one is refused
+};
+
+/// Every scene chosen. InputError for a scene given twice: results lie in a folder of its name.
+std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
+
+/// What names a scene to a later command: its id where it lies in the data folder, its path and variant otherwise; as
+/// a shell reads it.
+std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem::path& data);
+/// The same of a sweep.
+std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
+
+/// The data folder: `--data`, then $LOSTBITS_DATA, then ./data, then the one of the program: beside it, of the tree it
+/// was built in, or installed.
+std::filesystem::path data_folder(const std::string& given);
+
+/// Where the flags lie that forms are compiled with, `form.flags` and one a register width: in the build that this
+/// program is of, or beside the installed one.
+std::filesystem::path form_flags_folder();
+
+/// Whether a format is computed by software here, so that its time says nothing.
+[[nodiscard]] bool is_emulated(const Format& format);
+
+/// f32 and f64, by name. InputError for any other format: it is emulated.
+std::vector<Format> select_timed_formats(const std::vector<std::string>& names);
+
+/// The one scene that is named. InputError where its file has several variants and none is named.
+scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
+
+/// Those of the rows whose time on the scene means something: its solids' forms, or sets of them (`rows_meeting`), but
+/// no marches. NothingSelected where that leaves none.
+std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
+/// The same of anything with solids, which is called `id`.
+std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets);
+
+}  // namespace lostbits::analysis::choice
