@@ -66,11 +66,11 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
     return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
 }
 
-/// A number that is compared by its first word, which is known to be good to 2^-51 of itself: it is enough for nearly
-/// all.
+/// A number that is compared by its first word, which is known to be good to 2^-45 of itself: it is enough for nearly
+/// all, under matrices too.
 ///
-/// Of such numbers x = a b and y = c d, as they round, are good to 2.3·2^-51 of themselves and 2^-1074, and x − y to
-/// 2^-53 more: a b < c d where x − y < −(2^-49 (|x| + |y|) + 2^-1000), and so on.
+/// Of such numbers x = a b and y = c d, as they round, are good to 2.1·2^-45 of themselves and 2^-1074, and x − y to
+/// 2^-53 more: a b < c d where x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.
 template <class W>
 struct ByFirstWord {
     using P = typename Running<W>::P;
@@ -100,12 +100,12 @@ private:
     }
     static Order<Mask> told_apart(const P& x, const P& y, const P& least) {
         using lostbits::abs;
-        const P d = x - y, e = P(0x1p-49) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
+        const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
         return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
     }
 };
 
-/// Slabs in numbers that are compared by their first word, and whether those are good enough: to 2^-51 of themselves.
+/// Slabs in numbers that are compared by their first word, and whether those are good enough: to 2^-45 of themselves.
 template <class W>
 struct QuickSlabs {
     SlabSpan<ByFirstWord<W>> span;
@@ -120,7 +120,7 @@ QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
                     P(0) <= P(0)};
     const auto quickly = [&q](const E& x) {
-        q.told = q.told && x.radius() <= P(0x1p-52) * abs(x.first());  // and the second word is at most as much
+        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is less
         return Quick(x);
     };
     for_each_axis([&](auto i) {
@@ -131,7 +131,7 @@ QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     return q;
 }
 
-/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-51 of
+/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-45 of
 /// itself.
 template <class W>
 Met<Running<W>> first_met(const SlabSpan<Running<W>>& s) {

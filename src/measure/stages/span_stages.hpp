@@ -68,28 +68,46 @@ struct Asked {
     OpenEnds open;
 };
 
-/// A ray and a solid as they stand in the space of the solid, and d·d in the world.
+/// A ray and a solid as they stand in the space of the solid, d·d in the world, and whether the solid is proved to be
+/// one.
 template <class E>
 struct InSpace {
     Ray<E> ray;
     std::array<E, most_stored> solid;
     E d2;
-    mask_t<typename E::P> proved = typename E::P(0) <= typename E::P(0);
+    mask_t<typename E::P> proper;
+};
 
-    /// From the world. Of a solid whose determinant is not proved to differ from 0 nothing is proved.
+/// `in_object` of many rays at one solid: what the matrix makes of that is found once. Of a solid whose determinant is
+/// not proved to differ from 0 nothing is proved. It is proper or not by the numbers before they are scaled: a zero
+/// times what is known within bounds is no exact zero.
+template <class E>
+struct Entrance {
+    UnderMatrix matrix;
+    Affine<E> map;
+    std::array<Vec<E>, 3> adjugate;
+    std::array<E, most_stored> solid;
+    mask_t<typename E::P> proper;
+
     template <class S>
-    void enter(const UnderMatrix& matrix) {
-        Placement<E> placed{{}, matrix.is_inverse, matrix.orientation};
-        for (std::size_t k = 0; k < placed.matrix.size(); ++k) placed.matrix[k] = solid[most_numbers + k];
-        const InObject<E> in = in_object(ray, placed);
-        ray = in.ray;
-        if (matrix.orientation == 0) proved = typename E::P(0) < typename E::P(0);
-        if (matrix.is_inverse) return;
+    static Entrance of(const std::array<E, most_stored>& numbers, const UnderMatrix& matrix) {
+        using P = typename E::P;
+        const Affine<E> map = Affine<E>::of([&numbers](std::size_t k) { return numbers[most_numbers + k]; });
+        Entrance all{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
+        if (matrix.orientation == 0) all.proper = P(0) < P(0);
+        if (matrix.is_inverse) return all;
+        const E scale = E(matrix.orientation) * map.determinant();
         std::size_t k = 0;
         for (const Key& key : S::keys)
             for (const std::size_t end = k + key.count(); k < end; ++k)
-                if (key.kind != Key::Kind::direction) solid[k] = in.scale * solid[k];
-        proved = proved && (in.scale > E(0)).yes();
+                if (key.kind != Key::Kind::direction) all.solid[k] = scale * numbers[k];
+        all.proper = all.proper && (scale > E(0)).yes();
+        return all;
+    }
+    [[nodiscard]] Ray<E> ray(const Ray<E>& world) const {
+        if (matrix.is_inverse) return {map.point(world.origin), map.linear(world.direction)};
+        const E sign(matrix.orientation);
+        return {sign * times(adjugate, world.origin - map.shift), sign * times(adjugate, world.direction)};
     }
 };
 
@@ -98,7 +116,7 @@ template <class S, class E, class P = typename E::P>
 Finding<P> settle_shape(const InSpace<E>& in, const P& tmin, const P& tmax, const Asked& asked) {
     const Ray<E>& ray = in.ray;
     const auto span = S::of([&in](std::size_t k) { return in.solid[k]; }).span(ray);
-    auto proper = in.proved && is_proper<S>(in.solid) && (in.d2 > E(0)).yes() &&
+    auto proper = in.proper && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const auto met = [&] {
         if (asked.ranged) return first_met(span, range_of<E>(tmin, tmax, asked.open, proper));
