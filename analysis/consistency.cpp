@@ -107,6 +107,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
+    choice::refuse_made_rays(scenes, "consistency");
     choice::refuse_makers(rows, "consistency");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},

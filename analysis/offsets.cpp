@@ -124,6 +124,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
     auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
+    choice::refuse_made_rays(scenes, "offsets");
     choice::refuse_makers(rows, "offsets");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},

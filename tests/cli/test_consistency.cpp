@@ -166,7 +166,7 @@ TEST_CASE("consistency: one table on standard output, and a scene in which nothi
 
 TEST_CASE("checks are listed") {
     const auto array = nlohmann::json::parse(run("list checks --json").out);
-    CHECK(array.size() == 8);
+    CHECK(array.size() == 9);
     CHECK(array[0]["name"] == "beyond");
 }
 

@@ -78,9 +78,9 @@ struct InSpace {
     mask_t<typename E::P> proper;
 };
 
-/// `in_object` of many rays at one solid: what the matrix makes of that is found once. Of a solid whose determinant is
-/// not proved to differ from 0 nothing is proved. It is proper or not by the numbers before they are scaled: a zero
-/// times what is known within bounds is no exact zero.
+/// `in_object` of rays at one solid, in each lane: what the matrix makes of that is found once. Of a solid whose
+/// determinant is not proved to differ from 0 nothing is proved. It is proper or not by the numbers before they are
+/// scaled: a zero times what is known within bounds is no exact zero.
 template <class E>
 struct Entrance {
     UnderMatrix matrix;

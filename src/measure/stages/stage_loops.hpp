@@ -46,31 +46,29 @@ template <template <class> class Of, class S, class W>
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
     const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr, p.open};
     constexpr std::size_t numbers = row_of(shape_as<Of>).numbers;
-    const auto number_at = [&p](std::size_t i, const RawColumn<S>& first, const RawColumn<S>& second) {
-        using lostbits::abs;
-        const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
-        const P x = at(first);
-        if constexpr (!std::is_same_v<W, P>) {
-            if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
-        }
-        return E(W(x), P(0));
-    };
+    bool one_solid = true;
+    for (const RawColumn<S>& column : p.solid) one_solid = one_solid && column.step == 0;
     Entrance<E> entrance{};
-    if (p.matrix.placed) {
-        std::array<E, most_stored> solid{};
-        for (std::size_t k = 0; k < most_stored; ++k)
-            if (k < numbers || k >= most_numbers) solid[k] = number_at(0, p.solid[k], p.solid_low[k]);
-        entrance = Entrance<E>::template of<Of<E>>(solid, p.matrix);
-    }
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
         const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
         const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
-            return number_at(i, first, second);
+            using lostbits::abs;
+            const P x = at(first);
+            if constexpr (!std::is_same_v<W, P>) {
+                if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
+            }
+            return E(W(x), P(0));
         };
         const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
         InSpace<E> in{.ray = {{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}}, .solid = {}, .d2 = {}, .proper = {}};
         in.d2 = square(in.ray.direction);
         if (p.matrix.placed) {
+            if (i == 0 || !one_solid) {
+                std::array<E, most_stored> stored{};
+                for (std::size_t k = 0; k < most_stored; ++k)
+                    if (k < numbers || k >= most_numbers) stored[k] = number(p.solid[k], p.solid_low[k]);
+                entrance = Entrance<E>::template of<Of<E>>(stored, p.matrix);
+            }
             in.ray = entrance.ray(in.ray);
             in.solid = entrance.solid;
             in.proper = entrance.proper;

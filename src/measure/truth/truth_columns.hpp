@@ -22,7 +22,7 @@ struct ProblemColumns {
     std::size_t size = 0;
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                          ///< one that a solid can have
-    /// As in `Solid::numbers`, empty beyond those of the shape; then, of one solid for all, those of its matrix.
+    /// As in `Solid::numbers`, empty beyond those of the shape; then those of the matrix, where `matrix` says so.
     std::array<std::span<const S>, most_stored> solid;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open = {};
