@@ -235,7 +235,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     INFO(swept.err);
     REQUIRE(swept.code == 0);
     double most = 0;
-    for (const auto& row : read_csv(folder.path() / "out/w/worst/samples.csv"))
+    for (const auto& row : read_csv(folder.path() / "out/w/worst/cases.csv"))
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
     // Given once, with the solid: the same again.
