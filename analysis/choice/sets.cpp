@@ -244,7 +244,7 @@ Forms made_named(const std::string& word, const char* option) {
         for (const Intersector* const one : forms) {
             if (is_glob && !is_solid(one->shape)) continue;  // a form that marches has no space; named, it says so
             for (const auto* const through : select_spaces(last, option))
-                all.push_back(&intersect::space::through(*through, *one));
+                all.push_back(&intersect::space::through(*through, scene::rays::without_maker(*one)));
         }
         if (all.empty())
             throw NothingSelected(
@@ -257,7 +257,9 @@ Forms made_named(const std::string& word, const char* option) {
                                             : select_hulls(last.substr(tilde + 1), option);
     for (const Intersector* const one : forms)
         for (const Intersector* const box : select_forms({last.substr(0, tilde)}, option))
-            for (const auto* const hull : hulls) all.push_back(&intersect::hull::behind(*hull, *box, *one));
+            for (const auto* const hull : hulls)
+                all.push_back(&intersect::hull::behind(*hull, scene::rays::without_maker(*box),
+                                                       scene::rays::without_maker(*one)));
     return all;
 }
 

@@ -76,7 +76,7 @@ TEST_CASE("what cannot be behind a box is refused with what to write") {
     const std::string map = "map behind-boxes.sphere -o /nowhere -f f32 ";
     refused(map + "-i 'sphere.unified^'", 2, "FORM^BOX");
     refused(map + "-i '^box.signs'", 2, "FORM^BOX");
-    refused(map + "-i 'sphere.unified^sphere.unified'", 2, "is no form of a box");
+    refused(map + "-i 'sphere.unified^sphere.unified'", 2, "is not a form of a box");
     refused(map + "-i 'sphere.unified^box.sings'", 2, "box.signs");
     refused(map + "-i 'sphere.unified^box.signs~nearst'", 2, "nearest");
     refused(map + "-i sphere.unified --metric lost_to", 2, "behind a box");

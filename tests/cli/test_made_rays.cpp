@@ -99,6 +99,8 @@ TEST_CASE("what is wrong with a way to make rays is said, and nothing is written
         {"map camera-far.endless -i sphere.unified@ray-thre -f f32", "unknown maker; did you mean \"three\"?"},
         {"map camera-far.endless -i sphere.unified@ray-three@ray-dxr -f f32", "stands behind one form"},
         {"map instance-far.sphere -i sphere.unified@plain@ray-dxr -f f32", "camera.rays = \"dxr\""},
+        {"map camera-far.endless -i sphere.unified@ray-dxr^box.signs -f f32", "the rays stands last"},
+        {"map instance-far.sphere -i sphere.unified@ray-dxr@pbrt -f f32", "the rays stands last"},
         {"map near-benign -i sphere.unified@ray-dxr -f f32", "need the planes of a projection"},
         {"map camera-far.endless --set camera.projection.near=0 -f f32", "must be greater than 0"},
         {"map camera-far.gl --set camera.projection.far=0.125 -f f32", "is not beyond near"},

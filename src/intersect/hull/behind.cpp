@@ -118,7 +118,7 @@ std::string refusal(const Intersector& box, const Intersector& form) {
     if (!is_solid(form.shape)) return "a form that marches is asked about all solids at once, and no box is around one";
     if (!has_hull(form.shape)) return text("there is no box around ", with_article(form.shape), ", which has no end");
     if (box.is_set() || box.shape != hull_shape || box.is_placed || made_of(box).form != nullptr)
-        return text(box.info->name, " is no form of a box; write one after the ^, such as box.signs");
+        return text(box.info->name, " is not a form of a box; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
         return text(box.info->name, " is for unit directions, and ", form.info->name, " is asked with others");
     return "";

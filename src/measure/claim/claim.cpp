@@ -104,7 +104,8 @@ const intersect::table::Intersector& form_behind(const Claim& claim, const std::
         scene::toml::fail(claim.where, "unknown way of computing a box \"" + box.substr(tilde + 1) + "\"; " +
                                            scene::toml::did_you_mean(box.substr(tilde + 1), names));
     }
-    return intersect::hull::behind(*way, form_named(claim, box.substr(0, tilde)), form_named(claim, form));
+    return intersect::hull::behind(*way, scene::rays::without_maker(form_named(claim, box.substr(0, tilde))),
+                                   scene::rays::without_maker(form_named(claim, form)));
 }
 
 const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
@@ -130,7 +131,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
             scene::toml::fail(claim.where, "unknown space \"" + form.substr(at + 1) + "\" of form \"" + form + "\"; " +
                                                scene::toml::did_you_mean(form.substr(at + 1), names));
         }
-        return intersect::space::through(*space, form_named(claim, form.substr(0, at)));
+        return intersect::space::through(*space, scene::rays::without_maker(form_named(claim, form.substr(0, at))));
     }
     if (form.find('+') == std::string::npos) {
         std::vector<std::string> names;

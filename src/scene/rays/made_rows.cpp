@@ -67,4 +67,12 @@ const Maker* maker_of(const Intersector& row) {
     return known == made.rows.end() ? nullptr : known->maker;
 }
 
+const Intersector& without_maker(const Intersector& row) {
+    if (maker_of(row))
+        throw InputError(std::string(row.info->name) +
+                         ": the way that makes the rays stands last; write the box or the space before it, as in "
+                         "sphere.unified^box.signs@ray-three");
+    return row;
+}
+
 }  // namespace lostbits::scene::rays
