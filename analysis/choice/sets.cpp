@@ -205,6 +205,7 @@ Forms sets_named(const std::string& word, const char* option) {
                             "as sphere.unified+box.signs",
                             option, word));
         parts.push_back(select_forms({word.substr(begin, end - begin)}, option));
+        for (const Intersector* const form : parts.back()) scene::rays::without_maker(*form);
         begin = end + 1;
     }
     return combinations(parts, fmt::format("{} {}", option, word));

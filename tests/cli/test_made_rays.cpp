@@ -101,6 +101,7 @@ TEST_CASE("what is wrong with a way to make rays is said, and nothing is written
         {"map instance-far.sphere -i sphere.unified@plain@ray-dxr -f f32", "camera.rays = \"dxr\""},
         {"map camera-far.endless -i sphere.unified@ray-dxr^box.signs -f f32", "the rays stands last"},
         {"map instance-far.sphere -i sphere.unified@ray-dxr@pbrt -f f32", "the rays stands last"},
+        {"map spheres-on-floor -i sphere.unified@ray-dxr+box.signs -f f32", "of several shapes"},
         {"map near-benign -i sphere.unified@ray-dxr -f f32", "need the planes of a projection"},
         {"map camera-far.endless --set camera.projection.near=0 -f f32", "must be greater than 0"},
         {"map camera-far.gl --set camera.projection.far=0.125 -f f32", "is not beyond near"},

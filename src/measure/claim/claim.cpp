@@ -142,7 +142,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     std::vector<const intersect::table::Intersector*> parts;
     for (std::size_t begin = 0; begin <= form.size();) {
         const std::size_t end = std::min(form.find('+', begin), form.size());
-        parts.push_back(&form_named(claim, form.substr(begin, end - begin)));
+        parts.push_back(&scene::rays::without_maker(form_named(claim, form.substr(begin, end - begin))));
         begin = end + 1;
     }
     if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())

@@ -70,8 +70,10 @@ const Maker* maker_of(const Intersector& row) {
 const Intersector& without_maker(const Intersector& row) {
     if (maker_of(row))
         throw InputError(std::string(row.info->name) +
-                         ": the way that makes the rays stands last; write the box or the space before it, as in "
-                         "sphere.unified^box.signs@ray-three");
+                         ": the way that makes the rays stands last, behind one form and its box, as in "
+                         "sphere.unified^box.signs@ray-three; of several shapes, or through a space, write camera.rays "
+                         "into the scene, or --set camera.rays=" +
+                         std::string(maker_of(row)->info->name));
     return row;
 }
 

@@ -16,7 +16,8 @@ const intersect::table::Intersector& with_maker(const camera::Maker& maker, cons
 /// Null where the scene says who makes the rays.
 const camera::Maker* maker_of(const intersect::table::Intersector& row);
 
-/// The row itself. InputError where its rays are made already: the way stands last, as in `FORM^BOX@ray-WAY`.
+/// The row itself, to be made part of another one. InputError where its rays are made already: the way stands last, as
+/// in `FORM^BOX@ray-WAY`.
 const intersect::table::Intersector& without_maker(const intersect::table::Intersector& row);
 
 }  // namespace lostbits::scene::rays
