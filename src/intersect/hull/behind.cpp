@@ -1,14 +1,13 @@
 #include "intersect/hull/behind.hpp"
 
 #include <algorithm>
-#include <deque>
-#include <mutex>
-#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
 
@@ -20,18 +19,20 @@ using table::RayBatch;
 
 namespace {
 
-struct Row {
-    const HullWay* way;
-    const Intersector *box, *form;
-    std::string name, title, source;
-    Info info;
-    Intersector row;
-};
+using Parts = std::tuple<const HullWay*, const Intersector*, const Intersector*>;
+using Rows = table::MadeRows<Parts>;
+Rows& rows() {
+    static Rows all;
+    return all;
+}
 
-const Row& of(void* own) { return *static_cast<const Row*>(own); }
+HullParts parts_in(const Parts& parts) {
+    return std::apply([](auto... each) { return HullParts{each...}; }, parts);
+}
+HullParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
 
 template <class S>
-Solid<S> box_around(const Row& row, const Format& format, const Solid<S>& solid) {
+Solid<S> box_around(const HullParts& row, const Format& format, const Solid<S>& solid) {
     const Hull<double> box = row.way->in(format, transformed(solid, [](const S& x) { return static_cast<double>(x); }));
     return transformed(Solid<double>(box), [](double x) { return static_cast<S>(x); });
 }
@@ -51,7 +52,7 @@ struct Decisions {
 
 /// One solid for all rays, or one for each.
 template <class S, class OfBox, class OfForm>
-void ask(const Row& row, const Format& format, const OfBox& box, const OfForm& form, const RayBatch<S>& rays,
+void ask(const HullParts& row, const Format& format, const OfBox& box, const OfForm& form, const RayBatch<S>& rays,
          const Target<S>& target, const HitBatch<S>& hits) {
     form(rays, target, hits);
     std::vector<Solid<S>> boxes;
@@ -65,7 +66,7 @@ void ask(const Row& row, const Format& format, const OfBox& box, const OfForm& f
 
 /// Over packs where all rays have one solid.
 template <class S>
-void ask_natively(const Row& row, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+void ask_natively(const HullParts& row, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
     const bool one = target.solids.size() == 1;
     const auto kernel = [one](const Intersector& form) {
@@ -95,21 +96,21 @@ std::string text(auto... parts) {
     return all;
 }
 
-void fill(Row& made) {
-    const Info &form = *made.form->info, &box = *made.box->info;
-    const HullInfo& hull = *made.way->info;
+void fill(Rows::Made& made) {
+    const HullParts parts = of(&made);
+    const Info &form = *parts.form->info, &box = *parts.box->info;
+    const HullInfo& hull = *parts.way->info;
     made.name = text(form.name, "^", box.name);
-    if (made.way != &usual_hull()) made.name += text("~", hull.name);
+    if (parts.way != &usual_hull()) made.name += text("~", hull.name);
     made.title = text(form.title, "; behind a box: ", box.title, "; ", hull.title);
     made.source = text(form.source, "; ", box.source);
     if (hull.source != "-") made.source += text("; ", hull.source);
-    made.info = form;
-    made.info.name = made.name, made.info.title = made.title, made.info.source = made.source;
-    made.row = {.info = &made.info, .shape = made.form->shape, .native32 = nullptr, .native64 = nullptr};
-    if (made.form->native32 && made.box->native32) made.row.native32 = {ask32, &made};
-    if (made.form->native64 && made.box->native64) made.row.native64 = {ask64, &made};
-    if (made.form->rounded && made.box->rounded) made.row.rounded = {ask_rounded, &made};
-    made.row.is_placed = made.form->is_placed;
+    made.tell_as(form);
+    made.row = {.info = &made.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (parts.form->native32 && parts.box->native32) made.row.native32 = {ask32, &made};
+    if (parts.form->native64 && parts.box->native64) made.row.native64 = {ask64, &made};
+    if (parts.form->rounded && parts.box->rounded) made.row.rounded = {ask_rounded, &made};
+    made.row.is_placed = parts.form->is_placed;
 }
 
 /// Why there is no such row; empty where there is one.
@@ -124,35 +125,15 @@ std::string refusal(const Intersector& box, const Intersector& form) {
     return "";
 }
 
-std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-}
-std::deque<Row>& all() {
-    static std::deque<Row> rows;
-    return rows;
-}
-
 }  // namespace
 
 const Intersector& behind(const HullWay& way, const Intersector& box, const Intersector& form) {
     if (const std::string why = refusal(box, form); !why.empty())
         throw InputError(text(form.info->name, "^", box.info->name, ": ", why));
-    const std::lock_guard lock(mutex());
-    const auto known = std::ranges::find_if(
-        all(), [&](const Row& row) { return row.way == &way && row.box == &box && row.form == &form; });
-    if (known != all().end()) return known->row;
-    Row& made = all().emplace_back();
-    made.way = &way, made.box = &box, made.form = &form;
-    fill(made);
-    return made.row;
+    return rows().row_of({&way, &box, &form}, fill);
 }
 
-HullParts made_of(const Intersector& row) {
-    const std::lock_guard lock(mutex());
-    const auto known = std::ranges::find_if(all(), [&](const Row& made) { return &made.row == &row; });
-    return known == all().end() ? HullParts{nullptr, nullptr, nullptr} : HullParts{known->way, known->box, known->form};
-}
+HullParts made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 bool has_box(const Intersector& row) {
     if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });

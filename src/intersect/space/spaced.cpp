@@ -1,11 +1,10 @@
 #include "intersect/space/spaced.hpp"
 
-#include <algorithm>
-#include <deque>
-#include <mutex>
 #include <string>
+#include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::space {
@@ -16,15 +15,17 @@ using table::RayBatch;
 
 namespace {
 
-struct Row {
-    const Space* space;
-    const Intersector* form;
-    std::string name, title, source;
-    Info info;
-    Intersector row;
-};
+using Parts = std::tuple<const Space*, const Intersector*>;
+using Rows = table::MadeRows<Parts>;
+Rows& rows() {
+    static Rows all;
+    return all;
+}
 
-const Row& of(void* own) { return *static_cast<const Row*>(own); }
+Made parts_in(const Parts& parts) {
+    return std::apply([](auto... each) { return Made{each...}; }, parts);
+}
+Made of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
 
 template <class S>
 Solid<S> object_of(const Solid<S>& solid, const S& scale) {
@@ -82,7 +83,7 @@ void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& r
 
 /// In an enclosure. A determinant that is not known to differ from 0 leaves all open.
 template <class E>
-Hit<E> enclosed(const Row& row, const StepsIn<E>& steps, Hit<E> (*form)(const Row&, const Ray<E>&, const Target<E>&),
+Hit<E> enclosed(const Made& row, const StepsIn<E>& steps, Hit<E> (*form)(const Made&, const Ray<E>&, const Target<E>&),
                 const Ray<E>& ray, const Target<E>& target) {
     const Solid<E>& solid = target.solids.front();
     if (!solid.placed) return form(row, ray, target);
@@ -96,13 +97,13 @@ Hit<E> enclosed(const Row& row, const StepsIn<E>& steps, Hit<E> (*form)(const Ro
 Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) {
     return enclosed<Ball>(
         of(own), of(own).space->ball,
-        [](const Row& row, const Ray<Ball>& r, const Target<Ball>& t) { return row.form->ball(r, t); }, ray, target);
+        [](const Made& row, const Ray<Ball>& r, const Target<Ball>& t) { return row.form->ball(r, t); }, ray, target);
 }
 Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
     return enclosed<Interval>(
         of(own), of(own).space->interval,
-        [](const Row& row, const Ray<Interval>& r, const Target<Interval>& t) { return row.form->interval(r, t); }, ray,
-        target);
+        [](const Made& row, const Ray<Interval>& r, const Target<Interval>& t) { return row.form->interval(r, t); },
+        ray, target);
 }
 
 /// The operations of a form's own tape behind those of another, its inputs being what stands there.
@@ -128,7 +129,7 @@ TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, Tape& to
 
 /// `inside(ray, target, tmax, tape)` records the form in the space of the solid.
 template <class Inside>
-void record_with(const Row& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
+void record_with(const Made& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
                  Tape& tape, const Inside& inside) {
     tape.clear();
     const auto input = [&](double x) { return tape.add_input(format.shape, x); };
@@ -182,7 +183,7 @@ void record_with(const Row& row, const Format& format, const Ray<double>& ray, c
 
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    const Row& row = of(own);
+    const Made row = of(own);
     const Solid<double>& solid = target.solids.front();
     if (!solid.placed) return row.form->record(format, ray, target, tmax, tape);
     record_with(row, format, ray, solid, tmax, tape,
@@ -191,7 +192,7 @@ void record(void* own, const Format& format, const Ray<double>& ray, const Targe
                 });
 }
 void record_all(void* own, const Target<double>& target, Tape& tape) {
-    const Row& row = of(own);
+    const Made row = of(own);
     const Solid<double>& solid = target.solids.front();
     if (!solid.placed) return row.form->record_all(target, tape);
     record_with(row, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, solid, HUGE_VAL, tape,
@@ -200,9 +201,10 @@ void record_all(void* own, const Target<double>& target, Tape& tape) {
                 });
 }
 
-void fill(Row& made) {
-    const Info& form = *made.form->info;
-    const SpaceInfo& space = *made.space->info;
+void fill(Rows::Made& made) {
+    const auto& [by, of_form] = made.parts;
+    const Info& form = *of_form->info;
+    const SpaceInfo& space = *by->info;
     const auto text = [](auto&... parts) {
         std::string all;
         ((all += parts), ...);
@@ -211,12 +213,11 @@ void fill(Row& made) {
     made.name = text(form.name, "@", space.name);
     made.title = text(form.title, "; ", space.title);
     made.source = text(form.source, "; ", space.source);
-    made.info = form;
-    made.info.name = made.name, made.info.title = made.title, made.info.source = made.source;
+    made.tell_as(form);
     // A form for unit directions gets them from a way that makes them unit; else those of the world are unit.
     if (space.normalises) made.info.direction = space.direction;
     else if (space.direction == Direction::unit) made.info.direction = Direction::unit;
-    const Intersector& inner = *made.form;
+    const Intersector& inner = *of_form;
     made.row = {.info = &made.info, .shape = inner.shape, .native32 = nullptr, .native64 = nullptr};
     if (inner.native32) made.row.native32 = {ask32, &made};
     if (inner.native64) made.row.native64 = {ask64, &made};
@@ -226,15 +227,6 @@ void fill(Row& made) {
     if (inner.record) made.row.record = {record, &made};
     if (inner.record_all) made.row.record_all = {record_all, &made};
     made.row.is_placed = true;
-}
-
-std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-}
-std::deque<Row>& all() {
-    static std::deque<Row> rows;
-    return rows;
 }
 
 }  // namespace
@@ -247,21 +239,9 @@ const Intersector& through(const Space& space, const Intersector& form) {
                          "own");
     if (form.is_set() || form.is_placed)
         throw InputError(name + "@" + std::string(space.info->name) + ": name a space after each form");
-    const std::lock_guard lock(mutex());
-    const auto known =
-        std::ranges::find_if(all(), [&](const Row& row) { return row.space == &space && row.form == &form; });
-    if (known != all().end()) return known->row;
-    Row& made = all().emplace_back();
-    made.space = &space;
-    made.form = &form;
-    fill(made);
-    return made.row;
+    return rows().row_of({&space, &form}, fill);
 }
 
-Made made_of(const Intersector& row) {
-    const std::lock_guard lock(mutex());
-    const auto known = std::ranges::find_if(all(), [&](const Row& made) { return &made.row == &row; });
-    return known == all().end() ? Made{nullptr, nullptr} : Made{known->space, known->form};
-}
+Made made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 }  // namespace lostbits::intersect::space

@@ -1,10 +1,9 @@
 #include "scene/rays/made_rows.hpp"
 
-#include <algorithm>
-#include <deque>
-#include <mutex>
 #include <string>
+#include <tuple>
 
+#include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::scene::rays {
@@ -14,21 +13,10 @@ using intersect::table::Intersector;
 
 namespace {
 
-struct MadeRow {
-    const Maker* maker;
-    const Intersector* form;
-    std::string name, title, source;
-    intersect::Info info;
-    Intersector row;
-};
-
-struct MadeRows {
-    std::mutex mutex;
-    std::deque<MadeRow> rows;  // rows stay where they are
-};
-MadeRows& all() {
-    static MadeRows one;
-    return one;
+using Rows = intersect::table::MadeRows<std::tuple<const Maker*, const Intersector*>>;
+Rows& rows() {
+    static Rows all;
+    return all;
 }
 
 }  // namespace
@@ -42,30 +30,17 @@ const Intersector& with_maker(const Maker& maker, const Intersector& form) {
                          "solids under matrices, write camera.rays = \"" +
                          std::string(maker.info->name) +
                          "\" into the scene, or --set camera.rays=" + std::string(maker.info->name));
-    MadeRows& made = all();
-    const std::lock_guard lock(made.mutex);
-    const auto known =
-        std::ranges::find_if(made.rows, [&](const MadeRow& row) { return row.maker == &maker && row.form == &form; });
-    if (known != made.rows.end()) return known->row;
-    MadeRow& row = made.rows.emplace_back(
-        MadeRow{.maker = &maker,
-                .form = &form,
-                .name = name,
-                .title = std::string(form.info->title) + "; rays: " + std::string(maker.info->title),
-                .source = std::string(form.info->source) + "; " + std::string(maker.info->source),
-                .info = *form.info,
-                .row = form});
-    row.info.name = row.name, row.info.title = row.title, row.info.source = row.source;
-    row.row.info = &row.info;
-    return row.row;
+    return rows().row_of({&maker, &form}, [&](Rows::Made& made) {
+        made.name = name;
+        made.title = std::string(form.info->title) + "; rays: " + std::string(maker.info->title);
+        made.source = std::string(form.info->source) + "; " + std::string(maker.info->source);
+        made.tell_as(*form.info);
+        made.row = form;
+        made.row.info = &made.info;
+    });
 }
 
-const Maker* maker_of(const Intersector& row) {
-    MadeRows& made = all();
-    const std::lock_guard lock(made.mutex);
-    const auto known = std::ranges::find_if(made.rows, [&](const MadeRow& one) { return &one.row == &row; });
-    return known == made.rows.end() ? nullptr : known->maker;
-}
+const Maker* maker_of(const Intersector& row) { return std::get<const Maker*>(rows().parts_of(row)); }
 
 const Intersector& without_maker(const Intersector& row) {
     if (maker_of(row))

@@ -1,0 +1,53 @@
+// Rows that are made of other rows at run time, once each, and kept.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <string>
+
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::table {
+
+/// By their parts, a tuple of pointers. Rows stay where they are; several threads may ask.
+template <class Parts>
+class MadeRows {
+public:
+    struct Made {
+        Parts parts;
+        std::string name, title, source;
+        Info info;
+        Intersector row;
+
+        /// What it says of itself is what `like` says, but for name, title and source.
+        void tell_as(const Info& like) {
+            info = like;
+            info.name = name, info.title = title, info.source = source;
+        }
+    };
+
+    /// `fill(Made&)` of a row that is new, which has its parts.
+    template <class Fill>
+    const Intersector& row_of(const Parts& parts, const Fill& fill) {
+        const std::lock_guard lock(mutex_);
+        const auto known = std::ranges::find(rows_, parts, &Made::parts);
+        if (known != rows_.end()) return known->row;
+        Made& made = rows_.emplace_back();
+        made.parts = parts;
+        fill(made);
+        return made.row;
+    }
+    /// Nulls for a row that was not made here.
+    Parts parts_of(const Intersector& row) {
+        const std::lock_guard lock(mutex_);
+        const auto known = std::ranges::find_if(rows_, [&row](const Made& made) { return &made.row == &row; });
+        return known == rows_.end() ? Parts{} : known->parts;
+    }
+
+private:
+    std::mutex mutex_;
+    std::deque<Made> rows_;
+};
+
+}  // namespace lostbits::intersect::table
