@@ -1,13 +1,13 @@
 // As Cycles takes a ray into the space of an instance from Blender 3.3 on: nothing is made unit, t stays what it is.
 #pragma once
 
-#include "intersect/space/info.hpp"
+#include "intersect/space/embree.hpp"
 
 namespace lostbits::intersect::space {
 
 /// On processors with fused multiplications, where its inverse is made as Embree makes it: cross products by one fused
 /// operation, dot products without.
-struct Cycles33Space : SameT {
+struct Cycles33Space : EmbreeSpace {
     static constexpr SpaceInfo info{
         .name = "cycles_3_3",
         .title =
@@ -26,10 +26,6 @@ struct Cycles33Space : SameT {
         Affine<T> inverse{{over(cross_by_fma(y, z)), over(cross_by_fma(z, x)), over(cross_by_fma(x, y))}, m.shift};
         inverse.shift = -inverse.linear(m.shift);
         return inverse;
-    }
-    template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return named("o'", point_by_fma(m.to_object, o));
     }
     /// Its 8.271806E-25f is 2^-80, which is 0 in formats that do not reach it.
     template <Number T>

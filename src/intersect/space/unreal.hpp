@@ -8,7 +8,7 @@ namespace lostbits::intersect::space {
 
 /// On the processor, in double: `PositionHigh` is τ in float, and M with τ less by it is inverted and rounded to float.
 /// In a shader: o − PositionHigh, then that matrix. A stored τ is a float, so that nothing is left of it in the matrix.
-struct UnrealSpace : SameT {
+struct UnrealSpace : RelativeSpace {
     static constexpr SpaceInfo info{
         .name = "unreal",
         .title = "M less T inverted in the next wider format and rounded; o - T, then that; t kept",
@@ -21,14 +21,6 @@ struct UnrealSpace : SameT {
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         return InDoubleSpace::inverse(m);
-    }
-    template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        return RelativeSpace::origin(m, o);
-    }
-    template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        return RelativeSpace::direction(m, d);
     }
 };
 
