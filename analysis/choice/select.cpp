@@ -174,32 +174,28 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
             throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
     }
     if (asked.empty()) return asked;
-    const std::string first(asked.front()->name);
-    if (std::ranges::none_of(rows, [](const MapRow& row) { return row.form->way != nullptr; })) {
-        std::erase_if(asked, [](const Metric* m) { return (m->needs & measure::metric::needs_way) != 0; });
-        if (asked.empty())
-            throw InputError(fmt::format(
-                "--metric {}: none of the selected forms in {} filters, that is, has a wider way beside a cheap one; "
-                "add -i '*.filtered'",
-                first, what));
-    }
-    if (std::ranges::none_of(rows, [](const MapRow& row) { return row.form->shapes().are_placed(); })) {
-        std::erase_if(asked, [](const Metric* m) { return (m->needs & measure::metric::needs_steps) != 0; });
-        if (asked.empty())
-            throw InputError(
-                fmt::format("--metric {}: no solid of {} stands under a matrix, so that no step leads into its space",
-                            first, what));
-    }
-    if (std::ranges::none_of(rows, [](const MapRow& row) { return intersect::hull::has_box(*row.form); })) {
-        std::erase_if(asked, [](const Metric* m) { return m->name == "lost_to"; });
-        if (asked.empty())
-            throw InputError(fmt::format("--metric {}: no form in {} is behind a box, as FORM^BOX is", first, what));
-    }
-    if (any_marches(rows)) return asked;
-    std::erase_if(asked, [](const Metric* m) { return m->over == measure::metric::Over::marches; });
-    if (asked.empty())
-        throw InputError(fmt::format(
-            "--metric {}: none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", first, what));
+    const std::string first = fmt::format("--metric {}: ", asked.front()->name);
+    // Where no row has what some metrics are about these go, and there is nothing to draw where no other was asked for.
+    const auto keep_where = [&](const auto& has, const auto& is_about, const std::string& lack) {
+        if (std::ranges::any_of(rows, has)) return;
+        std::erase_if(asked, is_about);
+        if (asked.empty()) throw InputError(first + lack);
+    };
+    using namespace measure::metric;
+    keep_where([](const MapRow& row) { return row.form->way != nullptr; },
+               [](const Metric* m) { return (m->needs & needs_way) != 0; },
+               fmt::format("none of the selected forms in {} filters, that is, has a wider way beside a cheap one; add "
+                           "-i '*.filtered'",
+                           what));
+    keep_where([](const MapRow& row) { return row.form->shapes().are_placed(); },
+               [](const Metric* m) { return (m->needs & needs_steps) != 0; },
+               fmt::format("no solid of {} stands under a matrix, so that no step leads into its space", what));
+    keep_where([](const MapRow& row) { return intersect::hull::has_box(*row.form); },
+               [](const Metric* m) { return m->name == "lost_to"; },
+               fmt::format("no form in {} is behind a box, as FORM^BOX is", what));
+    keep_where([](const MapRow& row) { return !is_solid(row.form->shape); },
+               [](const Metric* m) { return m->over == Over::marches; },
+               fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
     return asked;
 }
 
