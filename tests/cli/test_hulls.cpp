@@ -3,8 +3,6 @@
 #include <map>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "catch.hpp"
 #include "intersect/hull/hulls.hpp"
 #include "program.hpp"
@@ -17,15 +15,6 @@ using test::number_in;
 using test::read_csv;
 using test::run;
 using test::Scratch;
-
-TEST_CASE("list hulls has every way of computing a box with its source") {
-    const auto listed = nlohmann::json::parse(run("list hulls --json").out);
-    REQUIRE(listed.size() == intersect::hull::hulls().size());
-    for (std::size_t k = 0; k < listed.size(); ++k) {
-        CHECK(listed[k]["name"] == std::string(intersect::hull::hulls()[k].info->name));
-        CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
-    }
-}
 
 TEST_CASE("a map behind boxes tells the level that loses a hit") {
     const Scratch folder;

@@ -1,9 +1,12 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "intersect/hull/hulls.hpp"
+#include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/metric/metrics.hpp"
 #include "program.hpp"
+#include "scene/camera/makers.hpp"
 #include "setting_of.hpp"
 
 namespace test_list {
@@ -173,6 +176,21 @@ TEST_CASE("every sentence of a claim can be read alone") {
         // Filtered, sorted or in a CI log it stands without the one before it.
         for (const char* leaning : {"and ", "but ", "The same"}) CHECK_FALSE(statement.starts_with(leaning));
     }
+}
+
+TEST_CASE("list has every space, hull and maker of rays with its source") {
+    const auto check = [](const std::string& what, const auto& rows) {
+        CAPTURE(what);
+        const auto listed = nlohmann::json::parse(run("list " + what + " --json").out);
+        REQUIRE(listed.size() == rows.size());
+        for (std::size_t k = 0; k < listed.size(); ++k) {
+            CHECK(listed[k]["name"] == std::string(rows[k].info->name));
+            CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
+        }
+    };
+    check("spaces", intersect::space::spaces());
+    check("hulls", intersect::hull::hulls());
+    check("makers", scene::camera::makers());
 }
 
 }  // namespace test_list

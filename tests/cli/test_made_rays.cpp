@@ -28,15 +28,6 @@ using test::read_csv;
 using test::run;
 using test::Scratch;
 
-TEST_CASE("list makers has every way with its source") {
-    const auto listed = nlohmann::json::parse(run("list makers --json").out);
-    REQUIRE(listed.size() == scene::camera::makers().size());
-    for (std::size_t k = 0; k < listed.size(); ++k) {
-        CHECK(listed[k]["name"] == std::string(scene::camera::makers()[k].info->name));
-        CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
-    }
-}
-
 TEST_CASE("twelve kilometres out the ways that subtract points of the world lose the direction, and no other does") {
     const Scratch folder;
     const auto r =

@@ -19,15 +19,6 @@ using test::read_csv;
 using test::run;
 using test::Scratch;
 
-TEST_CASE("list spaces has every way with its source") {
-    const auto listed = nlohmann::json::parse(run("list spaces --json").out);
-    REQUIRE(listed.size() == intersect::space::spaces().size());
-    for (std::size_t k = 0; k < listed.size(); ++k) {
-        CHECK(listed[k]["name"] == std::string(intersect::space::spaces()[k].info->name));
-        CHECK_FALSE(listed[k]["source"].get<std::string>().empty());
-    }
-}
-
 TEST_CASE("twelve kilometres out a map tells what each space loses, and which step loses it") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
