@@ -1,6 +1,8 @@
 #include "output/file/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
 #include <sys/file.h>
 #include <sys/random.h>
 #include <sys/resource.h>
@@ -40,6 +42,34 @@ Slots first_slots;
 std::mutex names_mutex;
 std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
+
+std::atomic<int> threads_creating{0};
+std::atomic<bool> is_ending{false};
+
+/// While one lives, its thread runs no signal handler, and one that removes the files waits for it: a file that is
+/// created just behind the handler's back would stay (a run ended by SIGSEGV left one).
+class Creation {
+public:
+    Creation() {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_BLOCK, &all, &before_);
+        ++threads_creating;
+        if (!is_ending) return;
+        leave();
+        throw Interrupted();
+    }
+    ~Creation() { leave(); }
+    Creation(const Creation&) = delete;
+    Creation& operator=(const Creation&) = delete;
+
+private:
+    void leave() noexcept {
+        --threads_creating;
+        pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    }
+    sigset_t before_{};
+};
 
 /// Calls `use` on slot after slot, until it answers true or all were there.
 template <class Use>
@@ -143,6 +173,7 @@ std::string drawn_name() {
 /// for abandoned and remove it: then another. `make` gives a name and puts it where a signal handler finds it, and
 /// `forget` takes back one that is somebody else's.
 int open_new(const std::function<std::string()>& make, const std::function<void()>& forget) {
+    const Creation creation;
     for (;;) {
         const int fd = ::open(make().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST) return fd;
@@ -326,6 +357,9 @@ void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
 
 void remove_partial_files() noexcept {
     const int saved = errno;
+    is_ending = true;
+    // No longer than a second: a copy of the process has the count and not the thread.
+    for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
     any_slot([](std::atomic<char*>& slot) {
         if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
         return false;

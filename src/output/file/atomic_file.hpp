@@ -80,8 +80,8 @@ private:
 /// locks it stays.
 void remove_if_abandoned(const std::filesystem::path& partial) noexcept;
 
-/// Removes the temporary file of every live AtomicFile of the process. Async-signal-safe: atomics and `unlink`
-/// only. The files stay open, and their `commit` throws Interrupted.
+/// Removes the temporary file of every live AtomicFile of a process that is about to end. Async-signal-safe: atomics,
+/// `poll` and `unlink` only. The files stay open, and their `commit` throws Interrupted, as a new AtomicFile does.
 void remove_partial_files() noexcept;
 
 /// From now on `listener` is told the name of every temporary file before it is made. No name comes twice.

@@ -313,11 +313,44 @@ TEST_CASE("a signal handler removes the partial files and keeps the finished one
 
 TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]") {
     const Scratch folder;
-    output::file::AtomicFile file(folder / "a");
-    file.write("x");
-    output::file::remove_partial_files();
-    REQUIRE_THROWS_AS(file.commit(), Interrupted);
+    const int answer = in_child([&] {
+        output::file::AtomicFile file(folder / "a");
+        file.write("x");
+        output::file::remove_partial_files();
+        try {
+            file.commit();
+        } catch (const Interrupted&) {
+            return 42;
+        }
+        return 1;
+    });
+    REQUIRE(answer == 42);
     REQUIRE(folder.entries() == 0);
+}
+
+TEST_CASE("no thread makes a file behind the back of the signal handler", "[atomic_file]") {
+    const Scratch folder;
+    for (int k = 0; k < 50; ++k) {
+        const int answer = in_child([&] {
+            std::signal(SIGTERM, [](int) {
+                output::file::remove_partial_files();
+                ::_exit(42);
+            });
+            std::atomic<int> made = 0;
+            const auto make_files = [&](char name) {
+                try {
+                    for (;; ++made) AtomicFile(folder / std::string(1, name)).write("x");
+                } catch (const Interrupted&) {
+                }
+            };
+            std::thread first(make_files, 'a'), second(make_files, 'b');
+            while (made < 20) std::this_thread::yield();
+            std::raise(SIGTERM);
+            return 2;
+        });
+        REQUIRE(answer == 42);
+        REQUIRE(folder.entries() == 0);
+    }
 }
 
 TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
