@@ -1,6 +1,7 @@
 // What became of a ray: classified before any error is measured.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -33,6 +34,14 @@ inline constexpr std::array<std::string_view, 10> outcome_names{
 inline constexpr std::size_t outcomes_of_one_solid = 6;
 /// So many where it has several that are not a mesh.
 inline constexpr std::size_t outcomes_without_mesh = 7;
+
+/// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
+/// of equally frequent ones.
+inline constexpr std::array wrong_decisions{Outcome::not_a_number, Outcome::false_miss, Outcome::false_hit,
+                                            Outcome::wrong_object, Outcome::crack,      Outcome::double_hit};
+inline constexpr bool is_wrong(Outcome outcome) {
+    return std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end();
+}
 
 /// Of a ray with one solid; where there are several, a hit of another one than the true one is a `wrong_object`.
 inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {

@@ -58,14 +58,7 @@ struct WorstRay {
     std::shared_ptr<const scene::rays::RayGroup> given = {};
 };
 
-/// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
-/// of equally frequent ones.
-inline constexpr std::array wrong_decisions{answer::Outcome::not_a_number, answer::Outcome::false_miss,
-                                            answer::Outcome::false_hit,    answer::Outcome::wrong_object,
-                                            answer::Outcome::crack,        answer::Outcome::double_hit};
-inline constexpr bool is_wrong(answer::Outcome outcome) {
-    return std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end();
-}
+using answer::is_wrong, answer::wrong_decisions;
 
 /// What is known of a row when the whole picture has been seen.
 struct MapSummary {

@@ -223,7 +223,10 @@ private:
         return {.t = result_.answers->t[i],
                 .format = &row_.format,
                 .ray = &ray,
-                .march = march.empty() ? nullptr : &march[i]};
+                .march = march.empty() ? nullptr : &march[i],
+                .convention = row_.convention(),
+                .range = result_.inputs->rays_for(*row_.form->info).range(i),
+                .outcome = result_.outcomes[i]};
     }
 
     /// What is known of a correct hit without further work.

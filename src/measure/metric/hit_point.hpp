@@ -11,4 +11,23 @@ Vec<double> hit_point(const Sample& s);
 /// (|P − G| − r)/r; of a box the largest of lo − P and P − hi over the axes, in longest sides.
 double residual(const Sample& s);
 
+/// The angle between the normal of the solid at the hit point and at the true one, of a solid under no matrix.
+double normal_error(const Sample& s);
+
+/// `in.operator()<F>()` in the machine's own format; missing in every other.
+template <class In>
+double in_format(const Sample& s, const In& in) {
+    switch (s.format->engine) {
+        case Format::Engine::native32: return in.template operator()<float>();
+        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::rounded: break;
+    }
+    return truth::missing;
+}
+
+template <class F>
+Vec<F> stored(const Vec<double>& v) {
+    return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
+}
+
 }  // namespace lostbits::measure::metric

@@ -12,7 +12,9 @@
 #include "measure/metric/hit_point.hpp"
 #include "measure/metric/march.hpp"
 #include "measure/metric/own_bound.hpp"
+#include "measure/metric/predictions.hpp"
 #include "measure/metric/published_bounds.hpp"
+#include "measure/metric/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
 #include "number/rounded.hpp"
@@ -115,6 +117,14 @@ constexpr Metric table[] = {
      .by_default = true,
      .value = residual,
      .in_columns = InColumns::residual},
+    {.name = "normal_error",
+     .unit = "radian",
+     .layer = "err.normal",
+     .meaning = "the angle between the normal of the solid at the hit point, both computed in the format, and the one "
+                "where the ray truly meets it; of a solid under no matrix, in float and double",
+     .ramp = Ramp::magnitude,
+     .high = 0x1p+1,
+     .value = normal_error},
     {.name = "input_error",
      .unit = "ulp",
      .layer = "split.input",
@@ -298,9 +308,12 @@ constexpr Metric table[] = {
 };
 
 constexpr auto all = [] {
-    std::array<Metric, std::size(table) + std::size(metrics_of_marches) + std::size(metrics_of_rays)> rows{};
-    const auto marches = std::ranges::copy(table, rows.begin()).out;
-    std::ranges::copy(metrics_of_rays, std::ranges::copy(metrics_of_marches, marches).out);
+    std::array<Metric, std::size(table) + std::size(metrics_of_stability) + std::size(metrics_of_predictions) +
+                           std::size(metrics_of_marches) + std::size(metrics_of_rays)>
+        rows{};
+    auto end = rows.begin();
+    const auto add = [&end](const auto& more) { end = std::ranges::copy(more, end).out; };
+    add(table), add(metrics_of_stability), add(metrics_of_predictions), add(metrics_of_marches), add(metrics_of_rays);
     return rows;
 }();
 

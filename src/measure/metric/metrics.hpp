@@ -9,6 +9,7 @@
 #include "intersect/march.hpp"
 #include "intersect/way.hpp"
 #include "measure/answer/levels.hpp"
+#include "measure/answer/outcome.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/certified.hpp"
@@ -41,7 +42,10 @@ struct Sample {
     const answer::Levels* levels = nullptr;                 ///< of a form behind a box, where the ray truly hits
     const Ray<Real>* true_ray = nullptr;                    ///< before any format rounded or made it
     const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< of a camera whose rays each format makes
-    std::string_view label = {};                            ///< of the metric that is being measured
+    intersect::Convention convention = {};                  ///< of the form
+    Range<double> range = {};                               ///< what of the ray counts
+    answer::Outcome outcome = answer::Outcome::agree_miss;
+    std::string_view label = {};  ///< of the metric that is being measured
 };
 
 /// What must be computed before a metric can be.
@@ -94,7 +98,7 @@ struct Metric {
     InColumns in_columns = InColumns::no;
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
     /// The list depends on the forms of the run, and is empty until it is known (`MetricSet::for_forms`).
-    [[nodiscard]] bool by_run() const { return over == Over::blamed; }
+    [[nodiscard]] bool by_run() const { return name == "culprit"; }
 };
 
 /// Every metric that needs no label, in the order of layers and columns.

@@ -19,22 +19,6 @@ inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
 
 double roundoff_of(const Sample& s) { return std::ldexp(1, -s.format->shape.precision); }
 
-/// `in.operator()<F>()` in the machine's own format; missing in every other.
-template <class In>
-double in_format(const Sample& s, const In& in) {
-    switch (s.format->engine) {
-        case Format::Engine::native32: return in.template operator()<float>();
-        case Format::Engine::native64: return in.template operator()<double>();
-        case Format::Engine::rounded: break;
-    }
-    return missing;
-}
-
-template <class F>
-Vec<F> stored(const Vec<double>& v) {
-    return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
-}
-
 /// In object space, where the centre is the origin, as pbrt has it: p = o + t d, then p r/|p|.
 template <class F>
 double projected(const Sample& s) {

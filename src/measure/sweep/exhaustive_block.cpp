@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::size_t chunk_size = 4096;  // the columns of a chunk stay in the second-level cache
 
-bool is_wrong(Outcome o) { return o == Outcome::false_hit || o == Outcome::false_miss || o == Outcome::not_a_number; }
-
 /// More open questions than this are put to packs before each is put to the whole truth.
 constexpr std::size_t few = 8;
 
@@ -48,10 +46,10 @@ private:
         }
         std::size_t first = 0, last = ulps_.size() - 1;
         if (!onto_.first_wrong) {
-            while (!is_wrong(ulps_.outcome(first))) ++first;
+            while (!answer::is_wrong(ulps_.outcome(first))) ++first;
             onto_.first_wrong = {floats_.at(first), ulps_.outcome(first)};
         }
-        while (!is_wrong(ulps_.outcome(last))) --last;
+        while (!answer::is_wrong(ulps_.outcome(last))) --last;
         onto_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
     }
 

@@ -106,7 +106,8 @@ bool MetricPaint::shares_with(const Metric& other) const {
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
     if (metric_->by_run()) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
-    if (metric_->over == Over::every) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
+    if (metric_->over == Over::every || metric_->over == Over::blamed)
+        return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     return image::against_colours[category];
 }
 

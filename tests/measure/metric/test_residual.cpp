@@ -52,4 +52,34 @@ TEST_CASE("residual is of the point that the format computes, and tables have it
     CHECK(tabled.quantile(1) == 0.5);
 }
 
+TEST_CASE("the error of a normal is the angle to the one where the ray truly meets the solid", "[measure][metric]") {
+    const auto error = [](const Solid<double>& solid, const Ray<double>& ray, double t, double exact) {
+        const Format in = *find_format("f64");
+        const measure::truth::Certified truth = measure::truth::exactly(exact);
+        return measure::metric::find_metric("normal_error")
+            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .solid = &solid});
+    };
+    const Sphere<double> sphere{{0, 0, 0}, 5};
+    const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};  // meets it at (-4, 3, 0), t = 4
+    CHECK(error(sphere, ray, 4, 4) < 1e-16);
+    CHECK(error(sphere, ray, 4.25, 4) == Approx(std::atan2(3, 3.75) - std::atan2(3, 4)));
+    // A plane has one normal, and a box one of each face: that of the ray, whatever t is.
+    CHECK(error(Box<double>{{-1, -4, -1}, {1, 4, 1}}, ray, 6, 7) == 0);
+}
+
+TEST_CASE("a wrong decision is forgiven within u, and none that is right is looked at", "[measure][metric]") {
+    const Format in = *find_format("f32");
+    const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
+    const auto wrong = [&](double centre, measure::answer::Outcome outcome) {
+        const Solid<double> sphere = Sphere<double>{{centre, 0, 4}, 1};
+        return measure::metric::find_metric("wrong_decision")
+            ->value({.format = &in, .ray = &ray, .solid = &sphere, .outcome = outcome});
+    };
+    using measure::answer::Outcome;
+    CHECK(wrong(1 - 0x1p-20, Outcome::false_miss) == 2);  // 2^-21 of centre and radius: 8 u
+    CHECK(wrong(1 - 0x1p-24, Outcome::false_miss) == 1);
+    CHECK(wrong(1 - 0x1p-24, Outcome::agree_hit) == 0);
+    CHECK(wrong(1 + 0x1p-20, Outcome::false_hit) == 2);
+}
+
 }  // namespace lostbits::test::test_residual

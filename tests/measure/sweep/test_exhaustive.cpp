@@ -82,8 +82,6 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, 
     return found;
 }
 
-bool is_wrong(Outcome o) { return o == Outcome::false_hit || o == Outcome::false_miss || o == Outcome::not_a_number; }
-
 void add(sweep::FloatTally& tally, std::uint32_t place, const Alone& at) {
     ++tally.outcomes[static_cast<std::size_t>(at.outcome)];
     const bool hits = at.outcome == Outcome::agree_hit;

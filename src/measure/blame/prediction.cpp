@@ -1,0 +1,107 @@
+#include "measure/blame/prediction.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "measure/blame/operation_error.hpp"
+#include "measure/blame/operations.hpp"
+
+namespace lostbits::measure::blame {
+namespace {
+
+/// SplitMix64: a sequence for each seed, the same on every machine.
+class Coins {
+public:
+    explicit Coins(std::uint64_t seed) : state_(seed) {}
+    std::uint64_t bits() {
+        state_ += 0x9e3779b97f4a7c15U;
+        std::uint64_t z = state_;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+        return z ^ (z >> 31);
+    }
+    bool toss() { return (bits() & 1U) != 0; }
+
+private:
+    std::uint64_t state_;
+};
+
+std::uint64_t seed_of(const Tape& tape) {
+    std::uint64_t seed = 0;
+    for (const TapeNode& n : tape.nodes)
+        if (n.op == TapeOp::input) seed = Coins(seed ^ std::bit_cast<std::uint64_t>(n.value)).bits();
+    return seed;
+}
+
+/// By the values of a tape.
+struct Values {
+    const Tape& tape;
+    const TapeNode& n;
+    [[nodiscard]] double of(std::size_t k) const { return tape[n.operands[k]].value; }
+    [[nodiscard]] bool less(std::size_t k, std::size_t l) const { return of(k) < of(l); }
+    [[nodiscard]] bool less_equal(std::size_t k, std::size_t l) const { return of(k) <= of(l); }
+    [[nodiscard]] bool holds(std::size_t k) const { return of(k) != 0; }
+};
+
+/// The value of a node by those before it, rounded to nearest.
+double value_of(const Tape& tape, NodeId i) {
+    const TapeNode& n = tape[i];
+    const Values values{tape, n};
+    if (is_given(n.op)) return n.value;
+    if (is_decision(n.op)) return holds(n.op, values) ? 1 : 0;
+    if (kind_of(n.op) == OperationKind::choice) return tape[side_taken(n, values)].value;
+    std::array<double, 3> x{};
+    for (std::size_t k = 0; k < row_of(n.op).operands; ++k) x[k] = values.of(k);
+    return result_of(n.op, x, tape.format_of(i));
+}
+
+/// Outward rounding by hand, `next_up`, is no rounding: it is meant.
+bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::convert; }
+
+void run_at_random(Tape& tape, Coins& coins) {
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        double& value = tape[i].value;
+        value = value_of(tape, i);
+        if (!rounds(tape[i].op)) continue;
+        const double off = rounding_of(tape, i);
+        if (off == 0 || !std::isfinite(off) || !coins.toss()) continue;
+        value = result_of(off > 0 ? TapeOp::next_down : TapeOp::next_up, {value}, tape.format_of(i));
+    }
+}
+
+}  // namespace
+
+RandomRuns::RandomRuns(Tape tape) {
+    Coins coins(seed_of(tape));
+    for (std::size_t k = 0; k < t.size(); ++k) {
+        run_at_random(tape, coins);
+        t[k] = tape[tape.outputs.t].value;
+        hit[k] = tape.outputs.hit == no_node || tape[tape.outputs.hit].value != 0;
+    }
+}
+
+double RandomRuns::correct_bits(int precision) const {
+    if (!std::ranges::all_of(hit, [](bool h) { return h; })) return std::numeric_limits<double>::quiet_NaN();
+    const double mean = (t[0] + t[1] + t[2]) / 3;
+    double squares = 0;
+    for (const double x : t) squares += (x - mean) * (x - mean);
+    if (t[0] == t[1] && t[1] == t[2]) return precision;
+    const double bits = std::log2(std::sqrt(3) * std::fabs(mean) / (4.303 * std::sqrt(squares / 2)));
+    return bits > 0 ? std::min<double>(bits, precision) : 0;
+}
+
+double statistical_bound(const Tape& tape, const Attribution& attribution) {
+    double squares = 0;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
+        if (!e.live || !rounds(tape[i].op)) continue;
+        const double most = e.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
+        squares += most * most;
+    }
+    return std::sqrt(squares);
+}
+
+}  // namespace lostbits::measure::blame

@@ -1,0 +1,177 @@
+// AffineForm: what holds of every problem near one? A number that knows how it moves with each input, to first order,
+// and a bound on the rest.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "number/concept.hpp"
+#include "number/wide/running.hpp"
+
+namespace lostbits {
+
+/// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where the same ηᵢ stand in every number of a problem: affine
+/// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). The ηᵢ
+/// are from −1 to 1 each, or in vectors of a length of at most 1 (`Vectors`). x₀ is of two words with a running bound,
+/// so that numbers which cancel to 100 bits are told from 0; the sᵢ are doubles, and what they lose by rounding is in
+/// `rest`.
+///
+/// Products of deviations are of second order, and go to `rest`: with |x − x₀| ≤ D,
+///     x y:    terms x₀ sᵢ(y) + y₀ sᵢ(x),   |x₀| r_y + |y₀| r_x + D_x D_y
+///     1/y:    terms −sᵢ/y₀²,               r/y₀² + D²/(y₀² (|y₀| − D)),     where |y₀| > D
+///     √x:     terms sᵢ/(2 √x₀),            r/(2 √x₀) + D²/(2 x₀ √x₀),       where x₀ > D
+/// and a rest of infinity says nothing.
+template <std::size_t N>
+class AffineForm {
+public:
+    using Centre = number::wide::Running<number::wide::TwoWords<double>>;
+    /// Behind the last place of each vector, in rising order, up to N; none: each ηᵢ for itself.
+    using Vectors = std::span<const std::size_t>;
+
+    AffineForm() = default;
+    explicit AffineForm(int x) : centre_(x) {}
+    explicit AffineForm(double x) : centre_(number::wide::TwoWords<double>(x)) {}
+    /// Input number i: x + step ηᵢ, and what x itself may be off by. `vectors` outlives every number that is made of it.
+    AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
+        rest_ = off;
+        terms_[i] = step;
+        used_ = i + 1;
+        vectors_ = vectors;
+    }
+
+    friend AffineForm operator-(const AffineForm& a) { return a.linear(-a.centre_, -1, a.rest_); }
+    friend AffineForm operator+(const AffineForm& a, const AffineForm& b) {
+        return joined(a.centre_ + b.centre_, a, 1, b, 1, a.rest_ + b.rest_);
+    }
+    friend AffineForm operator-(const AffineForm& a, const AffineForm& b) {
+        return joined(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
+    }
+    friend AffineForm operator*(const AffineForm& a, const AffineForm& b) {
+        const double x = a.most(), y = b.most(), off_x = a.off(), off_y = b.off();
+        const double second = a.is_constant() || b.is_constant() ? 0 : a.deviation() * b.deviation();
+        const double rest = x * b.rest_ + y * a.rest_ + second + off_x * b.sum() + off_y * a.sum();
+        return joined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
+    }
+    friend AffineForm operator/(const AffineForm& a, const AffineForm& b) { return a * inverse(b); }
+    AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
+    AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
+    AffineForm& operator*=(const AffineForm& b) { return *this = *this * b; }
+
+    friend AffineForm sqrt(const AffineForm& x) {
+        if (x.is_constant() && x.centre_.first() == 0 && x.off() == 0) return x;
+        const double least = x.least(), deviation = x.deviation();
+        if (!(x.centre_.first() > 0 && least > deviation)) return unknown();
+        const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least);
+        const double rest = most_slope * (x.rest_ + deviation * deviation / least) + x.off() / least * slope * x.sum();
+        return x.linear(sqrt(x.centre_), slope, rest);
+    }
+    friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
+    friend AffineForm abs(const AffineForm& x) { return select(x < AffineForm(0), -x, x); }
+    friend AffineForm copysign(const AffineForm& a, const AffineForm& b) {
+        const AffineForm size = abs(a);
+        return select(b < AffineForm(0), -size, size);
+    }
+    /// Nothing is said where the mask is open.
+    friend AffineForm select(Tri mask, const AffineForm& a, const AffineForm& b) {
+        return mask.is_yes() ? a : mask.is_no() ? b : unknown();
+    }
+
+    friend Tri operator<(const AffineForm& a, const AffineForm& b) {
+        const auto [middle, size] = (a - b).ends();
+        return middle < -size ? Tri::yes : middle >= size ? Tri::no : Tri::unknown;
+    }
+    friend Tri operator<=(const AffineForm& a, const AffineForm& b) {
+        const auto [middle, size] = (a - b).ends();
+        return middle <= -size ? Tri::yes : middle > size ? Tri::no : Tri::unknown;
+    }
+    friend Tri operator>(const AffineForm& a, const AffineForm& b) { return b < a; }
+    friend Tri operator>=(const AffineForm& a, const AffineForm& b) { return b <= a; }
+
+    /// No less than |x − x₀| for any x.
+    [[nodiscard]] double deviation() const {
+        double first_order = 0;
+        if (vectors_.empty()) {
+            first_order = sum();
+        } else {
+            std::size_t i = 0;
+            for (const std::size_t end : vectors_) {
+                double squares = 0;
+                for (; i < std::min(end, used_); ++i) squares += terms_[i] * terms_[i];
+                first_order += std::sqrt(squares) * up + tiny;
+            }
+        }
+        return (first_order + rest_) * up;
+    }
+
+private:
+    /// Makes up for the roundings of a bound, fewer than 2^10 of 2^-53 each.
+    static constexpr double up = 1 + 0x1p-42;
+    static constexpr double tiny = 0x1p-500;  ///< more than the root of what squares lose to underflow
+
+    static AffineForm unknown() {
+        AffineForm x(0);
+        x.rest_ = HUGE_VAL;
+        return x;
+    }
+    static AffineForm inverse(const AffineForm& y) {
+        const double least = y.least(), deviation = y.deviation();
+        if (!(least > deviation)) return unknown();
+        const double q = 1 / y.centre_.first(), most = 1 / least * up;
+        const double rest = most * most * (y.rest_ + deviation * deviation / (least - deviation) * up);
+        return y.linear(AffineForm(1).centre_ / y.centre_, -(q * q), rest + 4 * y.off() * most * most * most * y.sum());
+    }
+
+    [[nodiscard]] bool is_constant() const { return vectors_.data() == nullptr && rest_ == 0 && sum() == 0; }
+    /// How far x₀ can be from its first word.
+    [[nodiscard]] double off() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
+    [[nodiscard]] double most() const { return std::fabs(centre_.first()) + off(); }
+    [[nodiscard]] double least() const { return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * up; }
+    /// Σ |sᵢ|, rounded up.
+    [[nodiscard]] double sum() const {
+        double all = 0;
+        for (std::size_t i = 0; i < used_; ++i) all += std::fabs(terms_[i]);
+        return all * up;
+    }
+    struct Ends {
+        double middle, size;
+    };
+    /// x lies within `size` of `middle`. An exact 0 has no size.
+    [[nodiscard]] Ends ends() const { return {centre_.first(), (deviation() + off()) * up}; }
+
+    /// This number times k, about another centre. A product of terms rounds by 2^-53 of itself.
+    [[nodiscard]] AffineForm linear(const Centre& centre, double k, double rest) const {
+        return joined(centre, *this, k, AffineForm(0), 0, rest);
+    }
+    static AffineForm joined(const Centre& centre, const AffineForm& a, double of_a, const AffineForm& b, double of_b,
+                             double rest) {
+        AffineForm x;
+        x.centre_ = centre;
+        x.used_ = std::max(a.used_, b.used_);
+        double size = 0;
+        for (std::size_t i = 0; i < x.used_; ++i) {
+            const double s = a.terms_[i] * of_a, t = b.terms_[i] * of_b;
+            x.terms_[i] = s + t;
+            size += std::fabs(s) + std::fabs(t);
+        }
+        x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;
+        // Each of the two products and their sum: 3 · 2^-53, and what a product loses to underflow.
+        x.rest_ = rest == 0 && size == 0 ? 0 : (rest + size * 0x1p-51 + tiny * tiny) * up;
+        return x;
+    }
+
+    Centre centre_{0};
+    std::array<double, N> terms_{};
+    std::size_t used_ = 0;  ///< no term from here on is anything but 0
+    double rest_ = 0;
+    Vectors vectors_{};
+};
+
+template <std::size_t N>
+inline constexpr bool stands_for_exact<AffineForm<N>> = true;
+
+static_assert(Number<AffineForm<4>>);
+
+}  // namespace lostbits

@@ -1,0 +1,97 @@
+// Spheres, boxes and triangles by the textbook, in numbers of 2048 bits: an independent computation of what a small
+// change of a problem does to its answer.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "number/real.hpp"
+#include "shapes/solid.hpp"
+
+namespace lostbits::testing::textbook {
+
+using Wide = BasicReal<2048>;
+constexpr std::size_t most_of_problem = 15;
+
+/// The numbers of a problem: origin, direction, solid.
+using Numbers = std::array<Wide, most_of_problem>;
+
+Vec<Wide> point(const Numbers& x, std::size_t i) { return {x[i], x[i + 1], x[i + 2]}; }
+
+struct Quadratic {
+    Wide a, h, c;
+    explicit Quadratic(const Numbers& x) {
+        const Vec<Wide> f = point(x, 0) - point(x, 6), d = point(x, 3);
+        a = dot(d, d), h = dot(f, d), c = dot(f, f) - x[9] * x[9];
+    }
+    [[nodiscard]] std::optional<Wide> root(int side) const {
+        const Wide q = h * h - a * c;
+        if (q < 0) return std::nullopt;
+        const Wide root = sqrt(q);
+        return Wide((side < 0 ? Wide(-h - root) : Wide(-h + root)) / a);
+    }
+};
+
+/// A shape by the textbook: the t of a root or a face, if the line meets it, and what is 0 there.
+struct Textbook {
+    int which = 0;                     ///< of a sphere −1 and 1: the near root and the far one
+    std::array<bool, 3> crossed = {};  ///< of a box: the axes along which the ray moves
+
+    [[nodiscard]] std::optional<Wide> t(Shape shape, const Numbers& x) const {
+        if (shape == Shape::sphere) return Quadratic(x).root(which);
+        if (shape == Shape::box) return entry(x);
+        return through_triangle(x);
+    }
+    static std::optional<Wide> through_triangle(const Numbers& x) {
+        const Vec<Wide> d = point(x, 3), a = point(x, 6) - point(x, 0), b = point(x, 9) - point(x, 0),
+                        c = point(x, 12) - point(x, 0);
+        const Wide u = dot(d, cross(b, c)), v = dot(d, cross(c, a)), w = dot(d, cross(a, b)), det = u + v + w;
+        const bool inside = det > 0 ? u >= 0 && v >= 0 && w >= 0 : det < 0 && u <= 0 && v <= 0 && w <= 0;
+        if (!inside) return std::nullopt;
+        return Wide(dot(a, cross(b, c)) / det);
+    }
+    /// The last of the entries, where no exit comes before it, and where it is of a face that is crossed.
+    [[nodiscard]] std::optional<Wide> entry(const Numbers& x) const {
+        bool same = true;
+        std::optional<Wide> last, first;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Wide &o = x[k], &d = x[3 + k], &lo = x[6 + k], &hi = x[9 + k];
+            if (d == 0) {
+                if (o < lo || o > hi) return std::nullopt;
+                continue;
+            }
+            Wide in = (lo - o) / d, out = (hi - o) / d;
+            if (d < 0) std::swap(in, out);
+            if (!last || in > *last) last = in, same = crossed[k];
+            if (!first || out < *first) first = out;
+        }
+        return last && *last <= *first && same ? last : std::nullopt;
+    }
+};
+
+/// P(t) of a sphere, else n − t m of the face: what moves when t moves.
+inline Wide residual(Shape shape, const Numbers& x, const Wide& t, std::size_t axis) {
+    if (shape == Shape::sphere) {
+        const Quadratic p(x);
+        return (p.a * t + 2 * p.h) * t + p.c;
+    }
+    if (shape == Shape::box) {
+        const Wide& plane = x[3 + axis] < 0 ? x[9 + axis] : x[6 + axis];
+        return plane - x[axis] - t * x[3 + axis];
+    }
+    const Vec<Wide> n = cross(Vec<Wide>(point(x, 9) - point(x, 6)), Vec<Wide>(point(x, 12) - point(x, 6)));
+    return dot(Vec<Wide>(point(x, 6) - point(x, 0)), n) - t * dot(point(x, 3), n);
+}
+
+/// The numbers of a ray and of a solid.
+inline Numbers numbers_of(const Ray<double>& ray, const Solid<double>& solid) {
+    Numbers x;
+    for (std::size_t k = 0; k < 3; ++k)
+        x[k] = ray.origin[static_cast<int>(k)], x[3 + k] = ray.direction[static_cast<int>(k)];
+    for (std::size_t k = 6; k < 6 + solid.used().size(); ++k) x[k] = solid.numbers[k - 6];
+    return x;
+}
+
+}  // namespace lostbits::testing::textbook
