@@ -85,11 +85,10 @@ RandomRuns::RandomRuns(Tape tape) {
 
 double RandomRuns::correct_bits(int precision) const {
     if (!std::ranges::all_of(hit, [](bool h) { return h; })) return std::numeric_limits<double>::quiet_NaN();
-    const double mean = (t[0] + t[1] + t[2]) / 3;
     double squares = 0;
-    for (const double x : t) squares += (x - mean) * (x - mean);
+    for (const double x : t) squares += (x - mean()) * (x - mean());
     if (t[0] == t[1] && t[1] == t[2]) return precision;
-    const double bits = std::log2(std::sqrt(3) * std::fabs(mean) / (4.303 * std::sqrt(squares / 2)));
+    const double bits = std::log2(std::sqrt(3) * std::fabs(mean()) / (4.303 * std::sqrt(squares / 2)));
     return bits > 0 ? std::min<double>(bits, precision) : 0;
 }
 

@@ -24,8 +24,11 @@ double cestac_bits(const Sample& s) {
 }
 
 double cestac_error(const Sample& s) {
+    if (!explains_t(s)) return missing;
     const int precision = s.format->shape.precision;
-    return cestac_bits(s) - (precision - truth::lost_bits(s.blame->attribution->error / s.blame->ulp, precision));
+    const blame::RandomRuns runs(*s.blame->tape);
+    const double error = (runs.mean() - s.t) + s.blame->attribution->error;
+    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.blame->ulp, precision));
 }
 
 double cestac_decision(const Sample& s) {

@@ -17,16 +17,16 @@ inline constexpr Metric metrics_of_predictions[] = {
     {.name = "cestac_bits",
      .unit = "bits",
      .layer = "prediction.cestac",
-     .meaning = "correct bits of t as three runs with random rounding predict them: log2(sqrt(3) |mean|/(4.303 s)), "
-                "from 0 to p (CESTAC)",
+     .meaning = "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "
+                "|mean|/(4.303 s)), from 0 to p (CESTAC)",
      .needs = needs_attribution,
      .ramp = Ramp::kept,
      .value = cestac_bits},
     {.name = "cestac_error",
      .unit = "bits",
      .layer = "prediction.cestac_error",
-     .meaning = "cestac_bits less the bits that t has in common with the form without rounding: above 0 more is "
-                "promised than there is",
+     .meaning = "cestac_bits less the bits that the mean of the three runs has in common with the form without "
+                "rounding: above 0 more is promised than there is",
      .needs = needs_attribution,
      .ramp = Ramp::magnitude,
      .low = 0x1p-4,

@@ -218,6 +218,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
               {"unit", m.unit},
               {"meaning", m.meaning},
               {"marches", m.over == measure::metric::Over::marches},
+              {"every_ray", m.over == measure::metric::Over::every},
               {"blamed", m.over == measure::metric::Over::blamed},
               {"kind", is_inherent(m)    ? "hits"
                        : is_derived(m)   ? "derived"

@@ -219,7 +219,7 @@ function colourOf(metric, row, outcome, value) {
     if (metric.blamed)
         return Number.isNaN(value) && outcome !== agreeHit ? index.outcomes[outcome][1] :
                                                              metric.categories[Number.isNaN(value) ? 0 : value][1];
-    if (metric.marches) {
+    if (metric.marches || metric.every_ray) {
         if (Number.isNaN(value)) return index.outcomes[outcomeNames.indexOf("not_a_number")][1];
         return metric.categories ? metric.categories[value][1] : rampAt(scaleOf(metric, row), value);
     }

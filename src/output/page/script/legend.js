@@ -52,7 +52,7 @@ async function drawLegend() {
             children.push(make("span", { className: "class" }, swatch(colour), ` ${words(name)}`));
     }
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
-    if (!metric.marches) {
+    if (!metric.marches && !metric.every_ray) {
         const wrongOnes = ["false_hit", "false_miss", "wrong_object", "crack", "double_hit"].map(
             (name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
