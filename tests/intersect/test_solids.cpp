@@ -23,7 +23,8 @@ Solid<double> counted_up(const ShapeRow& row) {
     double next = 1;
     for (double& x : solid.used()) x = next * next, ++next;
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::below_before) solid.numbers[k] = solid.numbers[k - 1] - 1;
+        if (key.limit == Key::Limit::below_before || key.limit == Key::Limit::within_before)
+            solid.numbers[k] = solid.numbers[k - 1] - 1;
     });
     return solid;
 }

@@ -135,6 +135,42 @@ std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, cons
     return side_of_fraction(first, s.d2, m, length);
 }
 
+/// x = u + v √d, and sums and products of such numbers: a distance m lies at x = b + a m/√d2, d2 times which is one.
+template <class E>
+struct WithRoot {
+    E u, v, d;
+
+    friend WithRoot operator*(const WithRoot& a, const WithRoot& b) {
+        return {a.u * b.u + a.v * b.v * a.d, a.u * b.v + a.v * b.u, a.d};
+    }
+    [[nodiscard]] std::optional<int> sign() const { return sign_of_sum<E>(u, v * d, d); }
+};
+
+/// Of the root of a quartic that the ray meets: where it stands to the place of m. `simple` at a distance is told
+/// by d2 to the power of its degree times it.
+template <class E>
+std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+                           intersect::Convention convention) {
+    const auto met = met_root(s, range, convention);
+    if (!met.hit.is_yes()) return std::nullopt;
+    if (met.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    const EnclosedRoots<E>& roots = met.roots;
+    if (length == Length::parameter) return roots.order(met.root, s.place(m));
+    const WithRoot<E> x{s.b * s.d2, s.a * m, s.d2};
+    return roots.order(
+        met.root, [&](const E& p) { return sign_of_sum<E>(p - s.b, -(s.a * m), s.d2); },
+        [&] {
+            WithRoot<E> y{roots.simple.leading(), E(0), s.d2};
+            E power(1);
+            for (int i = roots.simple.degree - 1; i >= 0; --i) {
+                power = power * s.d2;
+                y = y * x;
+                y.u = y.u + power * roots.simple.of(i);
+            }
+            return y.sign();
+        });
+}
+
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
                            const RangeOfSpan<E>* range = nullptr, intersect::Convention convention = {}) {
