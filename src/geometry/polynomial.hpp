@@ -61,10 +61,12 @@ bool trim(Polynomial<T>& f) {
     return true;
 }
 
-/// Numbers whose exponents end somewhere divide by leading coefficients: multiplied by them numbers of a polynomial soon
-/// are too large, and are good for no exact zero anyway.
+/// Numbers whose exponents end somewhere divide by leading coefficients: multiplied by them numbers of a polynomial
+/// soon are too large, and are good for no exact zero anyway.
 template <class T>
-inline constexpr bool divides_polynomials = requires(const T& x) { x.hi(); };
+inline constexpr bool divides_polynomials = requires(const T& x) {
+    x.hi();
+};
 
 /// What is left of f, and how often g goes into it, both times the same power of the leading coefficient of g, where
 /// nothing is divided. That of the rest is positive.

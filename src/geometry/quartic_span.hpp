@@ -36,7 +36,8 @@ std::optional<Ends<T>> ends_of(const QuarticSpan<T>& s) {
         std::array<int, 4> which;
         for (int i = 0; i < roots->count; ++i)
             if ((*roots)[i].crosses)
-                which[static_cast<std::size_t>(count)] = i, crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
+                which[static_cast<std::size_t>(count)] = i,
+                crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
         if (count > 2) {
             const auto order = roots->order(which[1], s.b);
             if (!order) return std::nullopt;

@@ -36,7 +36,8 @@ A near_root(const Polynomial<A>& f, A low, A high) {
         A next = known_sign(steep) == 0 ? x : middle(x - value / steep);
         const bool between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
         if (!between) next = middle(half * (low + high));
-        if (known_sign(A(next - x)) == 0 || known_sign(A(next - low)) == 0 || known_sign(A(high - next)) == 0) return next;
+        if (known_sign(A(next - x)) == 0 || known_sign(A(next - low)) == 0 || known_sign(A(high - next)) == 0)
+            return next;
         x = next;
     }
     return x;
@@ -60,7 +61,8 @@ NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
     return roots;
 }
 
-/// A root between two points, the only one there, whether the polynomial changes its sign at it, and its sign behind it.
+/// A root between two points, the only one there, whether the polynomial changes its sign at it, and its sign behind
+/// it.
 template <class E>
 struct EnclosedRoot {
     E low, high, root;
@@ -76,12 +78,12 @@ struct EnclosedRoots {
     int count = 0;
 
     [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
-    /// How root i stands to a point x: −1 below, 0 at, +1 above it; nothing where that is not known. `against(p)` is the
-    /// sign of p − x, and `value` that of `simple` at x: between the roots beside it a change of that is root i.
+    /// How root i stands to a point x: −1 below, 0 at, +1 above it; nothing where that is not known. `against(p)` is
+    /// the sign of p − x, and `value` that of `simple` at x: between the roots beside it a change of that is root i.
     template <class Against, class Value>
     [[nodiscard]] std::optional<int> order(int i, const Against& against, const Value& value) const {
         const auto is = [](const std::optional<int>& sign, int wanted) { return sign && *sign * wanted >= 0; };
-        const auto &[low, high, root, crosses, behind] = (*this)[i];
+        const auto& [low, high, root, crosses, behind] = (*this)[i];
         const auto from_low = against(low), from_high = against(high);
         if (is(from_low, 1)) return 1;
         if (is(from_high, -1)) return -1;
@@ -114,8 +116,8 @@ NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
     }
 }
 
-/// Around a number near a root of f: as far as twice what Newton's step is at most. Of a number that is one, as far as
-/// half of the bits go, and the root is known without an error.
+/// Around a number near a root of f: as far as eight times what Newton's step is at most: f there is known to be other
+/// than 0. Of a number that is one, as far as half of the bits go, and the root is known without an error.
 template <class E>
 EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, const E& bound) {
     for (int i = 0; i < 2; ++i) {
@@ -124,7 +126,7 @@ EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, 
     }
     const E value = f.at(x);
     const bool exact = known_sign(value) == 0;
-    E away = exact ? bound : largest(value) / largest(middle(slope.at(x))) * E(2);
+    E away = exact ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
     for (int i = 0; exact && i < precision_of(x) / 2; ++i) away = away / E(2);
     const E low = middle(x - away), high = middle(x + away);
     return {low, high, exact ? x : between(low, high), true, 1};

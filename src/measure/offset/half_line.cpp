@@ -68,8 +68,8 @@ std::optional<Meeting> enclosed(const S& s) {
     return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
 }
 
-/// Whether the line is inside of a quartic between x = b and `end`, null for all that follows: in a stretch from one root
-/// that it crosses to the next. Running errors look for no roots.
+/// Whether the line is inside of a quartic between x = b and `end`, null for all that follows: in a stretch from one
+/// root that it crosses to the next. Running errors look for no roots.
 template <class E>
 std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
     if constexpr (std::same_as<E, number::wide::Running<double>>) {
@@ -94,7 +94,7 @@ std::optional<Meeting> enclosed(const QuarticSpan<E>& s) {
     const auto at = known_sign(s.f.at(s.b));
     const auto meets = is_inside_between<E>(s, nullptr);
     if (!at || !meets) return std::nullopt;
-    return Meeting{.inside = *at < 0, .outside = *at > 0, .meets = *meets};
+    return Meeting{.inside = *at<0, .outside = *at> 0, .meets = *meets};
 }
 
 template <class E>

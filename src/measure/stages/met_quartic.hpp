@@ -56,8 +56,8 @@ FirstRoot<Running<W>> first_root(const Polynomial<Running<W>>& f, const Running<
     const auto at_low = chain.at(low);
     const auto before = changes_in(at_low);
     const E behind = chain.value(high);
-    const auto turns = ((at_low[0] < zero).yes() && (behind > zero).yes()) ||
-                       ((at_low[0] > zero).yes() && (behind < zero).yes());
+    const auto turns =
+        ((at_low[0] < zero).yes() && (behind > zero).yes()) || ((at_low[0] > zero).yes() && (behind < zero).yes());
     const auto found = some && before.known && before.count >= from.count && turns && (low > begin).yes();
     const E to_low = x - low, to_high = high - x;
     const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());

@@ -82,8 +82,7 @@ private:
         met_.on_surface = true;
         if (!touching || asked_.touching == Touching::hit) {
             const bool no_exits = asked_.inside == Inside::miss && !touching;
-            const bool counts =
-                asked_.at_origin == AtOrigin::hit || (asked_.at_origin == AtOrigin::exit && leaving);
+            const bool counts = asked_.at_origin == AtOrigin::hit || (asked_.at_origin == AtOrigin::exit && leaving);
             if (counts && !(no_exits && leaving)) {
                 met_.touching = touching;
                 if (known_sign(begin_of(range_)) == 0) return begun();

@@ -210,9 +210,9 @@ double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounde
     return least > 0 ? std::sqrt(B / least) + 2 * std::max(0.0, -sigma) / least : anywhere;
 }
 
-/// δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. Where |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other j, the circle
-/// |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to first
-/// order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
+/// δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. Where |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other j, the
+/// circle |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to
+/// first order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
 template <std::size_t N>
 double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<Bounded<double>, N>>& s) {
     using Each = Dual<Bounded<double>, N>;

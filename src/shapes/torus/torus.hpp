@@ -25,7 +25,7 @@ struct Torus {
 
     static constexpr std::string_view name = "torus", plural = "tori";
     static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a torus in the plane y = 0, of the radii 1.5 and 0.5",
+    static constexpr ShapeWords words{.plainest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
                                       .touching = "a ray along its top",
                                       .point = "a minor radius of 0",
                                       .places = "centres"};
@@ -47,8 +47,8 @@ struct Torus {
 
     /// Across y: a ray along z, which is what rays at the plainest solids are, meets it four times.
     static Torus around(const Vec<T>& p, const T& half) {
-        const T r = half / T(4);
-        return {p, {T(0), T(1), T(0)}, T(3) * r, r};
+        const T r = half / T(8);
+        return {p, {T(0), T(1), T(0)}, T(5) * r, T(3) * r};
     }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }
@@ -79,7 +79,8 @@ struct Torus {
     [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);
-        const T a = square(d), n = square(axis), outer = major_radius + minor_radius, four_r2 = square(T(2) * major_radius);
+        const T a = square(d), n = square(axis), outer = major_radius + minor_radius,
+                four_r2 = square(T(2) * major_radius);
         const T e = a * (outer * (major_radius - minor_radius)) + square(w);
         const T p = T(2) * (n * e) - four_r2 * square(k), q = T(-2) * (four_r2 * dot(m, k));
         return {.f = {{n * square(e) - four_r2 * square(m), q, p, T(0), n}, 4},
@@ -103,13 +104,15 @@ struct Torus {
         return {k * from.way.x, k * from.way.y, k * from.way.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// c + w (R/|w|) + v (r/|v|), w the part of f = p − c across the axis and v = f − w (R/|w|): w is off by γ(11)|f|,
-    /// its share of R by γ(16)R more, v by both and a rounding, and what is added up by γ(3) of its size; the part of
-    /// the error of v along v itself is none of the point on the surface.
+    /// q + v (r/|v|) with q = c + w (R/|w|), w the part of f = p − c across the axis, off by γ(11)|f| at most, and v =
+    /// p − q: q is off by that times R/|w| and γ(6)R more; an error of v moves the point about q, but for the γ(6)r of
+    /// its length.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
-        const T size = length(Vec<T>(p - centre)) + major_radius + minor_radius;
+        const FromCircle from(*this, p);
+        const T turned = gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(from.aside)));
         BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(36) * size + gamma_bound<T>(3) * abs(centre[i]);
+        for (int i = 0; i < 3; ++i)
+            b.delta[i] = turned + gamma_bound<T>(8) * half_extent() + gamma_bound<T>(3) * abs(centre[i]);
         return b;
     }
 

@@ -199,7 +199,8 @@ struct ClearTorusAnswer : TorusAnswer {
         for (const double k : {1 - 0x1p-16, 1 + 0x1p-16}) {
             Torus<double> other = torus;
             other.minor_radius *= k;
-            if (other.minor_radius >= other.major_radius || ahead(TorusAnswer(ray, other)) != ahead(*this)) return false;
+            if (other.minor_radius >= other.major_radius || ahead(TorusAnswer(ray, other)) != ahead(*this))
+                return false;
         }
         return true;
     }

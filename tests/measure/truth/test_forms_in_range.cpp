@@ -34,6 +34,7 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
     else if (shape == Shape::tube) group.solids = {Solid<double>(Tube<double>{{0, 0, -4}, {0, 0, 4}, 3})};
     else if (shape == Shape::cone) group.solids = {Solid<double>(Cone<double>{{0, 0, -4}, {0, 0, 4}, 4, 2})};
     else if (shape == Shape::disc) group.solids = {Solid<double>(Disc<double>{{-3, 0, 0}, {1, 0, 0}, 4, 0})};
+    else if (shape == Shape::torus) group.solids = {Solid<double>(Torus<double>{{-14, 0, 0}, {0, 1, 0}, 14, 3})};
     else group.solids = {Solid<double>(Plane<double>{{-3, 1, 0}, {1, 0, 0}})};
     return group;
 }

@@ -1,6 +1,6 @@
-// From the point of the line nearest to the centre, by cross products: a quartic in x = d² t + d·f without a cubic term,
-// in which no length of f is squared but across the line. Solved by the resolvent, and Newton's steps on what is left of
-// the torus' own equation.
+// From the point of the line nearest to the centre, by cross products: a quartic in x = d² t + d·f without a cubic
+// term, in which no length of f is squared but across the line. Solved by the resolvent, and Newton's steps on what is
+// left of the torus' own equation.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"

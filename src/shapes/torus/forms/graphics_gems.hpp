@@ -9,7 +9,8 @@ struct GraphicsGems {
     static constexpr Info info{
         .name = "torus.graphics_gems",
         .title = "quartic in t, resolvent cubic, two quadratics",
-        .source = "Schwarze, Cubic and Quartic Roots, Graphics Gems (1990), Roots3And4.c; as in bsf, BsTorus.cpp, 11-47",
+        .source =
+            "Schwarze, Cubic and Quartic Roots, Graphics Gems (1990), Roots3And4.c; as in bsf, BsTorus.cpp, 11-47",
         .direction = Direction::unit,
         .roots = Roots::first_only,
     };

@@ -55,8 +55,8 @@ private:
 };
 
 /// A real root of y³ + b y² + c y + d between two places, at the first of which that is not positive and at the second
-/// not negative, by Newton's steps, and by halves where one leads out: sources take a cube root or the cosine of a third
-/// of an angle, which is the same number.
+/// not negative, by Newton's steps, and by halves where one leads out: sources take a cube root or the cosine of a
+/// third of an angle, which is the same number.
 template <Number T>
 T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T& d) {
     const T zero(0), half = T(1) / T(2);

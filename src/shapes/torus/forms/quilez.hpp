@@ -33,7 +33,8 @@ struct QuilezTorus {
         // z³ − 3Q z − 2R = 0: two cube roots, or a cosine where there are three real roots.
         const T Q = square(c2) + c0, R = three * c0 * c2 - c2 * square(c2) - square(c1);
         const T s = sqrt(three * abs(Q)), reach = s + two * abs(R) / square(s);
-        const T root = select(R < zero, -one, one) * cubic_root_between<T>(zero, reach, zero, -three * Q, -two * abs(R));
+        const T root =
+            select(R < zero, -one, one) * cubic_root_between<T>(zero, reach, zero, -three * Q, -two * abs(R));
         const T z = named("z", c2 - root), d1 = z - three * c2, d2 = square(z) - three * c0;
         const auto small = abs(d1) < one / T(10000), none = (small && d2 < zero) || (!small && d1 < zero);
         const T e1 = select(small, d1, sqrt(d1 / two)), e2 = select(small, sqrt(d2), c1 / e1);

@@ -21,8 +21,7 @@ struct SturmTorus {
         const AlongAxis<T> in(ray, torus);
         const T away = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
         const T closer = named("closer", select(away > bound, away - bound, T(0)));
-        const Quartic<T> f =
-            quartic_in_t<T>(in.p + closer * in.d, in.d, in.pz + closer * in.dz, in.dz, torus);
+        const Quartic<T> f = quartic_in_t<T>(in.p + closer * in.d, in.d, in.pz + closer * in.dz, in.dz, torus);
         const T a2 = square(f.a), quarter = f.a / T(4);
         const QuarticChain<T> chain(T(1), T(-3) * a2 / T(8) + f.b, a2 * f.a / T(8) - f.a * f.b / T(2) + f.c,
                                     T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
