@@ -59,8 +59,13 @@ T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, 
         const auto none = sign_changes(chain.at(middle)) >= from;
         low = select(none, middle, low), high = select(none, high, middle);
     }
+    // A step that leads farther out than that is wide goes to another root, or is made of rounding.
+    const T width = high - low, least = low - width, most = high + width;
     T x = half * (low + high);
-    for (int i = 0; i < steps; ++i) x = x - chain.value(x) / chain.slope(x);
+    for (int i = 0; i < steps; ++i) {
+        const T next = x - chain.value(x) / chain.slope(x);
+        x = select(least <= next && next <= most, next, x);
+    }
     return x;
 }
 

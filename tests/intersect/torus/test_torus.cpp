@@ -144,11 +144,11 @@ TEST_CASE("packs say of tori what the truth of each ray says", "[truth][torus]")
 TEST_CASE("every torus form but one solves the problem when nothing is rounded", "[intersect][torus][formula]") {
     namespace torus = intersect::torus;
     // The resolvent of nearly biquadratic ones leaves half of the bits.
-    UnroundedForms<
-        intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::SturmTorus,
-                            torus::TorusDoubleInside, torus::ClosestApproach, torus::Bracketed, torus::TorusInTwoWords>>
+    UnroundedForms<intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::SturmTorus,
+                                       torus::TorusDoubleInside, torus::ClosestApproach, torus::Bracketed,
+                                       torus::BracketedInDouble>>
         forms(-60);
-    UnroundedForms<intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::TorusInTwoWords>> close;
+    UnroundedForms<intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::BracketedInDouble>> close;
     for_each_torus(static_cast<int>(draws(300)), [&](const SampledRays<Torus>& family, const Sample<Torus>& s) {
         const ClearTorusAnswer right = answer_of(s);
         forms.ask(family.name, s, right, right.is_within(0));

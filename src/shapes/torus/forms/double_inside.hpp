@@ -17,15 +17,7 @@ struct TorusDoubleInside {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        using W = typename Wider<T>::type;
-        const auto widen = [](const Vec<T>& v) {
-            return Vec<W>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
-        };
-        const Hit<W> wide =
-            GraphicsGems::intersect<W>({widen(ray.origin), widen(ray.direction)},
-                                       {widen(torus.centre), widen(torus.axis), Wider<T>::widen(torus.major_radius),
-                                        Wider<T>::widen(torus.minor_radius)});
-        return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
+        return narrowed<T>(GraphicsGems::intersect(widened(ray), widened(torus)));
     }
 };
 

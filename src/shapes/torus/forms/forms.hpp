@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/torus/forms/bracketed.hpp"
+#include "shapes/torus/forms/bracketed_double.hpp"
 #include "shapes/torus/forms/brl_cad.hpp"
 #include "shapes/torus/forms/closest_approach.hpp"
 #include "shapes/torus/forms/double_inside.hpp"
@@ -10,7 +11,6 @@
 #include "shapes/torus/forms/pov_ray.hpp"
 #include "shapes/torus/forms/quilez.hpp"
 #include "shapes/torus/forms/sturm.hpp"
-#include "shapes/torus/forms/two_words.hpp"
 
 namespace lostbits::intersect::torus {
 
@@ -23,7 +23,7 @@ using TorusForms = FormList<   //
     torus::TorusDoubleInside,  //
     torus::ClosestApproach,    //
     torus::Bracketed,          //
-    torus::TorusInTwoWords     //
+    torus::BracketedInDouble   //
     >;
 
 }  // namespace lostbits::intersect::torus

@@ -35,6 +35,25 @@ Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& 
             square(k1) + T(4) * R2 * (square(pz) - r2)};
 }
 
+/// A ray, a torus and an answer in the wider arithmetic, and back.
+template <Number T>
+auto widened(const Vec<T>& v) {
+    return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
+}
+template <Number T>
+auto widened(const Ray<T>& ray) {
+    return Ray<typename Wider<T>::type>{widened(ray.origin), widened(ray.direction)};
+}
+template <Number T>
+auto widened(const Torus<T>& torus) {
+    return Torus<typename Wider<T>::type>{widened(torus.centre), widened(torus.axis),
+                                          Wider<T>::widen(torus.major_radius), Wider<T>::widen(torus.minor_radius)};
+}
+template <Number T>
+Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
+    return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
+}
+
 /// The first t ≥ 0 of those that are roots.
 template <Number T>
 class First {
@@ -66,7 +85,10 @@ T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T
         const T value = ((y + b) * y + c) * y + d, slope = (T(3) * y + T(2) * b) * y + c;
         const auto below = value < zero;
         low = select(below, y, low), high = select(below, high, y);
-        const T step = y - value / slope, next = select(low <= step && step <= high, step, half * (low + high));
+        const T step = y - value / slope, middle = half * (low + high);
+        // What leads out below ends at the first place, where the root may be.
+        const T outside = select(step < low && low < y, low, middle);
+        const T next = select(low <= step && step <= high, step, outside);
         moves = moves && (next < y || next > y);
         y = select(moves, next, y);
     }
