@@ -71,12 +71,12 @@ inline constexpr bool divides_polynomials = requires(const T& x) {
 /// What is left of f, and how often g goes into it, both times the same power of the leading coefficient of g, where
 /// nothing is divided. That of the rest is positive.
 template <class T>
-struct Division {
+struct PolynomialDivision {
     Polynomial<T> quotient, rest;
 };
 template <class T>
-Division<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
-    Division<T> d{{{}, f.degree - g.degree}, f};
+PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
+    PolynomialDivision<T> d{{{}, f.degree - g.degree}, f};
     if constexpr (divides_polynomials<T>) {
         for (int k = d.quotient.degree; k >= 0; --k) {
             const T top = d.rest.of(g.degree + k) / g.leading();

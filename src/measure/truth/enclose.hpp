@@ -293,7 +293,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
-/// In enclose_quartic.hpp.
+/// In side.hpp.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
@@ -333,4 +333,4 @@ inline intersect::Convention convention_in(const Range<double>& range, intersect
 
 }  // namespace lostbits::measure::truth
 
-#include "measure/truth/enclose_quartic.hpp"
+#include "measure/truth/side.hpp"

@@ -145,7 +145,7 @@ TEST_CASE("every torus form but one solves the problem when nothing is rounded",
     namespace torus = intersect::torus;
     // The resolvent of nearly biquadratic ones leaves half of the bits.
     UnroundedForms<intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::SturmTorus,
-                                       torus::TorusDoubleInside, torus::ClosestApproach, torus::Bracketed,
+                                       torus::TorusDoubleInside, torus::TorusFromClosest, torus::Bracketed,
                                        torus::BracketedInDouble>>
         forms(-60);
     UnroundedForms<intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::BracketedInDouble>> close;

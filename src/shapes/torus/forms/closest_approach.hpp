@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::torus {
 
-struct ClosestApproach {
+struct TorusFromClosest {
     static constexpr Info info{
         .name = "torus.closest_approach",
         .title = "quartic from the closest approach, polished",

@@ -21,7 +21,7 @@ using TorusForms = FormList<   //
     torus::BrlCad,             //
     torus::SturmTorus,         //
     torus::TorusDoubleInside,  //
-    torus::ClosestApproach,    //
+    torus::TorusFromClosest,   //
     torus::Bracketed,          //
     torus::BracketedInDouble   //
     >;
