@@ -57,7 +57,8 @@ static inline const char* const* lostbits_dump_columns(const char* shape, int* c
         {"tube", "lox", "loy", "loz", "tx", "ty", "tz", "radius"},
         {"cone", "bx", "by", "bz", "tx", "ty", "tz", "base_radius", "top_radius"},
         {"disc", "cx", "cy", "cz", "nx", "ny", "nz", "outer_radius", "inner_radius"},
-        {"plane", "qx", "qy", "qz", "nx", "ny", "nz"}};
+        {"plane", "qx", "qy", "qz", "nx", "ny", "nz"},
+        {"torus", "cx", "cy", "cz", "ax", "ay", "az", "major_radius", "minor_radius"}};
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; ++i) {
         if (strcmp(shape, columns[i][0]) != 0) continue;
         for (*count = 0; *count < LOSTBITS_DUMP_MOST && columns[i][*count + 1] != NULL;) ++*count;
@@ -84,8 +85,8 @@ static inline int lostbits_dump_begin(lostbits_dump* dump, unsigned long long ro
 }
 
 /* Adds a ray; from any thread. `id` is the caller's own: a pixel, a depth; it stays in the tables of `judge --rows`.
- * The range is that of the ray (tmin 0, tmax infinite where it has none); `solid` has the numbers of the shape; t is not
- * read where `hit` is 0. */
+ * The range is that of the ray (tmin 0, tmax infinite where it has none); `solid` has the numbers of the shape; t is
+ * not read where `hit` is 0. */
 LOSTBITS_DUMP_ANYWHERE void lostbits_dump_add(lostbits_dump* dump, unsigned id, const LOSTBITS_DUMP_REAL* o,
                                               const LOSTBITS_DUMP_REAL* d, LOSTBITS_DUMP_REAL tmin,
                                               LOSTBITS_DUMP_REAL tmax, const LOSTBITS_DUMP_REAL* solid, int hit,
@@ -126,8 +127,8 @@ static inline int lostbits_dump_write(const lostbits_dump* dump, const char* pat
                          bits, rows);
     while ((10 + n + 1) % 64 != 0) header[n++] = ' ';
     header[n++] = '\n';
-    const unsigned char start[10] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, (unsigned char)(n & 255),
-                                     (unsigned char)(n >> 8)};
+    const unsigned char start[10] = {
+        0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, (unsigned char)(n & 255), (unsigned char)(n >> 8)};
     size_t wrong = fwrite(start, 1, 10, file) != 10 || fwrite(header, 1, n, file) != n;
     for (unsigned long long i = 0; i < rows; ++i) {
         const lostbits_dump_row* const row = dump->rows + i;

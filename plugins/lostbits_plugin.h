@@ -3,8 +3,9 @@
  *
  * A form answers a batch of rays against a sphere |p - centre| = radius, a box lo <= p <= hi, a triangle, an
  * ellipsoid |(p - centre)/radii| = 1, a cylinder with caps, a capsule, a tube (a cylinder without caps), a cone with
- * caps, a disc or a plane: the t of p = origin + t direction where the ray first meets the surface, t >= 0. What it may
- * assume and what it promises stands in its `lb_form`; `lostbits plugin check LIBRARY.so` tries whether it is so. */
+ * caps, a disc, a plane or a torus: the t of p = origin + t direction where the ray first meets the surface, t >= 0.
+ * What it may assume and what it promises stands in its `lb_form`; `lostbits plugin check LIBRARY.so` tries whether it
+ * is so. */
 #ifndef LOSTBITS_PLUGIN_H
 #define LOSTBITS_PLUGIN_H
 
@@ -27,7 +28,8 @@ enum {
     LB_TUBE = 6,
     LB_CONE = 7,
     LB_DISC = 8,
-    LB_PLANE = 9
+    LB_PLANE = 9,
+    LB_TORUS = 10
 };                                                                /* lb_form.shape */
 enum { LB_F32 = 32, LB_F64 = 64 };                                /* lb_form.format: `float` or `double` */
 enum { LB_ANY = 0, LB_UNIT = 1 };                                 /* lb_form.direction */

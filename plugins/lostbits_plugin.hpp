@@ -37,7 +37,7 @@ struct Segment {
 };
 
 /// What it may take of a solid. The numbers of a batch are those of `Sphere`, `Box`, `Triangle`, `Ellipsoid`,
-/// `Cylinder`, `Capsule`, `Tube`, `Cone`, `Disc` and `Plane`; the others are made of them.
+/// `Cylinder`, `Capsule`, `Tube`, `Cone`, `Disc`, `Plane` and `Torus`; the others are made of them.
 template <class T>
 struct Sphere {
     T centre[3], radius;
@@ -81,6 +81,10 @@ struct Disc {
 template <class T>
 struct Plane {
     T through[3], normal[3];
+};
+template <class T>
+struct Torus {
+    T centre[3], axis[3], major_radius, minor_radius;
 };
 template <class T>
 struct CentreBox {  ///< (lo + hi)/2 and (hi - lo)/2
@@ -201,6 +205,11 @@ struct SolidOf<Plane<T>> {
     static Plane<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
+struct SolidOf<Torus<T>> {
+    static constexpr int shape = LB_TORUS;
+    static Torus<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
+};
+template <class T>
 struct SolidOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
@@ -219,9 +228,11 @@ template <int shape, class T>
 T reach(const T* n, const Ray<T>& ray) {
     constexpr bool along = shape == LB_CYLINDER || shape == LB_CAPSULE || shape == LB_TUBE || shape == LB_CONE;
     constexpr bool of_two = shape == LB_BOX || along;  // points, with the middle between them
-    T between[3], across[3] = {}, radius = shape == LB_BOX ? 0 : n[along || shape == LB_DISC ? 6 : 3];
+    T between[3], across[3] = {},
+                  radius = shape == LB_BOX ? 0 : n[along || shape == LB_DISC || shape == LB_TORUS ? 6 : 3];
     for (int k = 4; shape == LB_ELLIPSOID && k < 6; ++k) radius = n[k] > radius ? n[k] : radius;
     if (shape == LB_CONE && n[7] > radius) radius = n[7];
+    if (shape == LB_TORUS) radius += n[7];
     for (int k = 0; k < 3; ++k) {
         between[k] = (of_two ? (n[k] + n[k + 3]) / 2 : n[k]) - ray.origin[k];
         if (of_two) across[k] = n[k + 3] - n[k];

@@ -44,6 +44,8 @@ const solids = {
                     radius: Math.max(n[6], n[7]) }),
     disc: (n) => ({ centre: n.slice(0, 3), normal: n.slice(3, 6), outer_radius: n[6], inner_radius: n[7], radius: n[6] }),
     plane: (n) => ({ through: n.slice(0, 3), normal: n.slice(3) }),
+    torus: (n) => ({ centre: n.slice(0, 3), axis: n.slice(3, 6), major_radius: n[6], minor_radius: n[7],
+                     radius: n[6] + n[7] }),
     triangle: (n) => ({ a: n.slice(0, 3), b: n.slice(3, 6), c: n.slice(6) }),
 };
 /** Behind the solid, as a distance: from the origin to its middle, and its diameter or diagonal more. */
@@ -78,7 +80,7 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
     write(new TextEncoder().encode(lines.join("\n")));
     const solid_of = solids[keys.shape], t_of = answers[told];
     const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7, capsule: 7, tube: 7, cone: 8, disc: 8,
-                    plane: 6 }[keys.shape];
+                    plane: 6, torus: 8 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
         const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends

@@ -30,6 +30,8 @@ def solid_of(shape, n):
         return SimpleNamespace(centre=n[:3], normal=n[3:6], outer_radius=n[6], inner_radius=n[7], radius=n[6])
     if shape == "plane":
         return SimpleNamespace(through=n[:3], normal=n[3:])
+    if shape == "torus":
+        return SimpleNamespace(centre=n[:3], axis=n[3:6], major_radius=n[6], minor_radius=n[7], radius=n[6] + n[7])
     if shape == "capsule":
         return SimpleNamespace(start=n[:3], end=n[3:6], radius=n[6])
     return SimpleNamespace(centre=n[:3], radius=n[3])
@@ -61,7 +63,7 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
     lines = ["lostbits-pipe/1", f"name={name}", f"shape={shape}", *(f"{k}={v}" for k, v in words.items()), "format=f64"]
     out = sys.stdout.buffer
     width = {"sphere": 4, "box": 6, "triangle": 9, "ellipsoid": 6, "cylinder": 7, "capsule": 7, "tube": 7, "cone": 8,
-             "disc": 8, "plane": 6}[shape]
+             "disc": 8, "plane": 6, "torus": 8}[shape]
     ranged = "range" in words.get("flags", "").split(",")
     out.write(("\n".join(lines) + "\n\n").encode())
     out.flush()

@@ -17,6 +17,7 @@ struct Key {
         positive,          ///< greater than 0
         not_negative,      ///< 0 or more
         below_before,      ///< 0 or more, and less than the length before it
+        within_before,     ///< greater than 0, and less than the length before it
         not_zero,          ///< a direction of some length
         at_least_before,   ///< in each component at least the key before it
         off_line_before,   ///< a point that does not lie on one line with the two keys before it

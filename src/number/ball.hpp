@@ -162,6 +162,16 @@ private:
     Undefined undefined_ = Undefined::never;
 };
 
+/// A point of a ball, the ball of two points, the largest size in a ball as a point, and how many bits one is good for:
+/// what looks for roots in enclosures asks for these.
+inline Ball middle(const Ball& x) { return {x.hi(), x.lo(), 0}; }
+inline Ball between(const Ball& low, const Ball& high) {
+    const Ball m = middle(Ball(0.5) * (low + high)), half = high - m, other = m - low;
+    return {m.hi(), m.lo(), (std::fmax(half.hi(), other.hi()) + half.radius() + other.radius()) * (1 + 0x1p-45)};
+}
+inline Ball largest(const Ball& x) { return Ball((std::fabs(x.hi()) + x.radius()) * (1 + 0x1p-50)); }
+inline int precision_of(const Ball&) { return 100; }
+
 template <>
 inline constexpr bool stands_for_exact<Ball> = true;
 

@@ -142,6 +142,28 @@ Interval abs(const Interval& a) {
     return r;
 }
 
+Interval middle(const Interval& a) {
+    Interval r;
+    mpfi_mid(&r.value_->left, a.value_);
+    mpfr_set(&r.value_->right, &r.value_->left, MPFR_RNDN);
+    r.settle(a.undefined_);
+    return r;
+}
+Interval between(const Interval& low, const Interval& high) {
+    Interval r;
+    mpfr_set(&r.value_->left, low.lower(), MPFR_RNDD);
+    mpfr_set(&r.value_->right, high.upper(), MPFR_RNDU);
+    r.settle(spread(low.undefined_, high.undefined_));
+    return r;
+}
+Interval largest(const Interval& a) {
+    Interval r;
+    mpfi_mag(&r.value_->right, a.value_);
+    mpfr_set(&r.value_->left, &r.value_->right, MPFR_RNDN);
+    r.settle(a.undefined_);
+    return r;
+}
+
 // The sign of an exact zero is not a real number's business: a formula that asks for it gets no answer.
 Interval copysign(const Interval& a, const Interval& b) {
     if (b.undefined_ != Undefined::never || mpfi_has_zero(b.value_) > 0) return Interval::unknown();

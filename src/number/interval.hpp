@@ -74,6 +74,13 @@ public:
     /// The hull of both sides where the mask is undecided.
     friend Interval select(Tri mask, const Interval& a, const Interval& b);
 
+    /// A point of an interval, the interval from one to another, the largest size in one as a point, and its bits: what
+    /// looks for roots in enclosures asks for these.
+    friend Interval middle(const Interval& a);
+    friend Interval between(const Interval& low, const Interval& high);
+    friend Interval largest(const Interval& a);
+    friend int precision_of(const Interval& a) { return static_cast<int>(mpfi_get_prec(a.value_)); }
+
 private:
     void settle(Undefined u);
 

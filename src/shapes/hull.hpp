@@ -22,8 +22,9 @@ inline bool has_hull(Shape shape) {
 }
 
 /// Of a solid as its numbers say, without its matrix: the box of the points of its keys, wider on each side by the
-/// longest of its lengths. This is the least box of spheres, ellipsoids, capsules, triangles and boxes, and what
-/// renderers take for cylinders, tubes, cones and discs, whose least boxes may be smaller. Sums round as T does.
+/// longest of its lengths, of a torus by both. This is the least box of spheres, ellipsoids, capsules, triangles and
+/// boxes, and what renderers take for cylinders, tubes, cones and discs, whose least boxes may be smaller. Sums round
+/// as T does.
 template <Number T>
 Hull<T> hull_of(const Solid<T>& solid) {
     Hull<T> hull{solid.point(0), solid.point(0)};
@@ -33,7 +34,7 @@ Hull<T> hull_of(const Solid<T>& solid) {
         for (int i = 0; i < 3; ++i) {
             const T& x = solid.numbers[k + (key.kind == Key::Kind::length ? 0 : static_cast<std::size_t>(i))];
             if (key.is_length()) {
-                reach[i] = max(reach[i], x);
+                reach[i] = key.limit == Key::Limit::within_before ? reach[i] + x : max(reach[i], x);
             } else {
                 hull.lo[i] = min(hull.lo[i], x);
                 hull.hi[i] = max(hull.hi[i], x);

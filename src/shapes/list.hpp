@@ -11,7 +11,8 @@
     line(tube, Tube) \
     line(cone, Cone) \
     line(disc, Disc) \
-    line(plane, Plane)
+    line(plane, Plane) \
+    line(torus, Torus)
 // clang-format on
 
 #include LOSTBITS_SHAPE_FILE(sphere)
@@ -24,5 +25,6 @@
 #include LOSTBITS_SHAPE_FILE(cone)
 #include LOSTBITS_SHAPE_FILE(disc)
 #include LOSTBITS_SHAPE_FILE(plane)
+#include LOSTBITS_SHAPE_FILE(torus)
 
 #undef LOSTBITS_SHAPE_FILE

@@ -112,6 +112,9 @@ std::string limit_words(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::not_negative) return "is less than 0; write 0 or a positive number";
     if (key.limit == Key::Limit::below_before)
         return "is less than 0, or not less than " + std::string((&key - 1)->name) + "; write a number from 0 to that";
+    if (key.limit == Key::Limit::within_before)
+        return "is not greater than 0, or not less than " + std::string((&key - 1)->name) +
+               "; write a positive number less than that";
     if (key.limit == Key::Limit::not_zero) return "is 0 in all three components; write where it points, at any length";
     if (key.limit == Key::Limit::off_line_before)
         return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) + "; " +

@@ -176,6 +176,7 @@ std::optional<BrokenLimit> broken_limit(const Solid<S>& solid) {
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
                 (key.limit == Key::Limit::not_negative && !(x >= S(0))) ||
                 (key.limit == Key::Limit::below_before && !(x >= S(0) && x < solid.numbers[k - 1])) ||
+                (key.limit == Key::Limit::within_before && !(x > S(0) && x < solid.numbers[k - 1])) ||
                 (key.limit == Key::Limit::at_least_before && !(solid.numbers[k - key.count()] <= x)))
                 return BrokenLimit{&key, k};
         }

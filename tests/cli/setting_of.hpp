@@ -19,6 +19,7 @@ inline std::string setting_of(Shape shape) {
     if (shape == Shape::cone) return "cone-near --pixel 96,92";
     if (shape == Shape::disc) return "disc-near --pixel 110,92";
     if (shape == Shape::plane) return "plane-floor.floor --pixel 96,150";
+    if (shape == Shape::torus) return "torus-near --pixel 96,100";
     return "sdf-sphere --pixel 100,100";
 }
 

@@ -23,7 +23,8 @@ Solid<double> counted_up(const ShapeRow& row) {
     double next = 1;
     for (double& x : solid.used()) x = next * next, ++next;
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::below_before) solid.numbers[k] = solid.numbers[k - 1] - 1;
+        if (key.limit == Key::Limit::below_before || key.limit == Key::Limit::within_before)
+            solid.numbers[k] = solid.numbers[k - 1] - 1;
     });
     return solid;
 }
@@ -31,6 +32,10 @@ Solid<double> counted_up(const ShapeRow& row) {
 /// Whether a shape has no inside: a line crosses it at one t, or at two.
 template <class Of>
 constexpr bool is_surface = SurfaceSpan<decltype(std::declval<Of>().span(Ray<double>())), double>;
+
+/// Whether a line may come into it twice.
+template <class Of>
+constexpr bool is_holed = std::same_as<decltype(std::declval<Of>().span(Ray<double>())), QuarticSpan<double>>;
 
 }  // namespace
 
@@ -158,7 +163,9 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
                 CHECK(depth <= 0);
                 if (depth == 0) continue;  // along a face
                 CHECK(shape.may_hold(at(middle)));
-                CHECK(shape.off_surface(at(2 * ends->far - ends->near)) > 0);
+                // Of a solid with a hole the line may be in it again, so it is asked right behind.
+                const double beyond = is_holed<std::decay_t<decltype(shape)>> ? 0x1p-20 : 1;
+                CHECK(shape.off_surface(at(ends->far + beyond * (ends->far - ends->near))) > 0);
                 from_inside += shape.off_surface(ray.origin) < 0;
                 CHECK((shape.off_surface(ray.origin) < 0) == (ends->near < 0 && ends->far > 0));
                 if (ends->near <= 0) continue;
@@ -226,8 +233,8 @@ TEST_CASE("the span of a shape holds the span in every wider number") {
             };
             const auto quick = ends_in.template operator()<Ball>();
             const auto sharp = ends_in.template operator()<Interval>();
-            // Of a rim balls may not know.
-            const bool open = visit(solid, [](const auto& shape) { return is_surface<std::decay_t<decltype(shape)>>; });
+            // Of a rim or a double root balls may not know.
+            const bool open = visit(solid, []<class Of>(const Of&) { return is_surface<Of> || is_holed<Of>; });
             REQUIRE((quick.has_value() == sharp.has_value() || (open && !quick)));
             if (!quick || !quick->near.is_bounded() || !quick->far.is_bounded()) continue;
             ++met;

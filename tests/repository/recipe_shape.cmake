@@ -60,7 +60,7 @@ if(failed)
     message(FATAL_ERROR "the shape of the recipe does not compile:\n${errors}")
 endif()
 execute_process(COMMAND ${WORK}/shapes OUTPUT_VARIABLE said)
-set(expected "sphere: 4\nbox: 6\ntriangle: 9\nellipsoid: 6\ncylinder: 7\ncapsule: 7\ntube: 7\ncone: 8\ndisc: 8\nplane: 6\nhalf_space: 6\n"
+set(expected "sphere: 4\nbox: 6\ntriangle: 9\nellipsoid: 6\ncylinder: 7\ncapsule: 7\ntube: 7\ncone: 8\ndisc: 8\nplane: 6\ntorus: 8\nhalf_space: 6\n"
     "half_space of 6 numbers, last -2\nhalf_space.quotient hits at 4\n"
     "truly in at 4\ntruly out at 4\n")
 string(CONCAT expected ${expected})

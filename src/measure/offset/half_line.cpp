@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/side.hpp"
@@ -67,6 +68,35 @@ std::optional<Meeting> enclosed(const S& s) {
     return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
 }
 
+/// Whether the line is inside of a quartic between x = b and `end`, null for all that follows: in a stretch from one
+/// root that it crosses to the next. Running errors look for no roots.
+template <class E>
+std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
+    if constexpr (std::same_as<E, number::wide::Running<double>>) {
+        return std::nullopt;
+    } else {
+        const auto roots = enclosed_roots(s.f, s.bound);
+        if (!roots) return std::nullopt;
+        for (int i = 0, entry = -1; i < roots->count; ++i) {
+            if (!(*roots)[i].crosses) continue;
+            const int from = std::exchange(entry, entry < 0 ? i : -1);
+            if (from < 0) continue;
+            const auto ends = roots->order(i, s.b), begins = end ? roots->order(from, *end) : std::optional(-1);
+            if (!ends || !begins) return std::nullopt;
+            if (*ends > 0 && *begins < 0) return true;
+        }
+        return false;
+    }
+}
+
+template <class E>
+std::optional<Meeting> enclosed(const QuarticSpan<E>& s) {
+    const auto at = known_sign(s.f.at(s.b));
+    const auto meets = is_inside_between<E>(s, nullptr);
+    if (!at || !meets) return std::nullopt;
+    return Meeting{.inside = *at<0, .outside = *at> 0, .meets = *meets};
+}
+
 template <class E>
 std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
     Ray<E> from = lift_ray<E>(line.ray);
@@ -100,6 +130,12 @@ std::optional<bool> passes(const SlabSpan<E>& s) {
     const RangeOfSpan<E> way{E(0), {E(1), E(1)}, {}};
     const Tri hit = truth::enclose<E>(s, &way, intersect::Touching::miss).hit;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
+}
+
+template <class E>
+std::optional<bool> passes(const QuarticSpan<E>& s) {
+    const E end = s.a + s.b;
+    return is_inside_between(s, &end);
 }
 
 template <class E, ToldSpan<E> S>

@@ -275,3 +275,5 @@ requires ToldSpan<Span<Running<W>>, Running<W>> Met<Running<W>> first_met(const 
 }
 
 }  // namespace lostbits::measure::stages
+
+#include "measure/stages/met_quartic.hpp"

@@ -47,6 +47,8 @@ mask_t<typename E::P> is_proper(const std::array<E, most_stored>& solid) {
             if (key.limit == Key::Limit::not_negative) proper = proper && (solid[k] >= zero).yes();
             if (key.limit == Key::Limit::below_before)
                 proper = proper && (solid[k] >= zero).yes() && (solid[k] < solid[k - 1]).yes();
+            if (key.limit == Key::Limit::within_before)
+                proper = proper && (solid[k] > zero).yes() && (solid[k] < solid[k - 1]).yes();
             if (key.limit == Key::Limit::at_least_before) proper = proper && (solid[k - key.count()] <= solid[k]).yes();
         }
     }

@@ -9,6 +9,7 @@
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/joined_span.hpp"
+#include "geometry/quartic_span.hpp"
 #include "geometry/wall_span.hpp"
 #include "intersect/info.hpp"
 #include "number/ball.hpp"
@@ -292,13 +293,25 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
-/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks. `range` (null:
-/// all that lies ahead) holds some t.
+/// In side.hpp.
+template <class E>
+Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
+
+/// Whether a line that touches a solid may come into it behind that: then it is asked what counts.
+template <class Span>
+inline constexpr bool may_touch_before = false;
+template <class E>
+inline constexpr bool may_touch_before<QuarticSpan<E>> = true;
+
+/// The closed solid, whatever its shape: what the convention says of touching is left to whoever asks, where nothing
+/// can come behind a touch. `range` (null: all that lies ahead) holds some t.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
-    convention.touching = intersect::Touching::hit;
-    return with_span(ray, solid, [&](const auto& span) { return enclose<E>(span, range, convention); });
+    return with_span(ray, solid, [&]<class Span>(const Span& span) {
+        if (!may_touch_before<Span>) convention.touching = intersect::Touching::hit;
+        return enclose<E>(span, range, convention);
+    });
 }
 
 /// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead.
@@ -319,3 +332,5 @@ inline intersect::Convention convention_in(const Range<double>& range, intersect
 }
 
 }  // namespace lostbits::measure::truth
+
+#include "measure/truth/side.hpp"

@@ -9,6 +9,7 @@
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
 #include "geometry/joined_span.hpp"
+#include "geometry/quartic_span.hpp"
 #include "geometry/wall_span.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/bounded.hpp"
@@ -207,6 +208,42 @@ double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounde
     if (sigma > 0 && sigma * sigma >= aB) return B / (sigma + std::sqrt(sigma * sigma - aB));
     const double least = std::fabs(a.value()) * (1 - 0x1p-40) - a.error();
     return least > 0 ? std::sqrt(B / least) + 2 * std::max(0.0, -sigma) / least : anywhere;
+}
+
+/// δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. Where |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other j, the
+/// circle |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to
+/// first order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
+template <std::size_t N>
+double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<Bounded<double>, N>>& s) {
+    using Each = Dual<Bounded<double>, N>;
+    const double B = problem.aside(s.f.at(s.b));
+    if (B == 0) return 0;
+    std::array<double, 5> most{B}, least{};
+    Polynomial<Each> f = s.f;
+    Each power = s.a;
+    for (int k = 1, factorial = 1; k <= 4; ++k) {
+        f = f.slope(), factorial *= k;
+        const auto c = (power * f.at(s.b) / Each(factorial)).value();
+        power = power * s.a;
+        most[static_cast<std::size_t>(k)] = std::fabs(c.value()) + c.error() * outward;
+        least[static_cast<std::size_t>(k)] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * outward;
+    }
+    const auto others = [&most](std::size_t k, double rho) {
+        double sum = 0;
+        for (std::size_t j = 5; j-- > 0;) sum = sum * rho + (j == k ? 0 : most[j]);
+        return sum * outward;
+    };
+    double best = anywhere;
+    for (std::size_t k = 1; k <= 4; ++k) {
+        if (!(least[k] > 0)) continue;
+        double rho = std::pow(B / least[k], 1.0 / static_cast<double>(k)) * outward;
+        for (int i = 0; i < 64 && rho < best; ++i) {
+            const double sum = others(k, rho);
+            if (least[k] * std::pow(rho, static_cast<double>(k)) > sum) best = rho;
+            else rho = std::max(rho * (1 + 0x1p-20), std::pow(sum / least[k], 1.0 / static_cast<double>(k)) * outward);
+        }
+    }
+    return best;
 }
 
 /// t' − t = n'/m' of t = n/m, where n is 0 as the ray begins at t.

@@ -31,14 +31,16 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
         if (key.count() == 3) solid.set_point(k, table.vec3(key.name));
         else solid.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {
-            if (key.limit == Key::Limit::positive) numbers.positive(table, key.name, solid.numbers[i]);
+            if (key.limit == Key::Limit::positive || key.limit == Key::Limit::within_before)
+                numbers.positive(table, key.name, solid.numbers[i]);
             else numbers.finite(table, key.name, solid.numbers[i]);
         }
     });
     if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
     const auto rounded = broken_limit(transformed(solid, [&](const Real& x) { return numbers.stored(x); }));
     const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
-                                    rounded->key->limit == Key::Limit::below_before);
+                                    rounded->key->limit == Key::Limit::below_before ||
+                                    rounded->key->limit == Key::Limit::within_before);
     if (beside)
         table.fail_at(rounded->key->name, "is " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "

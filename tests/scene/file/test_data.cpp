@@ -98,6 +98,28 @@ bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
     return off(low) <= 0;
 }
 
+/// By its distance from the circle, which along the ray has its least near the least of three points in a row.
+bool hits(const Ray<Real>& ray, const Torus<Real>& t) {
+    const Vec<Real> f = ray.origin - t.centre, &d = ray.direction;
+    const Real a = dot(d, d), h = dot(f, d), outer = t.major_radius + t.minor_radius;
+    const Real disc = h * h - a * (dot(f, f) - outer * outer);
+    if (disc < 0) return false;
+    const Real begin = max(Real((-h - sqrt(disc)) / a), Real(0)), step = ((-h + sqrt(disc)) / a - begin) / 64;
+    const auto off = [&](const Real& at) { return t.distance(ray.origin + at * d); };
+    for (int i = 1; i < 64 && step > 0; ++i) {
+        Real low = begin + (i - 1) * step, high = begin + (i + 1) * step;
+        const Real middle = off(begin + i * step);
+        if (off(low) < middle || off(high) < middle) continue;
+        for (int k = 0; k < 60; ++k) {
+            const Real x = (2 * low + high) / 3, y = (low + 2 * high) / 3;
+            if (off(x) < off(y)) high = y;
+            else low = x;
+        }
+        if (off(low) <= 0) return true;
+    }
+    return step >= 0 && (off(begin) <= 0 || off(begin + 64 * step) <= 0);
+}
+
 /// By the point of the ray between the caps that is nearest to the axis.
 bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
     const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;

@@ -152,7 +152,8 @@ TEST_CASE("a scene has a title, a camera and a sphere, and nothing unknown") {
           "with lo and hi, or [[triangle]] with a, b and c, or [[ellipsoid]] with centre and radii, or [[cylinder]] "
           "with base, top and radius, or [[capsule]] with start, end and radius, or [[tube]] with bottom, top and "
           "radius, or [[cone]] with base, top, base_radius and top_radius, or [[disc]] with centre, normal, "
-          "outer_radius and inner_radius, or [[plane]] with through and normal");
+          "outer_radius and inner_radius, or [[plane]] with through and normal, or [[torus]] with centre, axis, "
+          "major_radius and minor_radius");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==

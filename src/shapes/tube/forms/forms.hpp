@@ -4,6 +4,8 @@
 #include "intersect/form_list.hpp"
 #include "shapes/tube/forms/celeritas.hpp"
 #include "shapes/tube/forms/framed.hpp"
+#include "shapes/tube/forms/mitsuba.hpp"
+#include "shapes/tube/forms/pbrt_interval.hpp"
 #include "shapes/tube/forms/triple_product.hpp"
 #include "shapes/tube/forms/unit_axis.hpp"
 
@@ -13,6 +15,8 @@ using TubeForms = FormList<  //
     tube::AlongUnitAxis,     //
     tube::InFrameOfTube,     //
     tube::CeleritasTube,     //
+    tube::PbrtTube,          //
+    tube::MitsubaTube,       //
     tube::ByDistanceOfLines  //
     >;
 

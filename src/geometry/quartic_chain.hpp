@@ -1,0 +1,72 @@
+// The signs along Sturm's chain of a quartic without a cubic term, and the first root behind a place by them: for packs
+// of rays, and for forms.
+#pragma once
+
+#include <array>
+
+#include "geometry/polynomial.hpp"
+
+namespace lostbits {
+
+/// Sturm's chain of f = n x⁴ + p x² + q x + r: f, f′, and what is left over and over, each times −1. With α = 3q/2p and
+/// β = 2r/p that is −2p (x² + α x + β), u x − v, and a number. Where p or u are 0 nothing is said.
+template <class T>
+struct QuarticChain {
+    using Values = std::array<T, 5>;
+    T n, p, q, r, u, v, last;
+
+    QuarticChain(const T& of_x4, const T& of_x2, const T& of_x, const T& rest)
+        : QuarticChain(of_x4, of_x2, of_x, rest, T(3) * of_x / (T(2) * of_x2), T(2) * rest / of_x2) {}
+    explicit QuarticChain(const Polynomial<T>& f) : QuarticChain(f.c[4], f.c[2], f.c[1], f.c[0]) {}
+
+    [[nodiscard]] T value(const T& x) const { return (n * square(x) + p) * square(x) + (q * x + r); }
+    [[nodiscard]] T slope(const T& x) const { return (T(4) * n * square(x) + T(2) * p) * x + q; }
+    [[nodiscard]] Values at(const T& x) const {
+        return {value(x), slope(x), -(T(2) * p * square(x) + (T(3) * q * x + T(4) * r)), u * x - v, last};
+    }
+    [[nodiscard]] Values at_infinity() const { return {n, n, -p, u, last}; }
+
+private:
+    QuarticChain(const T& of_x4, const T& of_x2, const T& of_x, const T& rest, const T& alpha, const T& beta)
+        : n(of_x4),
+          p(of_x2),
+          q(of_x),
+          r(rest),
+          u(-(T(4) * n * (square(alpha) - beta) + T(2) * p)),
+          v(T(4) * n * alpha * beta + q),
+          last(T(2) * p * ((v / u + alpha) * (v / u) + beta)) {}
+};
+
+/// How often the sign changes along a chain: the roots between two places are as many as the changes at the first less
+/// those at the second.
+template <class T>
+T sign_changes(const std::array<T, 5>& chain) {
+    T count(0);
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+        const auto falls = chain[i - 1] > T(0) && chain[i] < T(0), rises = chain[i - 1] < T(0) && chain[i] > T(0);
+        count = count + select(falls || rises, T(1), T(0));
+    }
+    return count;
+}
+
+/// A number near the first root behind `begin`, as the signs say: 24 times by halves, and by Newton's steps from there.
+template <class T>
+T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {
+    const T from = sign_changes(chain.at(begin)), half = T(1) / T(2);
+    T low = select(begin > -bound, begin, -bound), high = bound;
+    for (int i = 0; i < 24; ++i) {
+        const T middle = half * (low + high);
+        const auto none = sign_changes(chain.at(middle)) >= from;
+        low = select(none, middle, low), high = select(none, high, middle);
+    }
+    // A step that leads farther out than that is wide goes to another root, or is made of rounding.
+    const T width = high - low, least = low - width, most = high + width;
+    T x = half * (low + high);
+    for (int i = 0; i < steps; ++i) {
+        const T next = x - chain.value(x) / chain.slope(x);
+        x = select(least <= next && next <= most, next, x);
+    }
+    return x;
+}
+
+}  // namespace lostbits

@@ -1,0 +1,177 @@
+// The real roots of a polynomial of degree four at most: near them in any arithmetic, and enclosed with a proof.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "geometry/polynomial.hpp"
+
+namespace lostbits {
+
+inline double middle(double x) { return x; }
+inline int precision_of(double) { return 53; }
+
+/// At most four numbers in rising order.
+template <class T>
+struct NearRoots {
+    std::array<T, 4> x;
+    int count = 0;
+
+    void add(const T& root) { x[static_cast<std::size_t>(count++)] = root; }
+};
+
+/// Where f changes its sign between two numbers, by Newton's method, and by halves where that leads out.
+template <class A>
+A near_root(const Polynomial<A>& f, A low, A high) {
+    const Polynomial<A> slope = f.slope();
+    const bool rises = known_sign(middle(f.at(low))) == -1;
+    const A half = A(1) / A(2);
+    A x = middle(half * (low + high));
+    for (int i = 0; i < 4 * precision_of(x); ++i) {
+        const A value = middle(f.at(x));
+        const auto sign = known_sign(value);
+        if (!sign || *sign == 0) break;
+        (rises == (*sign < 0) ? low : high) = x;
+        const A steep = middle(slope.at(x));
+        A next = known_sign(steep) == 0 ? x : middle(x - value / steep);
+        const bool between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
+        if (!between) next = middle(half * (low + high));
+        if (known_sign(A(next - x)) == 0 || known_sign(A(next - low)) == 0 || known_sign(A(high - next)) == 0)
+            return next;
+        x = next;
+    }
+    return x;
+}
+
+/// Numbers near the roots within ±bound at which f changes its sign, by the same of its slope: between two neighbours
+/// of those there is one, or none.
+template <class A>
+NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
+    NearRoots<A> turns, roots;
+    if (f.degree > 1) turns = near_roots(f.slope(), bound);
+    if (f.degree < 1) return roots;
+    A low = -bound;
+    auto before = known_sign(middle(f.at(low)));
+    for (int i = 0; i <= turns.count; ++i) {
+        const A high = i < turns.count ? turns.x[static_cast<std::size_t>(i)] : bound;
+        const auto after = known_sign(middle(f.at(high)));
+        if (before && after && *before * *after < 0) roots.add(near_root(f, low, high));
+        if (after != 0) low = high, before = after;
+    }
+    return roots;
+}
+
+/// A root between two points, the only one there, whether the polynomial changes its sign at it, and its sign behind
+/// it.
+template <class E>
+struct EnclosedRoot {
+    E low, high, root;
+    bool crosses;
+    int behind;
+};
+
+/// All real roots of f, in order, and a polynomial that has each of them once.
+template <class E>
+struct EnclosedRoots {
+    Polynomial<E> f, simple;
+    std::array<EnclosedRoot<E>, 4> all;
+    int count = 0;
+
+    [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
+    /// How root i stands to a point x: −1 below, 0 at, +1 above it; nothing where that is not known. `against(p)` is
+    /// the sign of p − x, and `value` that of `simple` at x: between the roots beside it a change of that is root i.
+    template <class Against, class Value>
+    [[nodiscard]] std::optional<int> order(int i, const Against& against, const Value& value) const {
+        const auto is = [](const std::optional<int>& sign, int wanted) { return sign && *sign * wanted >= 0; };
+        const auto& [low, high, root, crosses, behind] = (*this)[i];
+        const auto from_low = against(low), from_high = against(high);
+        if (is(from_low, 1)) return 1;
+        if (is(from_high, -1)) return -1;
+        if (i > 0 && !is(against((*this)[i - 1].high), -1)) return std::nullopt;
+        if (i + 1 < count && !is(against((*this)[i + 1].low), 1)) return std::nullopt;
+        const auto here = value(), before = known_sign(simple.at(low));
+        if (!here || !before) return std::nullopt;
+        return *here * *before;
+    }
+    [[nodiscard]] std::optional<int> order(int i, const E& x) const {
+        return order(
+            i, [&x](const E& p) { return known_sign(E(p - x)); }, [&] { return known_sign(simple.at(x)); });
+    }
+};
+
+namespace detail {
+
+/// f as the numbers are looked for in: of balls in double, which is enough of a start for most.
+template <class E>
+NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
+    if constexpr (requires { bound.hi(); }) {
+        Polynomial<double> quick{{}, f.degree};
+        for (int i = 0; i <= f.degree; ++i) quick.of(i) = f.of(i).hi();
+        const NearRoots<double> near = near_roots(quick, bound.hi());
+        NearRoots<E> roots;
+        for (int i = 0; i < near.count; ++i) roots.add(E(near.x[static_cast<std::size_t>(i)]));
+        return roots;
+    } else {
+        return near_roots(f, bound);
+    }
+}
+
+/// Around a number near a root of f: as far as eight times what Newton's step is at most: f there is known to be other
+/// than 0. Of a number that is one, as far as half of the bits go, and the root is known without an error.
+template <class E>
+EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, const E& bound) {
+    for (int i = 0; i < 2; ++i) {
+        const E step = f.at(x) / middle(slope.at(x));
+        if (step.is_bounded()) x = middle(x - step);
+    }
+    const E value = f.at(x);
+    const bool exact = known_sign(value) == 0;
+    E away = exact ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
+    for (int i = 0; exact && i < precision_of(x) / 2; ++i) away = away / E(2);
+    const E low = middle(x - away), high = middle(x + away);
+    return {low, high, exact ? x : between(low, high), true, 1};
+}
+
+}  // namespace detail
+
+/// Of a polynomial all of whose real roots lie within ±bound. There are as many as Sturm's theorem says, and each is
+/// between two points, no two of which are beside the same root, where f over what it has in common with its slope
+/// changes its sign. Nothing where these numbers are not close enough to prove that; f has no cubic term.
+template <class E>
+std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& bound) {
+    const auto counted = count_roots(f);
+    if (!counted) return std::nullopt;
+    EnclosedRoots<E> roots{f, f, {}, counted->count};
+    if (roots.count == 0) return roots;
+    const bool are_simple = counted->repeated.degree == 0;
+    if (!are_simple) {
+        roots.simple = divide(f, counted->repeated).quotient;
+        if (!trim(roots.simple)) return std::nullopt;
+    }
+    const NearRoots<E> near = detail::started(roots.simple, middle(bound));
+    if (near.count != roots.count) return std::nullopt;
+    const Polynomial<E> slope = roots.simple.slope();
+    for (int i = 0; i < roots.count; ++i) {
+        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
+        root = detail::around(roots.simple, slope, near.x[static_cast<std::size_t>(i)], bound);
+        const auto before = known_sign(roots.simple.at(root.low)), behind = known_sign(roots.simple.at(root.high));
+        if (!before || !behind || *before * *behind >= 0) return std::nullopt;
+        if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
+    }
+    // The sign behind the last is that of the leading coefficient, and half way to the next root it is known where that
+    // of f beside a double root, the square of a small number, is not.
+    for (int i = roots.count - 1, sign = known_sign(f.leading()).value_or(1); i >= 0; --i) {
+        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
+        root.behind = sign;
+        const bool first = i == 0;
+        const auto before = are_simple ? std::optional(-sign)
+                            : first    ? known_sign(f.at(middle(-bound)))
+                                       : known_sign(f.at(middle((roots[i - 1].high + root.low) / E(2))));
+        if (!before) return std::nullopt;
+        sign = *before;
+        root.crosses = sign != root.behind;
+    }
+    return roots;
+}
+
+}  // namespace lostbits

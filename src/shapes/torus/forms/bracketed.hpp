@@ -1,0 +1,27 @@
+// The quartic of the closest approach, its first root ahead told apart by the signs of Sturm's chain: no cube root, and
+// no root is taken for another.
+#pragma once
+
+#include "geometry/quartic_chain.hpp"
+#include "shapes/torus/forms/parts.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct Bracketed {
+    static constexpr Info info{
+        .name = "torus.bracketed",
+        .title = "quartic from the closest approach, Sturm's chain",
+        .source = "this project: see Torus::span and QuarticChain",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        const QuarticSpan<T> s = torus.span(ray);
+        const QuarticChain<T> chain(s.f);
+        const T t = named("t", s.time(near_first_root<T>(chain, s.b, s.bound, 6)));
+        return {sign_changes(chain.at(s.b)) > sign_changes(chain.at_infinity()), t, t, t};
+    }
+};
+
+}  // namespace lostbits::intersect::torus

@@ -1,0 +1,23 @@
+// `bracketed` in double, of floats: from the closest approach, where the textbook's quartic in double is not enough.
+#pragma once
+
+#include "shapes/torus/forms/bracketed.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct BracketedInDouble {
+    static constexpr Info info{
+        .name = "torus.bracketed_double",
+        .title = "float in, closest approach and Sturm's chain in double",
+        .source = "this project: see Torus::span and QuarticChain",
+        .roots = Roots::first_only,
+        .formats = Formats::binary32_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        return narrowed<T>(Bracketed::intersect(widened(ray), widened(torus)));
+    }
+};
+
+}  // namespace lostbits::intersect::torus

@@ -1,0 +1,37 @@
+// In units of the major radius, from the point of the line nearest to the centre: as polynomials, whose products are
+// subtracted coefficient by coefficient.
+#pragma once
+
+#include "shapes/torus/forms/parts.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct BrlCad {
+    static constexpr Info info{
+        .name = "torus.brl_cad",
+        .title = "unit torus, origin at the closest approach",
+        .source = "BRL-CAD, src/librt/primitives/tor/tor_shot.cl, tor_shot (there with Laguerre's root finder)",
+        .direction = Direction::unit,
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        const AlongAxis<T> in(ray, torus);
+        const T R = torus.major_radius, alpha = torus.minor_radius / R;
+        const Vec<T> p = (T(1) / R) * in.p;
+        const T back = named("cor_proj", dot(p, in.d));
+        const Vec<T> at = p - back * in.d;
+        const T z = in.pz / R - back * in.dz, zz = square(z), zd = z * in.dz, dd = square(in.dz);
+        const T x2 = square(in.d) - dd, x1 = T(2) * (dot(in.d, at) - zd), x0 = square(at) - zz;
+        const T a2 = x2 + dd, a1 = x1 + T(2) * zd, a0 = x0 + zz + T(1) - square(alpha);
+        const T c4 = square(a2), four(4);
+        const Quartic<T> f{T(2) * (a2 * a1) / c4, (T(2) * (a2 * a0) + square(a1) - four * x2) / c4,
+                           (T(2) * (a1 * a0) - four * x1) / c4, (square(a0) - four * x0) / c4};
+        First<T> first;
+        quartic_roots<T>(f, [&](const auto& is, const T& k) { first.take(is, (k - back) * R); });
+        return first.answer();
+    }
+};
+
+}  // namespace lostbits::intersect::torus

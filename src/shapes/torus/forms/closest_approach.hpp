@@ -1,0 +1,41 @@
+// From the point of the line nearest to the centre, by cross products: a quartic in x = d² t + d·f without a cubic
+// term, in which no length of f is squared but across the line. Solved by the resolvent, and Newton's steps on what is
+// left of the torus' own equation.
+#pragma once
+
+#include "shapes/torus/forms/parts.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct TorusFromClosest {
+    static constexpr Info info{
+        .name = "torus.closest_approach",
+        .title = "quartic from the closest approach, polished",
+        .source = "this project: see Torus::span",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        const Vec<T> f = ray.origin - torus.centre, w = cross(f, ray.direction);
+        const Vec<T> m = cross(torus.axis, cross(ray.direction, w)), k = cross(torus.axis, ray.direction);
+        const T a = named("a", square(ray.direction)), b = named("b", dot(f, ray.direction)), n = square(torus.axis);
+        const T R = torus.major_radius, r = torus.minor_radius, four_r2 = square(T(2) * R);
+        const T e = named("e", a * ((R + r) * (R - r)) + square(w)), mk = dot(m, k), k2 = square(k);
+        const T p = named("p", T(2) * e - four_r2 * k2 / n), q = named("q", T(-2) * (four_r2 * mk) / n);
+        const T s = named("r", square(e) - four_r2 * square(m) / n);
+        First<T> first;
+        depressed_roots<T>(p, q, s, [&](const auto& is, const T& from) {
+            T x = from;
+            for (int i = 0; i < 2; ++i) {
+                const T inner = square(x) + e, slope = T(4) * (n * inner * x) - T(2) * (four_r2 * (mk + x * k2));
+                const T rest = n * square(inner) - four_r2 * square(Vec<T>(m + x * k));
+                x = select(abs(slope) > T(0), x - rest / slope, x);
+            }
+            first.take(is, (x - b) / a);
+        });
+        return first.answer();
+    }
+};
+
+}  // namespace lostbits::intersect::torus

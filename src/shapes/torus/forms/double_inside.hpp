@@ -1,0 +1,24 @@
+// Float in, the textbook quartic in double, float out: what renderers with a double solver do.
+#pragma once
+
+#include "shapes/torus/forms/graphics_gems.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct TorusDoubleInside {
+    static constexpr Info info{
+        .name = "torus.double_inside",
+        .title = "float in, textbook quartic in double, float out",
+        .source = "Schwarze, Graphics Gems (1990), Roots3And4.c: its solver is in double",
+        .direction = Direction::unit,
+        .roots = Roots::first_only,
+        .formats = Formats::binary32_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        return narrowed<T>(GraphicsGems::intersect(widened(ray), widened(torus)));
+    }
+};
+
+}  // namespace lostbits::intersect::torus

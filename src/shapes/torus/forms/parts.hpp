@@ -1,0 +1,126 @@
+// What several torus forms share: the quartic in t, its roots by a resolvent cubic, and the first of them.
+#pragma once
+
+#include "intersect/info.hpp"
+#include "shapes/torus/torus.hpp"
+
+namespace lostbits::intersect::torus {
+
+/// The origin from the centre, and origin and direction along an axis of length one.
+template <Number T>
+struct AlongAxis {
+    Vec<T> p, d;
+    T pz, dz;
+
+    AlongAxis(const Ray<T>& ray, const Torus<T>& torus)
+        : AlongAxis(ray.origin - torus.centre, ray.direction, (T(1) / length(torus.axis)) * torus.axis) {}
+
+private:
+    AlongAxis(const Vec<T>& f, const Vec<T>& direction, const Vec<T>& n)
+        : p(f), d(direction), pz(named("pz", dot(n, f))), dz(named("dz", dot(n, direction))) {}
+};
+
+/// t⁴ + a t³ + b t² + c t + d.
+template <Number T>
+struct Quartic {
+    T a, b, c, d;
+};
+
+/// Of a direction of length one, as most code has it.
+template <Number T>
+Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& dz, const Torus<T>& torus) {
+    const T R2 = square(torus.major_radius), r2 = square(torus.minor_radius);
+    const T k1 = named("k1", square(p) - R2 - r2), k2 = named("k2", dot(p, d));
+    return {T(4) * k2, T(2) * (k1 + T(2) * (square(k2) + R2 * square(dz))), T(4) * (k2 * k1 + T(2) * R2 * (pz * dz)),
+            square(k1) + T(4) * R2 * (square(pz) - r2)};
+}
+
+/// A ray, a torus and an answer in the wider arithmetic, and back.
+template <Number T>
+auto widened(const Vec<T>& v) {
+    return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
+}
+template <Number T>
+auto widened(const Ray<T>& ray) {
+    return Ray<typename Wider<T>::type>{widened(ray.origin), widened(ray.direction)};
+}
+template <Number T>
+auto widened(const Torus<T>& torus) {
+    return Torus<typename Wider<T>::type>{widened(torus.centre), widened(torus.axis),
+                                          Wider<T>::widen(torus.major_radius), Wider<T>::widen(torus.minor_radius)};
+}
+template <Number T>
+Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
+    return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
+}
+
+/// The first t ≥ 0 of those that are roots.
+template <Number T>
+class First {
+public:
+    void take(const mask_t<T>& is, const T& t) {
+        const auto first = is && t >= T(0) && (!hit_ || t < t_);
+        t_ = select(first, t, t_);
+        hit_ = hit_ || first;
+    }
+    [[nodiscard]] Hit<T> answer() const {
+        const T t = named("t", t_);
+        return {hit_, t, t, t};
+    }
+
+private:
+    T t_ = T(0);
+    mask_t<T> hit_ = T(0) < T(0);
+};
+
+/// A real root of y³ + b y² + c y + d between two places, at the first of which that is not positive and at the second
+/// not negative, by Newton's steps, and by halves where one leads out: sources take a cube root or the cosine of a
+/// third of an angle, which is the same number.
+template <Number T>
+T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T& d) {
+    const T zero(0), half = T(1) / T(2);
+    T low = from, high = to, y = high;
+    auto moves = low < high;
+    for (int i = 0; i < 100 && any_of(moves); ++i) {
+        const T value = ((y + b) * y + c) * y + d, slope = (T(3) * y + T(2) * b) * y + c;
+        const auto below = value < zero;
+        low = select(below, y, low), high = select(below, high, y);
+        const T step = y - value / slope, middle = half * (low + high);
+        // What leads out below ends at the first place, where the root may be.
+        const T outside = select(step < low && low < y, low, middle);
+        const T next = select(low <= step && step <= high, step, outside);
+        moves = moves && (next < y || next > y);
+        y = select(moves, next, y);
+    }
+    return y;
+}
+
+/// All real roots of x⁴ + p x² + q x + r, by two quadratics: with z > p/2 a root of z³ − p z²/2 − r z + r p/2 − q²/8,
+/// u² = z² − r and v² = 2z − p they are x² ± v x + z ∓ u. Squares that rounding leaves below 0 are 0. `take(is, x)` of
+/// each.
+template <Number T, class Take>
+void depressed_roots(const T& p, const T& q, const T& r, const Take& take) {
+    const T half = T(1) / T(2), zero(0);
+    // Above s the cubic is more than z² (3z − q²/s²)/4.
+    const T s = max(abs(p), T(2) * sqrt(abs(r))), far = max(s, square(q) / square(s));
+    const T z = named("z", cubic_root_between<T>(half * p, far, -half * p, -r, half * (r * p) - square(q) / T(8)));
+    const T u2 = named("u2", square(z) - r), v2 = named("v2", T(2) * z - p);
+    const T u = sqrt(max(u2, zero)), v = select(q < zero, -T(1), T(1)) * sqrt(max(v2, zero));
+    const auto roots = [&](const T& b, const T& c) {
+        const T disc = named("disc", square(half * b) - c), root = sqrt(disc);
+        const auto is = disc >= zero;
+        take(is, -half * b - root), take(is, root - half * b);
+    };
+    roots(v, z - u), roots(-v, z + u);
+}
+
+/// x = t + a/4 takes the cubic term away.
+template <Number T, class Take>
+void quartic_roots(const Quartic<T>& f, const Take& take) {
+    const T a2 = square(f.a), quarter = f.a / T(4);
+    const T p = named("p", T(-3) * a2 / T(8) + f.b), q = named("q", a2 * f.a / T(8) - f.a * f.b / T(2) + f.c);
+    const T r = named("r", T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
+    depressed_roots<T>(p, q, r, [&](const auto& is, const T& x) { take(is, x - quarter); });
+}
+
+}  // namespace lostbits::intersect::torus

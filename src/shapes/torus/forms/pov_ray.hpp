@@ -1,0 +1,31 @@
+// The origin is moved along the ray by what it is farther away than R + 2r, so that the coefficients are of the size of
+// the torus.
+#pragma once
+
+#include "shapes/torus/forms/parts.hpp"
+
+namespace lostbits::intersect::torus {
+
+struct PovRay {
+    static constexpr Info info{
+        .name = "torus.pov_ray",
+        .title = "origin moved to the bounding sphere, quartic in t",
+        .source = "POV-Ray, source/core/shape/torus.cpp, Torus::Intersect; solve_quartic of core/math/polynomialsolver",
+        .direction = Direction::unit,
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
+        const AlongAxis<T> in(ray, torus);
+        const T away = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
+        const T closer = named("closer", select(away > bound, away - bound, T(0)));
+        const Vec<T> p = in.p + closer * in.d;
+        First<T> first;
+        quartic_roots<T>(quartic_in_t<T>(p, in.d, in.pz + closer * in.dz, in.dz, torus),
+                         [&](const auto& is, const T& t) { first.take(is, t + closer); });
+        return first.answer();
+    }
+};
+
+}  // namespace lostbits::intersect::torus

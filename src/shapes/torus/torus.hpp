@@ -1,0 +1,144 @@
+// The torus.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "geometry/key.hpp"
+#include "geometry/quartic_span.hpp"
+#include "geometry/ray.hpp"
+#include "geometry/rounding_bound.hpp"
+#include "shapes/sphere/sphere.hpp"
+
+namespace lostbits {
+
+/// All points that are no farther than `minor_radius` > 0 from the circle of `major_radius` around `centre`, across
+/// `axis`, which may have any length. The minor radius is less than the major one, so that there is a hole: where it is
+/// not, the surface cuts itself, and what is inside of it is no longer where the polynomial is negative.
+template <class T>
+struct Torus {
+    Vec<T> centre;
+    Vec<T> axis;
+    T major_radius;
+    T minor_radius;
+
+    static constexpr std::string_view name = "torus", plural = "tori";
+    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
+    static constexpr ShapeWords words{.plainest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
+                                      .touching = "a ray along its top",
+                                      .point = "a minor radius of 0",
+                                      .places = "centres"};
+    static constexpr std::array<Key, 4> keys{
+        {{.name = "centre", .letter = "c", .aliases = {"center"}},
+         {.name = "axis", .letter = "a", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
+         {.name = "major_radius", .letter = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
+         {.name = "minor_radius", .letter = "rn", .kind = Key::Kind::length, .limit = Key::Limit::within_before}}};
+
+    template <class Numbers>
+    static constexpr Torus of(const Numbers& number) {
+        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
+    }
+    template <class Take>
+    constexpr void each(const Take& take) const {
+        take(centre.x), take(centre.y), take(centre.z), take(axis.x), take(axis.y), take(axis.z);
+        take(major_radius), take(minor_radius);
+    }
+
+    /// Across y: a ray along z, which is what rays at the plainest solids are, meets it four times.
+    static Torus around(const Vec<T>& p, const T& half) {
+        const T r = half / T(8);
+        return {p, {T(0), T(1), T(0)}, T(5) * r, T(3) * r};
+    }
+
+    [[nodiscard]] Vec<T> middle() const { return centre; }
+    [[nodiscard]] T half_extent() const { return major_radius + minor_radius; }
+    [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
+    /// In the direction of u.x and u.y across the axis, at u.z of the way through the ring.
+    [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
+        const AcrossAxis<T> across(axis);
+        const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
+        const T r = major_radius + (2 * u.z - 1) * minor_radius;
+        if (size == 0) return centre + r * across.side;
+        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+    }
+    /// k times as large, its point nearest to `still` where it was; nothing where no point is nearest.
+    [[nodiscard]] std::optional<Torus> grown(const Vec<T>& still, const T& k) const {
+        const FromCircle from(*this, still);
+        if (length(from.aside) == 0 || from.away == 0) return std::nullopt;
+        const Vec<T> there = onto_surface(still);
+        return Torus{there + k * (centre - there), axis, k * major_radius, k * minor_radius};
+    }
+
+    /// With f = o − centre, n the axis, w = f × d, a = d·d and x = a t + d·f, a point of the line is p = (g + x d)/a
+    /// from the centre, g = d × w across d: p² = (w² + x²)/a. Of R and r the radii, (p² + R² − r²)² n² ≤ 4 R² |n × p|²
+    /// becomes
+    ///     n² (x² + e)² − 4 R² |n × g + x n × d|² ≤ 0,   e = a (R² − r²) + w²,
+    /// a quartic without a cubic term in which nothing of the size of f is left but in w and g. On the line x² ≤ a (R +
+    /// r)². The discriminant, of which the sign says whether a root is double, is a dyadic polynomial of degree 34.
+    [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
+        const Vec<T>& d = ray.direction;
+        const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);
+        const T a = square(d), n = square(axis), outer = major_radius + minor_radius,
+                four_r2 = square(T(2) * major_radius);
+        const T e = a * (outer * (major_radius - minor_radius)) + square(w);
+        const T p = T(2) * (n * e) - four_r2 * square(k), q = T(-2) * (four_r2 * dot(m, k));
+        return {.f = {{n * square(e) - four_r2 * square(m), q, p, T(0), n}, 4},
+                .a = a,
+                .b = dot(f, d),
+                .bound = T(2) * (sqrt(a) * outer),
+                .d2 = a};
+    }
+    /// How far a point is outside of the surface, in units of `unit()`.
+    [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / minor_radius; }
+    [[nodiscard]] T unit() const { return minor_radius; }
+    /// How far a point is from the surface, negative inside.
+    [[nodiscard]] T distance(const Vec<T>& p) const { return FromCircle(*this, p).away - minor_radius; }
+    /// Whether it holds a point, in double, but for roundings.
+    [[nodiscard]] bool may_hold(const Vec<T>& p) const {
+        return !(distance(p) > 0x1p-40 * (length(p) + length(centre) + half_extent())) || !(square(axis) > 0x1p-900);
+    }
+    [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
+        const FromCircle from(*this, p);
+        const T k = T(1) / from.away;
+        return {k * from.way.x, k * from.way.y, k * from.way.z};
+    }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    /// q + v (r/|v|) with q = c + w (R/|w|), w the part of f = p − c across the axis, off by γ(11)|f| at most, and v =
+    /// p − q: q is off by that times R/|w| and γ(6)R more; an error of v moves the point about q, but for the γ(6)r of
+    /// its length.
+    [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
+        const FromCircle from(*this, p);
+        const T turned = gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(from.aside)));
+        BoundedPoint<T> b{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i)
+            b.delta[i] = turned + gamma_bound<T>(8) * half_extent() + gamma_bound<T>(3) * abs(centre[i]);
+        return b;
+    }
+
+private:
+    /// A point and the circle: what of it lies across the axis from the centre, and the way from the circle's nearest
+    /// point.
+    struct FromCircle {
+        Vec<T> aside, way;
+        T away;
+
+        FromCircle(const Torus& torus, const Vec<T>& p)
+            : aside(across(torus, p)),
+              way(p - torus.centre - (torus.major_radius / length(aside)) * aside),
+              away(length(way)) {}
+
+    private:
+        static Vec<T> across(const Torus& torus, const Vec<T>& p) {
+            const Vec<T> f = p - torus.centre;
+            return f - (dot(torus.axis, f) / square(torus.axis)) * torus.axis;
+        }
+    };
+
+    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+        const FromCircle from(*this, p);
+        return centre + (major_radius / length(from.aside)) * from.aside + (minor_radius / from.away) * from.way;
+    }
+};
+
+}  // namespace lostbits
