@@ -34,7 +34,8 @@ public:
     AffineForm() = default;
     explicit AffineForm(int x) : centre_(x) {}
     explicit AffineForm(double x) : centre_(number::wide::TwoWords<double>(x)) {}
-    /// Input number i: x + step ηᵢ, and what x itself may be off by. `vectors` outlives every number that is made of it.
+    /// Input number i: x + step ηᵢ, and what x itself may be off by. `vectors` outlives every number that is made of
+    /// it.
     AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
         rest_ = off;
         terms_[i] = step;
@@ -105,6 +106,24 @@ public:
         }
         return (first_order + rest_) * up;
     }
+
+    /// A point of it, the numbers from one to another, the largest size in one as a point, and how many bits one is
+    /// good for: what looks for roots in enclosures asks for these.
+    friend AffineForm middle(const AffineForm& x) {
+        AffineForm point;
+        point.centre_ = Centre(x.centre_.words());
+        return point;
+    }
+    friend AffineForm between(const AffineForm& low, const AffineForm& high) {
+        AffineForm all = middle(AffineForm(0.5) * (low + high));
+        const double up_to = largest(high - all).hi(), down_to = largest(all - low).hi();
+        all.rest_ = !(up_to <= down_to) ? up_to : down_to;
+        return all;
+    }
+    friend AffineForm largest(const AffineForm& x) { return AffineForm((x.most() + x.deviation()) * up); }
+    friend int precision_of(const AffineForm&) { return 100; }
+    [[nodiscard]] double hi() const { return centre_.first(); }
+    [[nodiscard]] bool is_bounded() const { return deviation() + off() < HUGE_VAL; }
 
 private:
     /// Makes up for the roundings of a bound, fewer than 2^10 of 2^-53 each.
