@@ -11,8 +11,22 @@ constexpr int least_cell = 164;  // room for most names of forms
 constexpr int line_bar = 120;    // of a line with a bar of its own
 constexpr int unit_height = 18;  // over a bar: it reaches above its line
 constexpr int block_gap = 10;
-constexpr int column_head = 22;  // the name of the form
+constexpr int column_head = 22;  // the name of the form, in one line
+constexpr int name_line = 16;    // every further one
 constexpr int note_line = 14;
+
+/// The name of a form in one line where it fits, small or not; one that is made of others, `FORM^BOX@SPACE`, else in
+/// a line for each: shortened in the middle, two of them look alike.
+std::vector<TextBitmap> name_lines(ImageBackend& backend, std::string_view name, int width) {
+    std::vector<TextBitmap> lines;
+    if (backend.render_text(name, style::smallest_size, true).width > width) {
+        for (std::size_t next; (next = name.find_first_of("^@~+", 1)) != std::string_view::npos;
+             name.remove_prefix(next))
+            lines.push_back(fit_text(backend, name.substr(0, next), style::text_size, true, width));
+    }
+    lines.push_back(fit_text(backend, name, style::text_size, true, width));
+    return lines;
+}
 
 }  // namespace
 
@@ -32,11 +46,14 @@ ContactSheet::ContactSheet(ImageBackend& backend, const std::filesystem::path& p
     for (const auto& format : spec_.formats) {
         row_label_width_ = std::max(row_label_width_, backend.render_text(format, style::text_size, true).width);
     }
+    for (const auto& form : spec_.forms)
+        head_ = std::max(head_,
+                         column_head + name_line * static_cast<int>(name_lines(backend, form, cell_width_).size() - 1));
     const bool bar_a_line = spec_.scales.size() > 1;
     row_height_ =
         std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line, bar_a_line ? line_bar : 0) +
         style::gap;
-    block_height_ = column_head + static_cast<int>(spec_.formats.size()) * row_height_;
+    block_height_ = head_ + static_cast<int>(spec_.formats.size()) * row_height_;
     const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
@@ -128,7 +145,7 @@ void ContactSheet::draw_bars(Canvas& page, int top) const {
     const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.picture(x, top, bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
-        const int y = top + column_head - unit_height + static_cast<int>(line) * row_height_;
+        const int y = top + head_ - unit_height + static_cast<int>(line) * row_height_;
         for (std::size_t form = 0; form < spec_.forms.size(); form += static_cast<std::size_t>(columns_)) {
             const int block = static_cast<int>(form) / columns_;
             page.picture(x, y + block * (block_height_ + block_gap), bars_[line]);
@@ -148,9 +165,11 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         const int x = style::margin + row_label_width_ + style::gap +
                       static_cast<int>(place % per_block) * (cell_width_ + style::gap);
         const int block_y = top + static_cast<int>(place / per_block) * (block_height_ + block_gap);
-        page.text(x, block_y, fit_text(backend_, spec_.forms[form], style::text_size, true, cell_width_), style::ink);
+        const auto names = name_lines(backend_, spec_.forms[form], cell_width_);
+        for (std::size_t i = 0; i < names.size(); ++i)
+            page.text(x, block_y + static_cast<int>(i) * name_line, names[i], style::ink);
         for (std::size_t format = 0; format < spec_.formats.size(); ++format) {
-            const int y = block_y + column_head + static_cast<int>(format) * row_height_;
+            const int y = block_y + head_ + static_cast<int>(format) * row_height_;
             if (place % per_block == 0) {
                 const auto label = backend_.render_text(spec_.formats[format], style::text_size, true);
                 page.text(style::margin, y + (thumb_height_ - label.height) / 2, label, style::ink);

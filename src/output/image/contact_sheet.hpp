@@ -107,7 +107,7 @@ private:
     std::vector<Cell> cells_;  // format by format
     int thumb_width_, thumb_height_;
     void draw_bars(Canvas& page, int top) const;
-    int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, row_height_ = 0, block_height_ = 0;
+    int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
     int page_width_ = 0, page_height_ = 0, grid_width_ = 0;
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // as many as scales
