@@ -70,7 +70,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
 
     Without a name: `camera` as in docs/files.md, {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0],
     "fov_deg": 40}, and solids by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi),
-    `triangles` n x 9, `cones` n x 8, ...; lb.SHAPES has the keys of each. Or `mesh` = (vertices n x 3, faces m x 3).
+    `triangles` n x 9, `tori` n x 8, ...; lb.SHAPES has the keys of each. Or `mesh` = (vertices n x 3, faces m x 3).
     `transform` (4 x 4, or 3 x 4): the matrix that all of them stand under, as it is stored; nothing is multiplied by
     it, and forms are asked through a space ("triangle.undivided@pbrt"). Solids are doubles; with inputs="shared" they
     and the matrix are rounded once to float32, so that every format gets the same numbers, with "own" each format
@@ -84,7 +84,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
         raise lib.InputError(f"scene: size is {size!r}; write width and height, as in size=(48, 48)") from None
     changes = lib.Words([set] if isinstance(set, str) else list(set))
     where = c.byref(lib.Where(lib.data_folder(data), width, height, changes))
-    plurals = {("boxes" if shape == "box" else shape + "s"): shape for shape in SHAPES}
+    plurals = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
     for key in solids:
         word(key, plurals, "a solid's name")
     handle = lib.Handle("scene")

@@ -23,8 +23,8 @@ endif()
 
 set(list ${WORK}/src/shapes/list.hpp)
 file(READ ${list} text)
-string(REPLACE "    line(plane, Plane)\n" "    line(plane, Plane) \\\n    line(half_space, HalfSpace)\n" text "${text}")
-string(REPLACE "FILE(plane)\n" "FILE(plane)\n#include LOSTBITS_SHAPE_FILE(half_space)\n" text "${text}")
+string(REPLACE "    line(torus, Torus)\n" "    line(torus, Torus) \\\n    line(half_space, HalfSpace)\n" text "${text}")
+string(REPLACE "FILE(torus)\n" "FILE(torus)\n#include LOSTBITS_SHAPE_FILE(half_space)\n" text "${text}")
 file(WRITE ${list} "${text}")
 
 file(WRITE ${WORK}/shapes.cpp [=[

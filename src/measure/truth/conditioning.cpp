@@ -79,7 +79,8 @@ std::optional<double> condition_in(const Given& given, Convention convention, co
     const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return missing;
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())
+    const bool at_double_root = may_touch_before<std::remove_const_t<decltype(span)>> && found.touching;
+    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
         return std::numeric_limits<double>::infinity();
     E sum(0);
     for (std::size_t i = 0; i < problem.x.size(); ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));

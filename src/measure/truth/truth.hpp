@@ -41,10 +41,11 @@ struct Truth {
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
 /// Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every decision rests on the sign
-/// of a dyadic polynomial in the inputs, of degree four, or eight (ellipsoids, cylinders): an interval of enough bits
-/// has zero width, for doubles of at most 8·(1024 + 1074) + 64 < 16900 (the tests' worst needed 6144). The last
-/// precision tried is 24576; what it leaves open is `unresolved`. Whoever looks for many truths asks `stop` on the
-/// way, and so does whoever asks forms about the same rays.
+/// of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids, cylinders) or twelve (cones): an
+/// interval of enough bits has zero width, for doubles of at most 12·(1024 + 1074) + 24 < 25300 (the tests' worst
+/// needed 6144). Of tori it has degree 34 or more, so that numbers whose exponents are some 700 apart may need more.
+/// The last precision tried is 24576; what it leaves open is `unresolved`. Whoever looks for many truths asks `stop` on
+/// the way, and so does whoever asks forms about the same rays.
 struct TruthLimit {
     int bits = 32768;
     intersect::process::StopToken stop = {};

@@ -9,7 +9,9 @@
 #include "intersect/packs_and_alone.hpp"
 #include "intersect/solid_checks.hpp"
 #include "intersect/torus/torus_rays.hpp"
-#include "measure/truth/side.hpp"
+#include "measure/offset/half_line.hpp"
+#include "measure/truth/conditioning.hpp"
+#include "measure/truth/reach.hpp"
 
 namespace lostbits::test::test_torus {
 
@@ -206,6 +208,76 @@ TEST_CASE("a torus's distance, normal and nearest point belong together", "[toru
     CHECK(inside > 5);
     CHECK(share < 1);
     CHECK(share > 0.01);
+}
+
+TEST_CASE("what half an ulp of each number moves t of a torus by is within its reach", "[truth][torus]") {
+    Seeded rng(0x706);
+    int asked = 0, wide = 0;
+    double share = 0;
+    for_each_torus(static_cast<int>(draws(300)), [&](const SampledRays<Torus>& family, const Sample<Torus>& s) {
+        const Solid<double> solid(s.solid);
+        const Truth truth = find_truth(s.ray, solid);
+        if (!truth.is_hit() || truth.touches || truth.on_surface) return;
+        const double reach = measure::truth::reach(s.ray, solid, truth.t, binary32);
+        const std::size_t roots = answer_of(s).roots().size();
+        INFO(family.name);
+        for (int k = 0; k < 4; ++k) {
+            const auto moved = [&](double x) {
+                const double ulp = x == 0 ? 0 : std::ldexp(1.0, std::max(std::ilogb(x), -126) - 24);
+                return x + rng.uniform(-1, 1) * ulp;
+            };
+            const auto moved_point = [&](const Vec<double>& v) {
+                const double x = moved(v.x), y = moved(v.y), z = moved(v.z);
+                return Vec<double>(x, y, z);
+            };
+            const Vec<double> o = moved_point(s.ray.origin), d = moved_point(s.ray.direction);
+            const Ray<double> ray{o, d};
+            const Solid<double> other = transformed(solid, moved);
+            // Another root is another answer.
+            if (TorusAnswer(ray, other.torus()).roots().size() != roots) continue;
+            const Truth there = find_truth(ray, other);
+            if (!there.is_hit()) continue;
+            const double apart = std::fabs(scaled_difference(there.t, truth.t, truth.t.exponent));
+            const double allowed = std::ldexp(reach, -static_cast<int>(truth.t.exponent));
+            REQUIRE(apart <= allowed);
+            ++asked;
+            wide += std::isinf(allowed) ? 1 : 0;
+            if (family.name == std::string_view("random")) share = std::max(share, apart / allowed);
+        }
+    });
+    CHECK(asked > 500);
+    CHECK(wide == 0);
+    CHECK(share > 0.1);
+}
+
+TEST_CASE("how strongly errors act on t of a torus is what its derivatives say", "[truth][torus]") {
+    // t = 5 − (R + r) = 2, with derivatives −1 by o.x, −t by d.x, −1 by R and by r; turning the axis moves nothing.
+    const Ray<double> ray{{-5, 0, 0}, {1, 0, 0}};
+    CHECK(measure::truth::condition(ray, Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == Approx(5));
+    // A line along the top touches: no derivative exists.
+    CHECK(measure::truth::condition({{-5, 0, 1}, {1, 0, 0}},
+                                    Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == HUGE_VAL);
+}
+
+TEST_CASE("half-lines and ways meet a torus where they are in it, and not in its hole", "[torus]") {
+    using measure::offset::find_meeting, measure::offset::Meeting, measure::offset::passes_through;
+    const Solid<double> torus(Torus<double>{{0, 0, 0}, {0, 0, 3}, 2, 1});
+    const auto from = [&](const Vec<double>& o, const Vec<double>& d) { return find_meeting({{o, d}, 0}, torus); };
+    CHECK(from({0, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = true});
+    CHECK(from({0, 0, 0}, {0, 0, 1}) == Meeting{.inside = false, .outside = true, .meets = false});
+    CHECK(from({2, 0, 0}, {1, 0, 0}) == Meeting{.inside = true, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {-1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = true});
+    CHECK(from({1, 0, 0}, {0, 0, 1}) == Meeting{.inside = false, .outside = false, .meets = false});
+    CHECK(from({3, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = false, .meets = false});
+    CHECK(from({-9, 0, 1}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = false});
+    CHECK(from({-9, 1, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = true});
+    CHECK_FALSE(passes_through({0, 0, -5}, {0, 0, 5}, torus));
+    CHECK_FALSE(passes_through({-0.9, 0, 0}, {0.9, 0, 0}, torus));
+    CHECK(passes_through({0, 0, 0}, {1.5, 0, 0}, torus));
+    CHECK(passes_through({-5, 0, 0}, {5, 0, 0}, torus));
+    CHECK(passes_through({2, 0, 0}, {2.5, 0, 0}, torus));
+    CHECK_FALSE(passes_through({-5, 0, 1}, {5, 0, 1}, torus));
 }
 
 }  // namespace lostbits::test::test_torus
