@@ -111,7 +111,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     choice::refuse_makers(rows, "consistency");
     const auto met = choice::drop_unfitting(
         scenes, {rows, o.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return !forms.has(Shape::sdf) && s.meets(forms); },
+        [](const Scene& s, Shapes forms) { return choice::are_solids(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     choice::note_unmeasured(o.forms, met, common.quiet);
     const choice::ThreadLimit limit(common.threads);

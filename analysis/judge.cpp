@@ -115,7 +115,7 @@ std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump,
         throw NothingSelected(
             fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
                         "answer, such as -i '{}'",
-                        o.file, choice::globs_of([&meets](Shapes s) { return !s.has(Shape::sdf) && meets(s); })));
+                        o.file, choice::globs_of([&meets](Shapes s) { return choice::are_solids(s) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
     auto all = choice::cross(choice::select_forms(o.forms), formats);

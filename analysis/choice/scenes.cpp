@@ -106,7 +106,7 @@ std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, cons
 std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets) {
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
-    const Meets can = [&meets](Shapes forms) { return !forms.has(Shape::sdf) && meets(forms); };
+    const Meets can = [&meets](Shapes forms) { return are_solids(forms) && meets(forms); };
     auto timed = rows_meeting(chosen, id, can);
     if (!timed.empty()) return timed;
     throw NothingSelected("none of the selected forms is for the solids of " + id + words_to_meet(chosen.rows, can));

@@ -26,6 +26,9 @@ Shapes shapes_of(const List& solids) {
     return all;
 }
 
+/// Whether forms for these meet solids one by one, and not as one field that they march through.
+inline bool are_solids(Shapes forms) { return !forms.has(Shape::sdf); }
+
 /// Whether the forms for these shapes can be asked about something.
 using Meets = std::function<bool(Shapes)>;
 

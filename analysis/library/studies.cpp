@@ -77,7 +77,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
         throw InputError("points is \"" + points + "\"; write computed, projected or both");
     std::erase_if(chosen.rows, [](const MapRow& row) { return !measure::offset::can_be_asked(*row.form); });
     chosen.keep_those_for("scene " + scene.id,
-                          [&scene](Shapes forms) { return !forms.has(Shape::sdf) && scene.meets(forms); });
+                          [&scene](Shapes forms) { return choice::are_solids(forms) && scene.meets(forms); });
     measure::offset::OffsetRequest request{
         .scene = &scene,
         .rows = {},

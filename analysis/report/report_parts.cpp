@@ -260,7 +260,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
         .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
     const auto forms = choice::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
     auto all = choice::cross(forms, choice::select_formats({std::string(offset::usual_format)}));
-    const choice::Meets meets = [&scene](Shapes of) { return !of.has(Shape::sdf) && scene.meets(of); };
+    const choice::Meets meets = [&scene](Shapes of) { return choice::are_solids(of) && scene.meets(of); };
     const auto rows = choice::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     request.rows = {{rows.front(), offset::HitPoint::computed}};

@@ -171,4 +171,6 @@ say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so
 hold(doors/floor/summary.csv "\noutside\\.half_space,f64,256,199,57,0,0,0,0,")
 hold(doors/floor/summary.csv "\nheader\\.half_space,f64,256,199,57,0,0,0,0,")
 say("^0\n.*shader\\.half_space in binary32, a half_space: does as it says" plugin check --shader ${WORK}/half_space.glsl)
+say("^0\n" map floor.toml --shader ${WORK}/half_space.glsl -i shader.half_space -f f32 -o shader)
+hold(shader/floor/summary.csv "\nshader\\.half_space,f32,256,199,57,0,0,0,0,")
 say("^0\n.*culprit is n\\.\\(P-o\\)" explain floor.toml --pixel 3,12 -i half_space.quotient -f f32)

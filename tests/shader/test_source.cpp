@@ -75,7 +75,7 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
              {"vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi)", "lb_origin lb_direction lb_lo lb_hi", Shape::box,
               Roots::both, Direction::any},
              {"bool f(vec3 bmin, vec3 bmax, vec3 orig, vec3 invDir, float tmax, out float tn, out float tf)",
-              "lb_lo lb_hi lb_origin (1.0 / lb_direction) lb_end lb_out_5 lb_out_6", Shape::box, Roots::both,
+              "lb_lo lb_hi lb_origin (1.0 / lb_direction) lb_tmax lb_out_5 lb_out_6", Shape::box, Roots::both,
               Direction::any},
              {"dvec2 f(dvec3 ro, dvec3 rd, dvec4 s)", "lb_origin lb_direction dvec4(lb_centre, lb_solid[3])",
               Shape::sphere, Roots::both, Direction::unit},
@@ -94,6 +94,27 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
         CHECK(shader.contract.name == "shader.mine");
         CHECK(shader.f32 == (k.function[0] != 'd'));
         CHECK(shader.f64 == (k.function[0] == 'd'));
+    }
+}
+
+TEST_CASE("shader: a solid of every shape, and where rays begin and end, are recognised in any order", "[shader]") {
+    for (const ShapeRow& row : shape_rows) {
+        std::string parameters, arguments;
+        for_each_key(row.shape, [&](const Key& key, std::size_t k) {
+            const bool one = key.count() == 1;
+            parameters += (one ? "float " : "vec3 ") + std::string(key.name) + ", ";
+            arguments += one ? "lb_solid[" + std::to_string(k) + "] " : "lb_" + std::string(key.name) + " ";
+        });
+        INFO(row.name);
+        for (const bool last : {false, true}) {
+            const std::string ray = "vec3 ro, vec3 rd, ", of_ray = "lb_origin lb_direction ";
+            const File file("float f(" + (last ? parameters + ray : ray + parameters) + "float tmin, float tmax)" +
+                            " { return 0.0; } // lostbits: roots=first flags=range");
+            const ShaderSource shader = read_shader(file.path());
+            CHECK(shader.signature.shape == row.shape);
+            CHECK(joined(shader.signature) == (last ? arguments + of_ray : of_ray + arguments) + "lb_tmin lb_tmax");
+            CHECK(shader.contract.flags == (LB_RANGE | LB_ONE_THREAD));
+        }
     }
 }
 
@@ -147,6 +168,13 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK(
         has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
     CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is said of an interval; it needs both roots"));
+    const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is said, and `float ";
+    CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` is not told where rays begin and end; give it"));
+    CHECK(
+        has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range), "is not told where rays"));
+    CHECK(
+        has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range), "is not told where rays"));
+    CHECK(has(refused("float map(vec3 p, float tmin, float tmax) { return 1.0; }", range), "` is a field: the loop"));
     CHECK_THROWS_AS(read_shader("no-such-file.glsl"), InputError);
     CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);
 }

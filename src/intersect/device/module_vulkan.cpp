@@ -218,7 +218,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_buffers = 6;
+    static constexpr std::size_t most_buffers = 7;
 
     void make_device(const VkPhysicalDeviceFeatures& has) {
         const float priority = 1;

@@ -51,18 +51,19 @@ private:
     void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
         const std::size_t numbers = row_of(shape_).numbers;
         KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.solid_stride),
-                         batch.ends != nullptr ? 1U : 0U, 0U};
+                         batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
         hits_.assign(n, not_written);
         const bool own = batch.solid_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
-        const S no_end = 0;
+        const S no_number = 0;
         const std::array<Buffer, BufferPlace::binding_count> buffers{{
             {std::as_writable_bytes(std::span(&words, 1))},
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
-            {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_end, 0, 1)},
+            {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_number, 0, 1)},
             {bytes_at<S>(batch.solids, own ? begin * batch.solid_stride : 0, own ? n * batch.solid_stride : numbers)},
             {std::as_writable_bytes(std::span(near_far, 2 * n)), true},
             {std::as_writable_bytes(std::span(hits_)), true},
+            {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},
         }};
         device_->run(*program_, buffers, (n + group_size - 1) / group_size);
         // A driver may lose its device without a word; every run of the program writes here.

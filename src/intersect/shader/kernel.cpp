@@ -142,7 +142,7 @@ std::string call_words(const Signature& s, const MarchWords& march) {
         const Parameter& p = s.function.parameters[k];
         if (p.way != Parameter::Way::in) words += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
         if (p.way == Parameter::Way::inout && (p.type == "float" || p.type == "double"))
-            words += "    " + s.arguments[k] + " = lb_end;\n";
+            words += "    " + s.arguments[k] + " = lb_tmax;\n";
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
     const std::string call = s.function.name + "(" + list + ")";
@@ -169,12 +169,13 @@ std::string opening(const std::string& real) {
         words += "layout(std430, binding = " + std::to_string(at) + ") " + way + " buffer LbBuffer" +
                  std::to_string(at) + " { " + members + " };\n";
     };
-    buffer(BufferPlace::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_spare;");
+    buffer(BufferPlace::head, "readonly", "uint lb_count; uint lb_stride; uint lb_has_ends; uint lb_has_starts;");
     buffer(BufferPlace::rays, "readonly", real + " lb_rays[];");
     buffer(BufferPlace::ends, "readonly", real + " lb_ends[];");
     buffer(BufferPlace::solids, "readonly", real + " lb_solids[];");
     buffer(BufferPlace::answers, "writeonly", real + " lb_answers[];");
     buffer(BufferPlace::hits, "writeonly", "uint lb_hits[];");
+    buffer(BufferPlace::starts, "readonly", real + " lb_starts[];");
     return words + "void main() {\n";
 }
 
@@ -182,7 +183,8 @@ std::string opening(const std::string& real) {
 std::string opening_of_hlsl() {
     std::string words =
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n"
-        "#define lb_count lb_head[0]\n#define lb_stride lb_head[1]\n#define lb_has_ends lb_head[2]\n";
+        "#define lb_count lb_head[0]\n#define lb_stride lb_head[1]\n#define lb_has_ends lb_head[2]\n"
+        "#define lb_has_starts lb_head[3]\n";
     const auto buffer = [&words](BufferPlace at, const std::string& type, const std::string& name) {
         words += "[[vk::binding(" + std::to_string(at) + ")]] " + type + " " + name + ";\n";
     };
@@ -192,6 +194,7 @@ std::string opening_of_hlsl() {
     buffer(BufferPlace::solids, "StructuredBuffer<float>", "lb_solids");
     buffer(BufferPlace::answers, "RWStructuredBuffer<float>", "lb_answers");
     buffer(BufferPlace::hits, "RWStructuredBuffer<uint>", "lb_hits");
+    buffer(BufferPlace::starts, "StructuredBuffer<float>", "lb_starts");
     return words + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
@@ -217,7 +220,8 @@ std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
     });
     // Infinity by its bits: a division by zero is the driver's business.
     words +=
-        "    " + real + " lb_end = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
+        "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
+    words += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
     return words + call_words(s, march) + "}\n";
 }
 

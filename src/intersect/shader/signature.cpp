@@ -29,9 +29,20 @@ std::string variable_of(std::string_view key) { return "lb_" + std::string(key);
 
 constexpr std::string_view origin = "lb_origin", direction = "lb_direction", inverse = "(1.0 / lb_direction)";
 
-/// What a name of a vec3 says of it, as an expression; empty: nothing.
-std::string role_of(const std::string& named) {
+/// The point of a shape that has that name; null: none.
+const Key* point_named(const ShapeRow& row, const std::string& name) {
+    for (const Key& key : row.keys) {
+        const bool is = name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end();
+        if (is && !name.empty() && key.count() == 3) return &key;
+    }
+    return nullptr;
+}
+
+/// What a name of a vec3 says of it, as an expression; empty: nothing. The keys of `shape` go before all else: a
+/// capsule has a `start`, and a triangle may have a `p0`.
+std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
     const std::string name = lower(named);
+    if (const Key* key = shape == nullptr ? nullptr : point_named(*shape, name)) return variable_of(key->name);
     const auto has = [&name](const auto& parts) {
         return std::ranges::any_of(
             parts, [&](std::string_view part) { return !part.empty() && name.find(part) != std::string::npos; });
@@ -44,21 +55,21 @@ std::string role_of(const std::string& named) {
     for (const auto& spelling : spellings)
         if (has(spelling.parts) || is(spelling.words)) return variable_of(spelling.key);
     for (const ShapeRow& row : shape_rows)
-        for (const Key& key : row.keys)
-            if (name == key.name || is(key.aliases)) return variable_of(key.name);
+        if (const Key* key = point_named(row, name)) return variable_of(key->name);
     return {};
 }
 
 /// Roles in the order in which shader sites write them, replaced by what the names say where each is named once.
-std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> usual) {
+std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> usual,
+                                  const ShapeRow* shape) {
     std::vector<std::string> named;
     for (const Parameter* p : vectors) {
-        const std::string role = role_of(p->name);
+        const std::string role = role_of(p->name, shape);
         named.push_back(role == inverse ? std::string(direction) : role);
     }
     if (std::ranges::is_permutation(named, usual)) usual = named;
     for (std::size_t k = 0; k < vectors.size(); ++k)
-        if (usual[k] == direction && role_of(vectors[k]->name) == inverse) usual[k] = inverse;
+        if (usual[k] == direction && role_of(vectors[k]->name, shape) == inverse) usual[k] = inverse;
     return usual;
 }
 
@@ -122,9 +133,11 @@ private:
     bool take_number(const Parameter& p, std::size_t k) {
         const std::string name = lower(p.name);
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
-        if (has("min") || has("start")) arguments_[k] = scalar() + "(0.0)";
-        else if (has("max") || has("end")) {
-            arguments_[k] = "lb_end";
+        if (has("min") || has("start")) {
+            arguments_[k] = "lb_tmin";
+            found_.knows_start = true;
+        } else if (has("max") || has("end")) {
+            arguments_[k] = "lb_tmax";
             found_.knows_end = true;
         } else {
             lengths_.push_back(k);
@@ -176,7 +189,7 @@ private:
         if (shape_ != nullptr) add_solid(usual);
         std::vector<const Parameter*> all;
         for (const std::size_t k : vectors_) all.push_back(&found_.function.parameters[k]);
-        const std::vector<std::string> roles = roles_of(all, usual);
+        const std::vector<std::string> roles = roles_of(all, usual, shape_);
         for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = roles[k];
     }
 

@@ -11,7 +11,7 @@
 namespace lostbits::intersect::shader {
 
 /// How a function that is an intersector is called. Expressions name what the program around it declares: `lb_origin`,
-/// `lb_direction`, `lb_point`, `lb_solid[k]` (k-th number of the solid) and `lb_end`.
+/// `lb_direction`, `lb_point`, `lb_solid[k]` (k-th number of the solid), `lb_tmin` and `lb_tmax`.
 struct Signature {
     /// What the function is: of a ray and a solid; of a ray alone, which meets solids of its own; or a field of
     /// distances (of a point), which the program around it marches through. The first is meant where a file has
@@ -24,6 +24,7 @@ struct Signature {
     Shape shape{};
     Answers answers = Answers::t;
     bool doubles = false;                ///< written in dvec3 and double
+    bool knows_start = false;            ///< is told where the ray begins
     bool knows_end = false;              ///< is told where the ray ends
     std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for what it writes, k its place among all
     std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far

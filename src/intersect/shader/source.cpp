@@ -221,6 +221,19 @@ void obey(const Word& word, ShaderSource& shader) {
             "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
 }
 
+/// InputError for a function that cannot look at where rays begin and end.
+void require_range(const std::string& path, const Signature& s) {
+    const std::string says = place(path, s.function) + ": flags=range is said, and `" + s.function.words() + "` ";
+    if (s.kind == Signature::Kind::field)
+        throw InputError(says +
+                         "is a field: the loop around it begins at 0; write the march, or leave it out, and what "
+                         "lies in the range is taken afterwards");
+    if (!s.knows_start || !s.knows_end)
+        throw InputError(says +
+                         "is not told where rays begin and end; give it `float tmin, float tmax`, or leave it out, and "
+                         "the first root in the range is taken afterwards");
+}
+
 }  // namespace
 
 bool Sentinel::says_miss(double near, double far) const {
@@ -258,10 +271,7 @@ ShaderSource read_shader(const std::string& named) {
     shader.f64 = shader.signature.doubles;
     for (const Word& word : words) obey(word, shader);
     if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats; leave out format=");
-    if ((shader.contract.flags & LB_RANGE) != 0)
-        throw InputError(path +
-                         ": flags=range is not for shaders, which are not told where rays begin; leave it out, "
-                         "and the first of their roots in the range is taken");
+    if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
     const bool ends = told_end(shader.contract.shape) && shader.contract.roots != Roots::none;

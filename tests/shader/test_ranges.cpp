@@ -1,0 +1,132 @@
+// Shaders that are told where rays begin and end.
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+#include "shapes/solid.hpp"
+
+namespace test_ranges {
+
+using namespace lostbits;
+using namespace lostbits::test;
+
+namespace {
+
+const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
+
+std::string scene(const std::string& range, const std::string& solid) {
+    return "schema = \"lostbits-scene/1\"\ntitle = \"range\"\nsource = \"-\"\ninputs = \"shared\"\n"
+           "[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nfov_deg = 30\n"
+           "[rays]\n" +
+           range + "\n" + solid;
+}
+
+const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
+
+/// A solid in a scene, the parameters that a function takes it by, and whether these have the numbers of it.
+struct Written {
+    std::string toml, parameters, holds = "true";
+
+    explicit Written(const Solid<double>& solid) : toml("[[" + std::string(name_of(solid.shape)) + "]]\n") {
+        const auto text = [](double x) {
+            char digits[40];
+            std::snprintf(digits, sizeof digits, "%.9f", x);
+            return std::string(digits);
+        };
+        for_each_key(solid.shape, [&](const Key& key, std::size_t first) {
+            const std::string name(key.name);
+            std::string numbers;
+            for (std::size_t k = 0; k < key.count(); ++k)
+                numbers += (k == 0 ? "" : ", ") + text(solid.numbers[first + k]);
+            const bool one = key.count() == 1;
+            toml += name + " = " + (one ? numbers : "[" + numbers + "]") + "\n";
+            parameters += (one ? "float " : "vec3 ") + name + ", ";
+            holds += " && " + name + " == " + (one ? numbers : "vec3(" + numbers + ")");
+        });
+    }
+};
+
+}  // namespace
+
+TEST_CASE("shader ranges: rays that begin and end are met in their range, on every driver and in HLSL",
+          "[shader-device]") {
+    const Scratch folder;
+    folder.write("closed.toml", scene("tmin = 4.5\ntmax = 5.5", sphere));
+    folder.write("open.toml", scene("tmin = 4.5\ntmax = 5.5\nopen_ends = \"both\"", sphere));
+    folder.write("segment.toml", scene("tmax = 4.125", sphere));
+    std::string text = contents(examples + "sphere_in_range.glsl");
+    std::string ends_alone = text;  // forgets where rays begin
+    for (const auto& [from, to] : {std::pair<std::string, std::string>("h < tmin", "h < 0.0"), {"t < tmin || ", ""}}) {
+        REQUIRE(has(ends_alone, from));
+        ends_alone.replace(ends_alone.find(from), from.size(), to);
+    }
+    folder.write("ends_alone.glsl", ends_alone);
+    for (std::size_t at = 0; (at = text.find("vec3", at)) != std::string::npos;) text.replace(at, 4, "float3");
+    const std::string both = " format=both";
+    text.erase(text.find(both), both.size());
+    folder.write("range.hlsl", text);
+    const std::string shaders = " --shader ends_alone.glsl --shader " + examples + "sphere_in_range.glsl -i 'shader.*'";
+    for (const std::string name : {"closed", "open", "segment"}) {
+        const std::string map = "map " + name + ".toml --size 48x32 -o out";
+        const Outcome glsl = run(map + " -f f32 -f f64 --device all" + shaders, folder.path());
+        INFO(name << ": " << glsl.err);
+        REQUIRE(glsl.code == 0);
+        auto rows = read_csv(folder / ("out/" + name + "/summary.csv"));
+        REQUIRE(rows.size() == 8);
+        const Outcome hlsl = run(map + "_hlsl -f f32 -i 'shader.*' --shader range.hlsl", folder.path());
+        INFO(hlsl.err);
+        REQUIRE(hlsl.code == 0);
+        const auto of_hlsl = read_csv(folder / ("out_hlsl/" + name + "/summary.csv"));
+        REQUIRE(of_hlsl.size() == 1);
+        rows.push_back(of_hlsl.front());
+        for (auto& row : rows) {
+            INFO(row["form"] << ' ' << row["format"]);
+            const bool forgets = has(row["form"], "ends_alone") && name != "segment";
+            CHECK((row["false_hit"] != "0") == forgets);  // roots before the range are not taken away for it
+            CHECK(row["false_miss"] == "0");
+            CHECK(std::stoi(row["agree_hit"]) > 20);
+            CHECK(std::stoi(row["agree_miss"]) > 20);
+        }
+    }
+    const Outcome told = run("plugin check --device all --shader " + examples + "sphere_in_range.glsl", folder.path());
+    INFO(told.out << told.err);
+    CHECK(told.code == 0);
+    CHECK(has(told.out, "a range that begins behind the solid has none of it"));
+    const Outcome forgets = run("plugin check --shader ends_alone.glsl", folder.path());
+    INFO(forgets.out << forgets.err);
+    CHECK(forgets.code == 1);
+    CHECK(has(forgets.out, "a range that begins behind the solid, where t = 8, hits; `starts` says where"));
+}
+
+TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats and doubles", "[shader-device]") {
+    for (const ShapeRow& row : shape_rows) {
+        const Scratch folder;
+        const Written solid(solid_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
+        folder.write("one.toml", scene("tmin = 0.5\ntmax = 64", solid.toml));
+        // 5/8 where all is as it should be.
+        folder.write("told.glsl", "// lostbits: roots=first flags=range direction=any format=both\nfloat told(" +
+                                      solid.parameters +
+                                      "vec3 ro, vec3 rd, float tmin, float tmax) {\n"
+                                      "    return ro.z == 5.0 && rd.z < 0.0 && " +
+                                      solid.holds + " ? tmin + tmax / 512.0 : tmin;\n}\n");
+        const Outcome o =
+            run("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
+                folder.path());
+        INFO(row.name << ": " << o.err);
+        REQUIRE(o.code == 0);
+        std::size_t pixels = 0;
+        for (const std::string format : {"f32", "f64"})
+            for (auto& pixel : read_csv(folder / ("out/one/shader.told." + format + ".csv"))) {
+                INFO(format);
+                CHECK(std::strtod(pixel["t_hex"].c_str(), nullptr) == 0.625);
+                ++pixels;
+            }
+        CHECK(pixels == 24);
+    }
+}
+
+}  // namespace test_ranges
