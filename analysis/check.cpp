@@ -17,6 +17,7 @@
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_history.hpp"
 #include "output/claim/claim_report.hpp"
+#include "output/claim/verdict_counts.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
@@ -76,7 +77,7 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
 }
 
 void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
-    const char* verdict = claim.verdict == Claim::Verdict::holds ? "holds" : "refuted";
+    const std::string_view verdict = name_of(claim.verdict);
     if (r.state == State::agrees) {
         const std::string all = output::claim::floats_text(r), reach = output::claim::evidence_text(claim, r);
         if (verbose)
@@ -88,10 +89,9 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                        : r.state == State::broken                                                        ? "broken"
                        : r.state == State::skipped                                                       ? "skipped"
                                                                                                          : "FAILED";
-    const char* what = r.state == State::skipped                ? "cannot be measured on this machine"
-                       : r.state == State::broken               ? "could not be measured"
-                       : claim.verdict == Claim::Verdict::holds ? "expected to hold, does not"
-                                                                : "refuted, but the measured number has changed";
+    const std::string what = r.state == State::skipped  ? "cannot be measured on this machine"
+                             : r.state == State::broken ? "could not be measured"
+                                                        : output::claim::changed_text(claim, r);
     fmt::print("{}: {}: {} ({})\n", word, what, terminal_line(claim.id), terminal_line(claim.statement));
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
     if (r.witness.x >= 0) {
@@ -139,16 +139,6 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
     }
 }
 
-/// `: 4 sentences hold, 1 is refuted`. A verdict that is confirmed may be that a sentence is wrong.
-std::string sentences_text(std::size_t holding, std::size_t refuted) {
-    std::string text;
-    if (holding > 0) text = holding == 1 ? "1 sentence holds" : fmt::format("{} sentences hold", holding);
-    if (refuted == 0) return text.empty() ? "" : ": " + text;
-    if (text.empty())
-        return refuted == 1 ? ": 1 sentence is refuted" : fmt::format(": {} sentences are refuted", refuted);
-    return fmt::format(": {}, {} {} refuted", text, refuted, refuted == 1 ? "is" : "are");
-}
-
 /// A ratio of two speeds is what it was on this machine in this minute: every claim is shown with it, and none fails.
 Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -158,8 +148,7 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
                            : measured                           ? "differs"
                            : results[i].state == State::skipped ? "skipped"
                                                                 : "broken";
-        fmt::print("{:<8} {:<7} {:>5} in [{}, {}]  {}: {}\n", word,
-                   c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
+        fmt::print("{:<8} {:<9} {:>5} in [{}, {}]  {}: {}\n", word, name_of(c.verdict),
                    measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
                    terminal_line(measured ? c.statement : results[i].trouble));
     }
@@ -279,12 +268,11 @@ Exit run(const CheckOptions& o, const Common& common) {
                        draws_text(claims[i], results[i]));
         return Exit::done;
     }
-    std::size_t agreed = 0, refuted = 0, failed = 0, skipped = 0;
+    const auto counts = output::claim::count_verdicts(claims, results);
+    const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
+    std::size_t failed = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         print(claims[i], results[i], o, common.verbose);
-        agreed += results[i].state == State::agrees;
-        refuted += results[i].state == State::agrees && claims[i].verdict == Claim::Verdict::refuted;
-        skipped += results[i].state == State::skipped;
         failed += results[i].state != State::agrees && results[i].state != State::skipped &&
                   (o.strict || claims[i].severity == Claim::Severity::error);
     }
@@ -294,9 +282,10 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
     if (!common.quiet) {
-        fmt::print("{} verdict{} confirmed, {} failed{}{}\n", agreed, agreed == 1 ? "" : "s",
-                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped),
-                   sentences_text(agreed - refuted, refuted));
+        // A verdict that is confirmed may be that a sentence is wrong.
+        fmt::print("{} verdict{} confirmed, {} failed{}\n", agreed, agreed == 1 ? "" : "s",
+                   claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
+        if (agreed > 0) fmt::print("{}\n", counts.text());
     }
     if (skipped > 0 && skipped == claims.size()) {
         fmt::print(stderr, "lostbits: every claim was skipped, so nothing is known; the first: {}\n",

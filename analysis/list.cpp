@@ -244,9 +244,8 @@ Listing claims(const Common& common) {
     const auto root = folder_of(choice::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
-            l.rows.push_back({c.id, c.verdict == Claim::Verdict::holds ? "holds" : "refuted",
-                              std::string(scene::claim::name_of(c.profile)), c.subject(),
-                              c.form.empty() ? c.row : c.form, c.format, c.statement});
+            l.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
+                              c.subject(), c.form.empty() ? c.row : c.form, c.format, c.statement});
         }
     }
     return l;

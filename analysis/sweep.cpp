@@ -44,7 +44,7 @@ struct SweepOptions {
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
     fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
-               "threshold", "last good", "first bad", "last good after", "first bad over draws");
+               "threshold", "last good", "first seen bad", "last good after", "first bad over draws");
     for (const measure::sweep::Onset& o : onsets) {
         if (!o.found) continue;
         const MapRow& row = request.rows[o.row];

@@ -91,7 +91,14 @@ TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and o
     CHECK(has(asked, "not comparable in 1 row: the two forms are asked different questions"));
     CHECK_FALSE(has(asked, "better"));
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,70,30,0,0,2\n");
-    CHECK(has(run("diff small" + forms, scratch.path()).out, "\nb.near is better in 1 row, "));
+    const std::string right = run("diff small" + forms, scratch.path()).out;
+    CHECK(has(right, "\nb.near is better in 1 row, "));
+    CHECK_FALSE(has(right, "as many rays wrongly"));
+    // As many wrong decisions: nothing says that they are of the same rays.
+    write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,60,30,0,10,2\n");
+    const std::string as_many = run("diff small" + forms, scratch.path()).out;
+    CHECK(has(as_many, "\nin 1 row both forms decide as many rays wrongly, perhaps not the same ones: "));
+    CHECK(has(as_many, "\nb.near is better in 1 row, "));
 }
 
 TEST_CASE("diff: two forms of one folder, and the difference as a picture, from tables and from EXR alike") {

@@ -46,14 +46,14 @@ TEST_CASE("better is what keeps a bit more, and no less") {
     const auto line = text.substr(text.find("etter on this ray"));
     int worth = 0, less = 0;
     for (const auto& s : j["better"]) {
-        const bool bit = j["lost_bits"].get<double>() - s["lost_bits"].get<double>() >= 1;
+        const bool bit = j["lost_bits_around"].get<double>() - s["lost_bits_around"].get<double>() >= 1;
         worth += bit;
         less += !bit;
         if (!bit) CHECK_FALSE(has(line.substr(0, line.find('\n')), s["form"].get<std::string>() + " ("));
     }
     INFO(text);
     CHECK(less > 0);
-    CHECK((worth > 0) == has(text, "Better on this ray:"));
+    CHECK((worth > 0) == has(text, "Better on this ray and around it:"));
 }
 
 TEST_CASE("what the format cannot hold is nobody's rounding") {

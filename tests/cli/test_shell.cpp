@@ -182,8 +182,9 @@ TEST_CASE("out: -o - writes the table to standard output, and leaves nothing els
     CHECK(has(csv.err, "confirmed"));
     // A confirmed verdict may be that the sentence is wrong.
     CHECK(has(run("check --filter 'float.sum-2p24-f32,float.sum-2p25-f32'").out,
-              "2 verdicts confirmed, 0 failed: 1 sentence holds, 1 is refuted\n"));
-    CHECK(has(run("check --filter float.sum-2p24-f32").out, "1 verdict confirmed, 0 failed: 1 sentence is refuted\n"));
+              "2 verdicts confirmed, 0 failed\nfrom a source 1 holds, 1 is refuted\n"));
+    CHECK(has(run("check --filter float.sum-2p24-f32").out,
+              "1 verdict confirmed, 0 failed\nfrom a source 1 is refuted\n"));
 }
 
 TEST_CASE("standard output takes one table") {

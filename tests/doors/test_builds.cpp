@@ -27,7 +27,7 @@ TEST_CASE("plugin: explain says what an answer is worth, and no more of a form t
     CHECK(first(told.out) == first(own.out));
     CHECK(has(first(told.out), "the true t is"));
     const Outcome far = run(ray + " -i odd.far_first" + plugin("odd_plugin"), folder.path());
-    CHECK(has(far.out, "Better on this ray:"));
+    CHECK(has(far.out, "Better on this ray and around it:"));
     const Outcome touching =
         run("explain --sphere 0,0,0,3 --ray 3,0,-8,0,0,1 -f f32 -i odd.nothing_ahead" + plugin("odd_plugin"),
             folder.path());

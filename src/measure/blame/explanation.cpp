@@ -10,6 +10,7 @@
 #include "intersect/table/recording.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/blame/neighbours.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
@@ -43,6 +44,30 @@ Standing standing_of(const Intersector& form, const Format& format, const OneRay
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
+/// Mean lost bits on rays of which the truth is known; a wrong decision loses all, and where t is not asked for a right
+/// one loses none.
+double lost_around(const Intersector& form, const Format& format, std::span<const OneRay> rays, bool asks_t) {
+    double sum = 0;
+    int known = 0;
+    for (const OneRay& ray : rays) {
+        const Standing s = standing_of(form, format, ray);
+        if (s.outcome == Outcome::unresolved) continue;
+        sum += !s.is_right() ? format.shape.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
+        ++known;
+    }
+    return known == 0 ? missing : sum / known;
+}
+
+/// The solids that the form answers with and that the ray truly meets; of a march all, since its field is of all.
+std::vector<Solid<double>> solids_around(const Explanation& x, const OneRay::Inputs& in, int truly) {
+    std::vector<Solid<double>> solids;
+    for (std::size_t i = 0; i < in.all.solids.size(); ++i) {
+        const int place = static_cast<int>(i);
+        if (!is_solid(x.form->shape) || place == x.solid || place == truly) solids.push_back(in.all.solids[i]);
+    }
+    return solids;
+}
+
 /// Whether two forms are asked for different answers on the ray. Where only one of them normalises the direction their
 /// t have different units, and the decision tells.
 bool is_other_question(const Intersector& a, const Intersector& b, const OneRay& ray) {
@@ -64,7 +89,9 @@ const Intersector* with_form(const Intersector& asked, Shape shape, const Inters
     return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
 }
 
-void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector* const> beside) {
+void find_better(Explanation& x, const OneRay& ray, std::span<const OneRay> around,
+                 std::span<const Intersector* const> beside) {
+    x.standing.around = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
     if (const auto made = intersect::space::made_of(*x.form); made.space != nullptr)
@@ -87,13 +114,17 @@ void find_better(Explanation& x, const OneRay& ray, std::span<const Intersector*
             Standing s = standing_of(*held, x.format, ray);
             s.other_question = is_other_question(*x.form, *held, ray);
             const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.shape.precision);
-            if (s.beats(x.standing) && !lost_all && !s.other_question) x.better.push_back(s);
+            // A form that tells no t has lost no bits of it, which makes it no better than one that is right.
+            const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
+            if (s.is_right() && !lost_all && !tells_less && !s.other_question)
+                s.around = lost_around(*held, x.format, around, x.tells_t());
+            if (s.around < x.standing.around) x.better.push_back(s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
             x.silent.emplace_back(error.what());
         }
     }
-    std::ranges::stable_sort(x.better, [](const Standing& a, const Standing& b) { return a.beats(b); });
+    std::ranges::stable_sort(x.better, {}, &Standing::around);
 }
 
 /// The form asked of the solid that the ray truly meets, where its answer is on another one.
@@ -219,7 +250,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     }
     if (x.standing.outcome == Outcome::agree_hit)
         x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, reach);
-    find_better(x, ray, beside);
+    find_better(x, ray, neighbours_of(ray, in, format.shape, solids_around(x, in, truth.object)), beside);
     return x;
 }
 

@@ -20,9 +20,11 @@ struct Standing {
     double t = 0;                  ///< its answer
     double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
     double lost = truth::missing;  ///< bits; NaN unless both hit
-    bool other_question = false;   ///< its contract has another truth on this ray than that of the form it is beside
+    /// The mean over the ray's `neighbours`, a wrong decision as all bits; NaN where nobody asked, or none is proved.
+    double around = truth::missing;
+    bool other_question = false;  ///< its contract has another truth on this ray than that of the form it is beside
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
-    /// A right decision before a wrong one, then fewer lost bits.
+    /// A right decision before a wrong one, then fewer lost bits: on this ray alone, which may be luck.
     bool beats(const Standing& other) const;
 };
 
@@ -58,7 +60,8 @@ struct Explanation {
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
     /// What a map calls the ray, where it is of a mesh: a crack, a double hit or a wrong neighbour.
     std::optional<answer::Outcome> in_mesh = {};
-    std::vector<Standing> better = {};  ///< forms of the same shape in the same format that do better, best first
+    /// Forms of the same shape in the same format that are right on the ray and lose less around it, the least first.
+    std::vector<Standing> better = {};
     std::vector<Standing> beside = {};  ///< of the forms that were named beside it: how they fare
     std::vector<const intersect::table::Intersector*> unasked =
         {};  ///< and those of another shape, or not in the format

@@ -1,11 +1,13 @@
 // Claims are measured anew every time.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
 #include "measure/metric/spread.hpp"
+#include "measure/metric/statistics.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "scene/claim/claims_file.hpp"
 
@@ -29,6 +31,8 @@ struct ClaimResult {
     std::uint64_t floats = 0;
     std::uint64_t evaluations = 0;     ///< of a search: how many rays it tried; 0: the claim is about none
     std::vector<double> further = {};  ///< the same measured on further draws, one a seed; NaN where it does not exist
+    /// Of a 99th percentile of random rays, each a view of its own: where that of all such rays lies, with 95 %.
+    std::optional<metric::Bounds> bounds = {};
     double seconds = 0;  ///< that measuring took; where claims share a map or a sweep, each has an equal part of it
 
     [[nodiscard]] bool is_drawn() const { return samples > 0; }

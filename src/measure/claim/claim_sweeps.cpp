@@ -33,6 +33,17 @@ void measure_cases(const std::vector<Claim>& claims, const Places& places, const
     }
 }
 
+std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& columns,
+                                        const map::MapSummary& summary) {
+    if (!claim.metric.ends_with("_p99")) return std::nullopt;
+    const auto end = [&](const char* name) {
+        Claim other = claim;
+        other.metric += name;
+        return columns.value(other, summary);
+    };
+    return metric::Bounds{end("_low"), end("_high")};
+}
+
 /// InputError where a sweep has no such place.
 void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
     if (claim.at.size() != sweep.axes.size()) {
@@ -89,6 +100,8 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
             const auto summary = sweep::run_place(request, rows[k], claim.at);
             results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
             if (sweep.is_drawn()) results[places[k]].samples = summary.views;
+            if (sweep.is_drawn() && summary.rays == summary.views)
+                results[places[k]].bounds = bounds_of(claim, columns, summary);
             continue;
         }
         const auto found = std::ranges::find_if(onsets, [&](const sweep::Onset& o) {

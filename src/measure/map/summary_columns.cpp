@@ -165,6 +165,17 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
              std::string(statistic.meaning) + (bucketed ? " (to 2^-11 of itself)" : "") + " of |" + name + "|" + over,
              [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
     }
+    // Of random rays alone this is what it says: those of a picture are not independent.
+    const auto add_bound = [&](const char* end, double metric::Bounds::*bound) {
+        columns.push_back({.name = name + "_p99" + end,
+                           .kind = Kind::number,
+                           .unit = std::string(metric.unit),
+                           .meaning = "where the 99th percentile of all such rays lies with 95 %, of independent rays",
+                           .value = [m, bound](const S& s) { return s.metrics[m].p99_bounds().*bound; },
+                           .tabled = false});
+    };
+    add_bound("_low", &metric::Bounds::low);
+    add_bound("_high", &metric::Bounds::high);
 }
 
 /// A number of the worst ray, where there is one.

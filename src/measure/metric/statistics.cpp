@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "measure/columns/columns.hpp"
 #include "measure/truth/missing.hpp"
@@ -117,6 +118,41 @@ double Quantiles::at(double q, const Sums& sums) const {
     return sums.largest();
 }
 
+Ranks ranks_around(double q, std::uint64_t n) {
+    // P(K = k)/P(K = k - 1) = (n - k + 1)/k q/(1 - q), from the likeliest k in both directions until nothing is left.
+    const double odds = q / (1 - q), samples = static_cast<double>(n);
+    constexpr double nothing = 1e-20;
+    const auto likeliest = static_cast<std::uint64_t>(std::min(samples, std::floor((samples + 1) * q)));
+    std::vector<double> below, above{1};
+    double p = 1;
+    for (std::uint64_t k = likeliest; k > 0 && p > nothing; --k) {
+        p *= static_cast<double>(k) / ((samples - static_cast<double>(k) + 1) * odds);
+        below.push_back(p);
+    }
+    p = 1;
+    for (std::uint64_t k = likeliest + 1; k <= n && p > nothing; ++k) {
+        p *= (samples - static_cast<double>(k) + 1) / static_cast<double>(k) * odds;
+        above.push_back(p);
+    }
+    const double all =
+        std::accumulate(below.begin(), below.end(), 0.0) + std::accumulate(above.begin(), above.end(), 0.0);
+    std::ranges::reverse(below);
+    below.insert(below.end(), above.begin(), above.end());
+    const std::uint64_t first = likeliest - (below.size() - above.size());
+    Ranks ranks{first, n + 1};
+    double sum = 0;  // P(K <= k) all
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        sum += below[i];
+        const std::uint64_t next = first + i + 1;
+        if (sum <= 0.025 * all) ranks.low = next;
+        if (sum >= 0.975 * all) {
+            ranks.high = next;
+            break;
+        }
+    }
+    return ranks;
+}
+
 void Distribution::add(std::span<const double> values) {
     if (!open_) {
         if (std::ranges::all_of(values, [](double x) { return std::isnan(x); })) return;
@@ -150,8 +186,19 @@ double Distribution::quantile(double q) const {
     return sealed_[static_cast<std::size_t>(kept - quantiles.begin())];
 }
 
+Bounds Distribution::p99_bounds() const {
+    if (count_ == 0) return {truth::missing, truth::missing};
+    if (!open_) return sealed_bounds_;
+    const Ranks ranks = ranks_around(0.99, count_);
+    const auto sample = [this](std::uint64_t rank) {
+        return quantile((static_cast<double>(rank) - 0.5) / static_cast<double>(count_));
+    };
+    return {ranks.low == 0 ? 0 : sample(ranks.low), ranks.high > count_ ? HUGE_VAL : sample(ranks.high)};
+}
+
 void Distribution::seal() {
     if (!open_) return;
+    sealed_bounds_ = p99_bounds();
     for (std::size_t i = 0; i < sealed_.size(); ++i) sealed_[i] = quantile(quantiles[i].q);
     sealed_mean_ = mean();
     open_.reset();

@@ -62,7 +62,8 @@ Json standing(const measure::blame::Standing& s) {
             {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
             {"t", number(s.t)},
             {"ulp_error", if_any(s.ulps)},
-            {"lost_bits", if_any(s.lost)}};
+            {"lost_bits", if_any(s.lost)},
+            {"lost_bits_around", if_any(s.around)}};
 }
 
 }  // namespace
@@ -109,6 +110,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
                         {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
+    j["lost_bits_around"] = if_any(x.standing.around);
     j["better"] = Json::array();
     for (const measure::blame::Standing& s : x.better) j["better"].push_back(standing(s));
     return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

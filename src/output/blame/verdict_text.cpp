@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "intersect/hull/behind.hpp"
+#include "measure/blame/neighbours.hpp"
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
@@ -187,8 +188,8 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                 fmt::format("{} has another contract, by which another answer is true of this ray. By its own: {}.\n",
                             name, fares(s));
         else if (std::ranges::find(told, s.form) == told.end())
-            text += fmt::format("{} does no better on this ray{}: {}.\n", name,
-                                s.beats(x.standing) && s.outcome == Outcome::agree_hit ? ", by a bit or more" : "",
+            text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
+                                s.around < x.standing.around ? ", by a bit or more" : "",
                                 fares(s));
     }
     for (const auto* form : x.unasked)
@@ -204,19 +205,26 @@ std::string better_sentence(const Explanation& x) {
     std::vector<const intersect::table::Intersector*> told;
     std::size_t left = 0;
     for (const measure::blame::Standing& s : x.better) {
-        if (x.standing.is_right() && !(x.standing.lost - s.lost >= worth_saying)) continue;
+        if (x.standing.is_right() && !(x.standing.around - s.around >= worth_saying)) continue;
         const bool named = std::ranges::find(x.beside, s.form, &measure::blame::Standing::form) != x.beside.end();
         if (told.size() >= most && !named) {
             ++left;
             continue;
         }
-        text += fmt::format("{} {} ({})", told.empty() ? "" : ",", s.form->info->name, fares(s));
+        text +=
+            fmt::format("{} {} ({}, {:.1f} around)", told.empty() ? "" : ",", s.form->info->name, fares(s), s.around);
         told.push_back(s.form);
     }
     if (told.empty())
-        text = fmt::format("No other form that was asked does better on this ray in this format{}.\n",
+        text = fmt::format("No other form that was asked does better on this ray in this format and around it{}.\n",
                            x.better.empty() ? "" : ", by a bit or more");
-    else text = "Better on this ray:" + text + (left > 0 ? fmt::format(" and {} more.\n", left) : ".\n");
+    else
+        text = fmt::format(
+            "Better on this ray and around it:{}{}.\nAround it are {} rays, each number within an ulp of its own: "
+            "there "
+            "{} loses {:.1f} bits in the mean, a wrong decision counted as all {}.\n",
+            text, left > 0 ? fmt::format(" and {} more", left) : "", measure::blame::neighbours, x.form->info->name,
+            x.standing.around, x.format.shape.precision);
     return text + beside_sentences(x, told);
 }
 

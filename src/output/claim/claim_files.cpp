@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <pugixml.hpp>
 
 #include <cmath>
-#include <sstream>
+#include <optional>
 
 #include "measure/claim/claim_columns.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/claim/verdict_counts.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
@@ -27,7 +27,7 @@ namespace {
 using scene::claim::Claim;
 using State = ClaimResult::State;
 
-const char* verdict_name(const Claim& c) { return c.verdict == Claim::Verdict::holds ? "holds" : "refuted"; }
+std::string verdict_name(const Claim& c) { return std::string(name_of(c.verdict)); }
 /// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
 std::string metric_option(const Claim& c) {
     if (!c.operations.empty()) return " --metric culprit";
@@ -47,6 +47,8 @@ std::string filter_word(const std::string& id) {
     return id.find('\'') == std::string::npos ? "'" + id + "'" : shell_word(id);
 }
 
+}  // namespace
+
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const auto& w = r.witness;
@@ -57,8 +59,6 @@ std::string witness_text(const ClaimResult& r) {
         text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
     return text + " t " + file::hex(w.t);
 }
-
-}  // namespace
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
@@ -83,6 +83,7 @@ std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt:
 std::string evidence_text(const Claim& c, const ClaimResult& r) {
     using Evidence = Claim::Evidence;
     const bool found = c.verdict == Claim::Verdict::refuted;
+    if (c.verdict == Claim::Verdict::qualified) return c.condition;
     if (r.evaluations > 0)
         return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse one found",
                            r.evaluations, file::decimal(r.measured));
@@ -97,7 +98,36 @@ std::string evidence_text(const Claim& c, const ClaimResult& r) {
     return "";
 }
 
-std::string explain(const Claim& c, const ClaimResult& r) {
+std::string says_text(const Claim& c) { return c.criterion ? "the sentence says " + c.criterion->text : ""; }
+
+namespace {
+
+/// Whether the verdict still follows from the criterion, for every draw; nothing where there is no criterion.
+std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
+    if (!c.criterion || r.state != State::disagrees) return std::nullopt;
+    const auto s = r.spread();
+    return c.criterion->is_met_by(c.low, c.high) ? c.criterion->is_met_by(s.low, s.high)
+                                                 : c.criterion->is_failed_by(s.low, s.high);
+}
+
+std::string fate_of_verdict(const Claim& c, const ClaimResult& r) {
+    const auto still = stands(c, r);
+    if (!still) return "";
+    return fmt::format(
+        "; {}: {}", says_text(c),
+        *still ? "the number has moved, and the verdict stands" : "the verdict does not follow any more");
+}
+
+}  // namespace
+
+std::string changed_text(const Claim& c, const ClaimResult& r) {
+    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, does not";
+    return fmt::format("{}, but the number has changed", name_of(c.verdict));
+}
+
+namespace {
+
+std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
     if (r.state == State::broken && !r.further.empty())
@@ -113,6 +143,12 @@ std::string explain(const Claim& c, const ClaimResult& r) {
     const auto s = r.spread();
     return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
                        file::decimal(s.low), file::decimal(s.high), s.draws);
+}
+
+}  // namespace
+
+std::string explain(const Claim& c, const ClaimResult& r) {
+    return expected_and_measured(c, r) + fate_of_verdict(c, r);
 }
 
 const Metric* metric_of_column(const std::string& column) {
@@ -174,72 +210,22 @@ std::string where_measured(const Claim& c) {
     return text;
 }
 
-void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
-                 const std::vector<ClaimResult>& results, bool strict,
-                 const std::map<std::string, std::string>& moved) {
-    pugi::xml_document document;
-    auto suite = document.append_child("testsuites").append_child("testsuite");
-    suite.append_attribute("name") = "lostbits claims";
-    std::size_t failures = 0, errors = 0, skips = 0;
-    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"),
-               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped"),
-               time = suite.append_attribute("time");
-    double seconds = 0;
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        const Claim& c = claims[i];
-        auto test = suite.append_child("testcase");
-        test.append_attribute("name") = file::xml_text(c.id).c_str();
-        test.append_attribute("classname") = file::xml_text(c.subject()).c_str();
-        test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
-        seconds += results[i].seconds;
-        if (const auto words = moved.find(c.id); words != moved.end()) {
-            auto property = test.append_child("properties").append_child("property");
-            property.append_attribute("name") = "moved";
-            property.append_attribute("value") = file::xml_text(words->second).c_str();
-        }
-        if (results[i].state == State::agrees) continue;
-        if (results[i].state == State::skipped) {
-            ++skips;
-            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].trouble).c_str();
-            continue;
-        }
-        const std::string what = file::xml_text(explain(c, results[i]));
-        const std::string more =
-            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
-                                       witness_text(results[i]), explain_witness(c, results[i]), reproduce(c)));
-        if (c.severity == Claim::Severity::warn && !strict) {
-            test.append_child("system-out").text().set(more.c_str());
-            continue;
-        }
-        const bool is_failure = results[i].state == State::disagrees;
-        ++(is_failure ? failures : errors);
-        auto node = test.append_child(is_failure ? "failure" : "error");
-        node.append_attribute("message") = what.c_str();
-        node.text().set(more.c_str());
-    }
-    pugi::xml_attribute(time).set_value(fmt::format("{:.6f}", seconds).c_str());
-    pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
-    pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
-    pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));
-    pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
-    std::ostringstream text;
-    document.save(text, "  ");
-    file::AtomicFile file(path);
-    file.write(text.str());
-    file.commit();
-}
-
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results) {
     file::CsvWriter csv(
         path, {{"id", "string", "", "the claim"},
                {"statement", "string", "", "its sentence"},
                {"source", "string", "", "where the sentence is from"},
-               {"verdict", "string", "", "what was found: holds or refuted"},
+               {"verdict", "string", "", "what was found: holds, qualified or refuted"},
+               {"condition", "string", "", "of a qualified sentence: when it is true, which its source does not say"},
+               {"sourced", "boolean", "", "whether it is from a source; false: it is our own"},
                {"subject", "string", "", "scene, sweep or table, and the place in it"},
                {"form", "string", "", "form under test"},
                {"format", "string", "", "format it computes in"},
                {"quantity", "string", "", "what is measured"},
+               {"criterion", "string", "",
+                "what the sentence says of the quantity, from which the verdict follows; empty where it describes the "
+                "number and the expected interval says as much"},
                {"expected_low", "number", "", "smallest value that agrees"},
                {"expected_high", "number", "", "largest value that agrees"},
                {"measured", "number", "", "missing where nothing could be measured"},
@@ -269,10 +255,13 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                  c.statement,
                  c.source,
                  verdict_name(c),
+                 c.condition,
+                 c.is_sourced(),
                  where_measured(c),
                  c.form,
                  c.format,
                  quantity(c),
+                 c.criterion ? c.criterion->text : "",
                  c.low,
                  c.high,
                  std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured),
@@ -303,18 +292,24 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
         const Claim& c = claims[i];
         auto further = nlohmann::ordered_json::array();
         for (const double x : results[i].further) further.push_back(number(x));
+        const auto& b = results[i].bounds;
+        const auto bounds = b ? nlohmann::ordered_json{number(b->low), number(b->high)} : nlohmann::ordered_json();
         array.push_back({{"id", c.id},
                          {"statement", c.statement},
                          {"source", c.source},
                          {"note", c.note},
                          {"verdict", verdict_name(c)},
+                         {"condition", c.condition},
+                         {"sourced", c.is_sourced()},
                          {"subject", where_measured(c)},
                          {"form", c.form},
                          {"format", c.format},
                          {"quantity", quantity(c)},
+                         {"criterion", c.criterion ? c.criterion->text : ""},
                          {"expected", {number(c.low), number(c.high)}},
                          {"measured", number(results[i].measured)},
                          {"samples", results[i].samples},
+                         {"p99_bounds", bounds},
                          {"floats", results[i].floats},
                          {"evidence", std::string(name_of(c.evidence))},
                          {"lemma", c.lemma},

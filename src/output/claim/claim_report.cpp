@@ -11,6 +11,7 @@
 #include "output/blame/march_text.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_sheets.hpp"
+#include "output/claim/verdict_counts.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
@@ -236,6 +237,11 @@ std::string spread_text(const ClaimResult& r) {
     return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
 }
 
+/// ` (95 %: 5.1 to 6.2)`: of a 99th percentile of random rays.
+std::string bounds_text(const ClaimResult& r) {
+    return r.bounds ? fmt::format(" (95 %: {} to {})", rounded(r.bounds->low), rounded(r.bounds->high)) : "";
+}
+
 /// What the random claims of a subject rest on.
 std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimResult>& results) {
     for (const std::size_t i : subject.claims) {
@@ -254,11 +260,11 @@ std::string draws_option(const std::vector<ClaimResult>& results) {
 }
 
 std::string row_text(const Claim& c, const ClaimResult& r) {
-    const std::string verdict = r.state == State::agrees
-                                    ? (c.verdict == Claim::Verdict::holds ? "holds" : "**refuted**")
-                                : r.state == State::skipped          ? "skipped"
-                                : c.verdict == Claim::Verdict::holds ? "**expected to hold, does not**"
-                                                                     : "**refuted, but the number has changed**";
+    const std::string verdict =
+        r.state == State::agrees
+            ? (c.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(c.verdict)))
+        : r.state == State::skipped ? "skipped"
+                                    : fmt::format("**{}**", changed_text(c, r));
     // Expressions have stars.
     const std::string reach = r.state == State::agrees ? evidence_text(c, r) : "";
     const std::string all = floats_text(r) + (reach.empty() ? "" : file::markdown_text(reach)),
@@ -274,25 +280,13 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     if (!c.consistency.empty()) place = consistency_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
-    return fmt::format("| {}{} | {}{} | {} | {} = {} | {} |\n", verdict, all.empty() ? "" : ": " + all,
+    const std::string says = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
+    return fmt::format("| {}{} | {}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
                        file::markdown_text(c.statement),
                        c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
                        file::markdown_text(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format,
                                                        place.empty() ? "" : ", " + place)),
-                       what, number + spread_text(r), file::markdown_code(c.id));
-}
-
-/// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
-std::string screenshots_in(const std::filesystem::path& folder) {
-    std::string text;
-    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
-                                     std::pair{"operations", "Culprits, and the operations of one ray"},
-                                     std::pair{"sweeps", "Lost bits along a parameter"},
-                                     std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
-        const std::string file = fmt::format("screenshots/{}.png", name);
-        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
-    }
-    return text.empty() ? "" : "\nIt looks like this:\n" + text;
+                       what, number + bounds_text(r) + spread_text(r), says, file::markdown_code(c.id));
 }
 
 }  // namespace
@@ -300,20 +294,22 @@ std::string screenshots_in(const std::filesystem::path& folder) {
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
                         const std::vector<ClaimResult>& results, const ClaimRequest& run) {
     file::AtomicFile readme(folder / "README.md");
-    std::size_t held = 0, refuted = 0, other = 0;
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (results[i].state != State::agrees) ++other;
-        else ++(claims[i].verdict == Claim::Verdict::holds ? held : refuted);
-    }
+    const CountsBySource counts = count_verdicts(claims, results);
+    const std::size_t other = claims.size() - counts.all.confirmed();
     std::string text = fmt::format(
         "# What the sources say, and what we measure\n\nMade by `lostbits check{} --report reports`; do not edit. {} "
-        "claims, each a sentence or a part of one: {} hold, {} are refuted{}. Every number was measured by the run "
+        "claims, each a sentence or a part of one{}: {}. A sentence is qualified that is true with a condition that "
+        "its "
+        "source does not state. The verdicts on {} follow from what the sentence says of the number (\"says = 0\"); "
+        "the "
+        "others describe a number. Every number was measured by the run "
         "that made this page; a test makes the page again and compares. `lostbits report` makes the same as a page for "
         "a browser, where each claim leads to its pixels or its plot.\n\nClaims about random rays were measured on "
         "several draws of them: all must lie in the claim's interval, which is the range over 32 draws, and half as "
         "much again on either side (in logarithms of onsets and fractions).\n{}",
-        draws_option(results), claims.size(), held, refuted,
-        other == 0 ? "" : fmt::format(", {} failed or could not be measured", other), screenshots_in(folder));
+        draws_option(results), claims.size(),
+        other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(),
+        counts.all.with_criterion, screenshots_in(folder));
     for (const ClaimSubject& subject : subjects_of(claims)) {
         const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));

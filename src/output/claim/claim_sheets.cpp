@@ -25,4 +25,16 @@ std::string picture_consistency(const std::filesystem::path& folder, const std::
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }
 
+std::string screenshots_in(const std::filesystem::path& folder) {
+    std::string text;
+    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of one form beside another, and one ray"},
+                                     std::pair{"operations", "Culprits, and the operations of one ray"},
+                                     std::pair{"sweeps", "Lost bits along a parameter"},
+                                     std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
+        const std::string file = fmt::format("screenshots/{}.png", name);
+        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
+    }
+    return text.empty() ? "" : "\nIt looks like this:\n" + text;
+}
+
 }  // namespace lostbits::output::claim

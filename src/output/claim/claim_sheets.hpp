@@ -1,4 +1,4 @@
-// Sheets of scenes for the document of claims.
+// Pictures for the document of claims.
 #pragma once
 
 #include <filesystem>
@@ -17,5 +17,8 @@ scene::file::Scene shown_scene(const std::string& name, const measure::claim::Cl
 /// it.
 std::string picture_consistency(const std::filesystem::path& folder, const std::vector<measure::map::MapRow>& rows,
                                 const std::string& name, const measure::claim::ClaimRequest& run);
+
+/// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
+std::string screenshots_in(const std::filesystem::path& folder);
 
 }  // namespace lostbits::output::claim

@@ -114,12 +114,14 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
     const double rays = number_of(rows.a, rows.r, "rays"), other_rays = number_of(rows.b, rows.q, "rays");
     const bool shares = rays > 0 && other_rays > 0 && rays != other_rays;
     double wrong = 0, bits = 0;  // how much more the second has
+    double wrongly = 0;          // of the first
     bool one_sided = false;
     for (const auto& [x, y, tolerance] : pairs) {
         const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
         if (!decisions && !lost) continue;
         (decisions ? verdict.by_decisions : verdict.by_bits) = true;
         const double before = number_in(x->cells[rows.r]), after = number_in(y->cells[rows.q]);
+        if (decisions && before > 0) wrongly += before;
         const bool differs = judge_cells(x->cells[rows.r], y->cells[rows.q], tolerance, false).differs;
         if (!differs && (!shares || tolerance != nullptr)) continue;
         if (decisions && shares) wrong += after * rays - before * other_rays;  // exact below 2^53
@@ -132,6 +134,7 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
     if (two_forms && rows.has_other_truth()) ++verdict.other_truth;
     else if (wrong == 0 && one_sided) ++verdict.one_sided;
     else ++(more < 0 ? verdict.better : more > 0 ? verdict.worse : verdict.even);
+    verdict.of_other_hits = two_forms && wrong == 0 && wrongly > 0 ? verdict.better + verdict.worse : 0;
     return verdict;
 }
 
@@ -145,6 +148,7 @@ void RowVerdict::add(const RowVerdict& other) {
     even += other.even;
     other_truth += other.other_truth;
     one_sided += other.one_sided;
+    of_other_hits += other.of_other_hits;
     by_decisions |= other.by_decisions;
     by_bits |= other.by_bits;
     by_shares |= other.by_shares;
@@ -161,6 +165,11 @@ std::string RowVerdict::text(const std::string& second) const {
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, and only one side has a lost_bits_p99",
                         count_of_rows(one_sided)));
+    if (of_other_hits > 0)
+        lines.push_back(fmt::format(
+            "in {} both forms decide as many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
+            "of its own hits; `lostbits map --against` compares the hits that both have",
+            count_of_rows(of_other_hits)));
     if (better + worse + even > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
                                     count_of_rows(better), worse, even, by_shares ? "the share of " : "",

@@ -35,6 +35,8 @@ struct RowVerdict {
     std::uint64_t better = 0, worse = 0, even = 0;
     std::uint64_t other_truth = 0;  ///< of two forms: as many rays, and other numbers of true hits
     std::uint64_t one_sided = 0;    ///< as many wrong decisions, and one side alone has a `lost_bits_p99`
+    /// Of `better` and `worse`, of two forms: by bits where both decide as many rays wrongly, not always the same ones.
+    std::uint64_t of_other_hits = 0;
     bool by_decisions = false, by_bits = false, by_shares = false;  ///< what the tables have
 
     void add(const RowVerdict& other);

@@ -111,16 +111,13 @@ std::string measured_on(const Claim& c, const ClaimResult& r, const Report& repo
 }
 
 struct Word {
-    const char *text, *style;
+    std::string text;
+    std::string_view style;
 };
 Word word_of(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
-        case State::agrees:
-            return c.verdict == Claim::Verdict::holds ? Word{"holds", "holds"} : Word{"refuted", "refuted"};
-        case State::disagrees:
-            return {c.verdict == Claim::Verdict::holds ? "expected to hold, does not"
-                                                       : "refuted, but the number has changed",
-                    "differs"};
+        case State::agrees: return {std::string(name_of(c.verdict)), name_of(c.verdict)};
+        case State::disagrees: return {claim::changed_text(c, r), "differs"};
         case State::broken: return {"could not be measured", "differs"};
         case State::skipped: break;
     }
@@ -151,26 +148,13 @@ std::string tile(std::size_t n, const char* words, const char* style) {
 
 }  // namespace
 
-void VerdictCounts::add(const Claim& claim, const ClaimResult& result) {
-    switch (result.state) {
-        case State::agrees: ++(claim.verdict == Claim::Verdict::holds ? held : refuted); break;
-        case State::disagrees: ++differing; break;
-        case State::broken: ++broken; break;
-        case State::skipped: ++skipped; break;
-    }
-}
-
-VerdictCounts count_verdicts(const Report& report) {
-    VerdictCounts n;
-    for (std::size_t i = 0; i < report.claims.size(); ++i) n.add(report.claims[i], report.results[i]);
-    return n;
-}
-
-std::string verdict_tiles(const VerdictCounts& n) {
+std::string verdict_tiles(const claim::VerdictCounts& n) {
     std::string text = "<ul class=\"tiles\" id=\"verdicts\">";
     if (n.differing) text += tile(n.differing, "failed", "differs");
     if (n.broken) text += tile(n.broken, "could not be measured", "differs");
-    text += tile(n.held, "hold", "holds") + tile(n.refuted, "refuted", "refuted");
+    text += tile(n.held, "hold", "holds");
+    if (n.qualified) text += tile(n.qualified, "qualified", "qualified");
+    text += tile(n.refuted, "refuted", "refuted");
     if (n.skipped) text += tile(n.skipped, "skipped on this machine", "skipped");
     return text + "</ul>\n";
 }
@@ -179,7 +163,7 @@ namespace {
 
 /// What the browser sorts a row by: the gravest verdict first, the number as it was measured, the rest as it is read.
 std::string sort_keys(const Word& word, const ClaimResult& r) {
-    static constexpr std::array<std::string_view, 4> gravest{"differs", "refuted", "holds", "skipped"};
+    static constexpr std::array<std::string_view, 5> gravest{"differs", "refuted", "qualified", "holds", "skipped"};
     const auto grave = std::ranges::find(gravest, word.style) - gravest.begin();
     const bool measured = r.state == State::agrees || r.state == State::disagrees;
     return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", grave, measured ? file::decimal(r.measured) : "");
@@ -204,11 +188,12 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
                       "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
                       "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
                       measured_on(c, r, report), breakable(html(claim::quantity(c))), measured_cell(r), shown(c.low),
-                      shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)));
+                      shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)) +
+                          (c.criterion ? fmt::format("<br><small>{}</small>", html(claim::says_text(c))) : ""));
 }
 
 /// `12 claims: 1 failed, 9 hold, 2 refuted`
-std::string counts_text(std::size_t claims, const VerdictCounts& n) {
+std::string counts_text(std::size_t claims, const claim::VerdictCounts& n) {
     std::string text;
     const auto add = [&text](std::size_t count, const char* words, const char* style) {
         if (count == 0) return;
@@ -217,6 +202,7 @@ std::string counts_text(std::size_t claims, const VerdictCounts& n) {
     add(n.differing, "failed", "differs");
     add(n.broken, "could not be measured", "differs");
     add(n.held, n.held == 1 ? "holds" : "hold", "holds");
+    add(n.qualified, "qualified", "qualified");
     add(n.refuted, "refuted", "refuted");
     add(n.skipped, "skipped", "skipped");
     return fmt::format("{} claim{}: {}", claims, claims == 1 ? "" : "s", text);
@@ -240,7 +226,7 @@ constexpr const char* table_head =
 std::string claims_table(const Report& report) {
     std::string text;
     for (const claim::ClaimSubject& subject : claim::subjects_of(report.claims)) {
-        VerdictCounts counts;
+        claim::VerdictCounts counts;
         std::string rows;
         for (const std::size_t i : subject.claims) {
             counts.add(report.claims[i], report.results[i]);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 #include <set>
 
@@ -226,13 +227,16 @@ std::string what_to_do(const Report& report) {
 /// How the claims came out, and what the words mean.
 std::string verdicts(const Report& report) {
     if (report.claims.empty()) return "";
-    const VerdictCounts n = count_verdicts(report);
+    const claim::CountsBySource by_source = claim::count_verdicts(report.claims, report.results);
+    const claim::VerdictCounts& n = by_source.all;
     std::string text =
         fmt::format("<p>{} measured again:</p>\n", counted(report.claims.size(), "claim")) + verdict_tiles(n);
-    std::string meaning;
-    if (n.refuted > 0) meaning = "Refuted: the measurement contradicts the sentence, as was found before.";
+    std::string meaning = by_source.text() + ". ";
+    meaning.front() = static_cast<char>(std::toupper(meaning.front()));
+    if (n.qualified > 0) meaning += "Qualified: the sentence is true with a condition that its source does not state. ";
+    if (n.refuted > 0) meaning += "Refuted: the measurement contradicts the sentence, as was found before.";
     if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
-    return meaning.empty() ? text : fmt::format("{}<p class=\"hint\">{}</p>\n", text, meaning);
+    return fmt::format("{}<p class=\"hint\">{}</p>\n", text, meaning);
 }
 
 std::string claims_section(const Report& report) {

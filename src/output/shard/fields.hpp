@@ -154,9 +154,15 @@ void fields(Bits& bits, measure::judge::JudgeResult& result) {
 }
 
 template <class Bits>
+void fields(Bits& bits, measure::metric::Bounds& bounds) {
+    auto& [low, high] = bounds;
+    bits(low, high);
+}
+
+template <class Bits>
 void fields(Bits& bits, measure::claim::ClaimResult& result) {
-    auto& [state, measured, trouble, witness, samples, floats, evaluations, further, seconds] = result;
-    bits(state, measured, trouble, witness, samples, floats, evaluations, further, seconds);
+    auto& [state, measured, trouble, witness, samples, floats, evaluations, further, bounds, seconds] = result;
+    bits(state, measured, trouble, witness, samples, floats, evaluations, further, bounds, seconds);
 }
 
 /// Anything that has fields, as bits.

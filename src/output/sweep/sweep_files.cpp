@@ -55,13 +55,16 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
     return {
         {"form", "string", "", "form under test"},
         {"format", "string", "", "format it computes in"},
-        {"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
+        {"event", "string", "", "what is first seen to happen: lost_bits reach the threshold, or an outcome occurs"},
         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
         {"threshold", "number", "bits", "of the statistic; 1 for a count"},
         {"found", "boolean", "", "whether it happens within the sweep"},
         {"last_good_" + axis.name, "number", axis.unit,
          "last value before it, in the order of the steps; missing where the first step is bad already"},
-        {"first_bad_" + axis.name, "number", axis.unit, "first value at which it happens, narrowed by bisection"},
+        {"first_bad_" + axis.name, "number", axis.unit,
+         "first value at which it is seen to happen: of the steps, narrowed by bisection between two; it may happen "
+         "earlier "
+         "where nothing was sampled"},
         {"last_good_hex", "string", axis.unit, "the same, exactly"},
         {"first_bad_hex", "string", axis.unit, "the same, exactly"},
         {"value_at_first_bad", "number", "", "the statistic there"},

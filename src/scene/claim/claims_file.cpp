@@ -1,8 +1,9 @@
 #include "scene/claim/claims_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
-#include <regex>
 #include <set>
 
 #include "scene/file/beside.hpp"
@@ -19,7 +20,8 @@ namespace {
 
 using V = Claim::Verdict;
 using S = Claim::Severity;
-constexpr std::pair<std::string_view, V> verdicts[] = {{"holds", V::holds}, {"refuted", V::refuted}};
+constexpr std::pair<std::string_view, V> verdicts[] = {
+    {"holds", V::holds}, {"qualified", V::qualified}, {"refuted", V::refuted}};
 constexpr std::pair<std::string_view, S> severities[] = {{"error", S::error}, {"warn", S::warn}};
 constexpr long long most_draws = 1000;
 constexpr std::pair<std::string_view, Claim::Profile> profiles[] = {
@@ -31,6 +33,33 @@ constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidenc
                                                                {"search", Evidence::search},
                                                                {"counterexample", Evidence::counterexample},
                                                                {"sample", Evidence::sample}};
+
+/// What was found, and of a qualified sentence what it takes for it to be true.
+void read_verdict(TableReader& table, Claim& claim) {
+    claim.verdict = table.one_of<V>("verdict", verdicts);
+    claim.condition = table.optional_string("condition").value_or("");
+    if (claim.verdict == V::qualified && claim.condition.empty())
+        table.fail_at("verdict",
+                      "is qualified: say when the sentence is true, as condition = \"where touching is a miss\"");
+    if (claim.verdict != V::qualified && !claim.condition.empty())
+        table.fail_at("condition", "goes with verdict = \"qualified\": a sentence that is true where it is met");
+}
+
+/// A verdict follows from what the sentence says of every number that the interval admits, so whatever is measured in
+/// it confirms the verdict too.
+void check_criterion(const TableReader& table, const Claim& claim) {
+    if (!claim.criterion) return;
+    const bool met = claim.criterion->is_met_by(claim.low, claim.high),
+               failed = claim.criterion->is_failed_by(claim.low, claim.high);
+    if (claim.verdict == V::holds ? met : claim.verdict == V::refuted ? failed : met || failed) return;
+    table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
+                                           "follow; change the verdict, the sentence or the interval",
+                                           claim.criterion->text,
+                                           met      ? "true"
+                                           : failed ? "false"
+                                                    : "true of some and false of others",
+                                           claim.low, claim.high, name_of(claim.verdict)));
+}
 
 /// What the verdict rests on, and whether the claim has that.
 void read_evidence(TableReader& table, Claim& claim) {
@@ -239,11 +268,17 @@ void read_expect(TableReader table, Claim& claim) {
     claim.low = static_cast<double>(ends[0]);
     claim.high = static_cast<double>(ends[1]);
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
+    claim.criterion = read_criterion(table);
+    check_criterion(table, claim);
     claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
     table.reject_unknown_keys();
 }
 
 }  // namespace
+
+std::string_view name_of(Claim::Verdict verdict) {
+    return std::ranges::find(verdicts, verdict, &std::pair<std::string_view, V>::second)->first;
+}
 
 std::string_view name_of(Claim::Profile profile) {
     return std::ranges::find(profiles, profile, &std::pair<std::string_view, Claim::Profile>::second)->first;
@@ -252,20 +287,6 @@ std::string_view name_of(Claim::Profile profile) {
 std::string_view name_of(Claim::Evidence evidence) {
     const auto found = std::ranges::find(evidences, evidence, &std::pair<std::string_view, Evidence>::second);
     return found == std::end(evidences) ? "" : found->first;
-}
-
-std::string universal_word(const std::string& statement) {
-    static const std::regex word(
-        R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",
-        std::regex::icase);
-    std::smatch found;
-    return std::regex_search(statement, found, word) ? found[1].str() : "";
-}
-
-bool tells_of_a_sample(const std::string& text) {
-    static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",
-                                  std::regex::icase);
-    return std::regex_search(text, words);
 }
 
 std::vector<Claim> read_claims(const std::filesystem::path& path) {
@@ -283,7 +304,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         claim.statement = table.string("statement");
         claim.source = table.string("source");
         claim.note = table.optional_string("note").value_or("");
-        claim.verdict = table.one_of<V>("verdict", verdicts);
+        read_verdict(table, claim);
         read_evidence(table, claim);
         claim.profile = profile;
         if (profile == Claim::Profile::timing && table.has("severity"))

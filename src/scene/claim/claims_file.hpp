@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "intersect/info.hpp"
+#include "scene/claim/criterion.hpp"
 #include "scene/file/appearance.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace lostbits::scene::claim {
 
 struct Claim {
-    enum class Verdict { holds, refuted };
+    /// `qualified`: true with a condition that the source does not state, as `condition` does.
+    enum class Verdict { holds, qualified, refuted };
     enum class Severity { error, warn };
     /// What `lostbits check` is asked for: results, which are the same everywhere and always, or times, which are
     /// neither.
@@ -46,6 +48,7 @@ struct Claim {
 
     std::string id, statement, source, note;
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
+    std::string condition;             ///< of a `qualified` one: `where touching is a miss`
     Severity severity = Severity::error;
     Profile profile = Profile::results;
     Evidence evidence = Evidence::none;
@@ -83,6 +86,9 @@ struct Claim {
     /// A sweep file with a `[search]`, whose worst ray the claim is about.
     std::string search;
 
+    /// Whether somebody else said it: `source` is not "-".
+    [[nodiscard]] bool is_sourced() const { return source != "-"; }
+
     /// What is measured on: the scene, sweep or table, the work that is timed, or what is chosen for.
     [[nodiscard]] const std::string& subject() const {
         return timing                 ? timing->work
@@ -102,12 +108,17 @@ struct Claim {
     toml::Where quantity;                 ///< of the metric, or of its operations, for messages
     std::string onset, statistic;         ///< event and statistic of `onsets.csv`
     double threshold = 0;
-    double low = 0, high = 0;  ///< both ends count
+    double low = 0, high = 0;  ///< both ends count: a guard against drift, fitted to what was measured
+    /// What the sentence says. True of all of `low`..`high` where it holds, of none of it where it is refuted, and
+    /// one of the two where it is qualified. Without one the sentence describes the number, and the interval is what it
+    /// says.
+    std::optional<Criterion> criterion;
     /// The interval was derived from so many draws (see `interval_of` in measure/claim); 0: it is not about anything
     /// random, or comes from elsewhere.
     int draws = 0;
 };
 
+std::string_view name_of(Claim::Verdict verdict);
 std::string_view name_of(Claim::Profile profile);
 std::string_view name_of(Claim::Evidence evidence);
 /// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.

@@ -51,6 +51,48 @@ Distribution of(std::span<const double> all, std::size_t piece) {
 
 }  // namespace
 
+// Computed apart in rational numbers, by sums of binomial coefficients. For the median of 100 they are in any book.
+TEST_CASE("order statistics on both sides of a quantile hold it with 95 %, and no closer ones do",
+          "[measure][metric]") {
+    struct Case {
+        double q;
+        std::uint64_t n, low, high;
+    };
+    for (const auto& [q, n, low, high] :
+         {Case{0.5, 100, 40, 61}, Case{0.99, 1024, 1007, 1020}, Case{0.99, 2000, 1971, 1989}, Case{0.99, 367, 359, 368},
+          Case{0.99, 368, 360, 368}, Case{0.99, 100, 97, 101}, Case{0.5, 6, 1, 6}, Case{0.5, 1, 0, 2}}) {
+        INFO(q << " of " << n);
+        const auto ranks = measure::metric::ranks_around(q, n);
+        CHECK(ranks.low == low);
+        CHECK(ranks.high == high);
+    }
+}
+
+TEST_CASE("the bounds of a 99th percentile are the samples of those ranks, sealed or not", "[measure][metric]") {
+    Distribution d;
+    CHECK(std::isnan(d.p99_bounds().low));
+    for (int i = 1; i <= 367; ++i) d.add(i);
+    CHECK(std::isinf(d.p99_bounds().high));  // of 367 samples the largest may lie below it: 0.99^367 > 2.5 %
+    for (int i = 368; i <= 1024; ++i) d.add(i);
+    const auto open = d.p99_bounds();
+    CHECK(open.low == Approx(1007).epsilon(0x1p-11));
+    CHECK(open.high == Approx(1020).epsilon(0x1p-11));
+    d.seal();
+    CHECK(d.p99_bounds() == open);
+    // How often 1024 samples enclose it, of as many sets: at least 95 %, but for chance, and not always.
+    Random random(7);
+    int enclosed = 0;
+    constexpr int sets = 400;
+    for (int set = 0; set < sets; ++set) {
+        Distribution of_set;
+        for (int i = 0; i < 1024; ++i) of_set.add(1 + random.unit());
+        const auto bounds = of_set.p99_bounds();
+        enclosed += bounds.low <= 1.99 && 1.99 <= bounds.high;
+    }
+    CHECK(enclosed >= 0.93 * sets);
+    CHECK(enclosed < sets);
+}
+
 TEST_CASE("a mean is the exact mean to an ulp, whatever the order", "[measure][metric]") {
     Random random(99);
     for (const auto& [least, most] : {std::pair{-40, 20}, {-1074, -1000}, {-300, 300}, {800, 1015}}) {

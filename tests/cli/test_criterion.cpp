@@ -1,0 +1,160 @@
+// What a sentence says of its number: verdicts follow from it, and are counted by who said it.
+#include <nlohmann/json.hpp>
+
+#include "catch.hpp"
+#include "program.hpp"
+
+namespace test_criterion {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string head = "schema = \"lostbits-claims/1\"\n";
+
+/// 1 is measured: no ray from inside is hit.
+std::string claim(const std::string& id, const std::string& verdict, const std::string& in,
+                  const std::string& criterion, const std::string& source = "-") {
+    return "[[claim]]\nid = \"" + id + "\"\nstatement = \"A sentence\"\nsource = \"" + source +
+           "\"\nverdict = " + verdict +
+           "\n[claim.given]\nscene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"\n"
+           "[claim.expect]\nmetric = \"false_miss_fraction\"\nin = " +
+           in + (criterion.empty() ? "" : "\ncriterion = " + criterion) + "\n";
+}
+
+const std::string qualified = "\"qualified\"\ncondition = \"where the eye is outside\"";
+
+}  // namespace
+
+TEST_CASE("a verdict follows from its criterion for every number that its interval admits") {
+    const Scratch scratch;
+    const auto check = [&](const std::string& text) {
+        return run("check '" + scratch.write("c.toml", head + text) + "'");
+    };
+    for (const std::string& right :
+         {claim("a", "\"holds\"", "[1, 1]", "\"= 1\""), claim("a", "\"holds\"", "[0.5, 1]", "\"> 0.4\""),
+          claim("a", "\"holds\"", "[0.5, 1]", "\">= 0.5\""), claim("a", "\"holds\"", "[1, 1]", "[0.9, 1]"),
+          claim("a", "\"holds\"", "[1, 1]", "\"<=0x1p0\""), claim("a", "\"refuted\"", "[1, 1]", "\"< 1\""),
+          claim("a", "\"refuted\"", "[0.5, 1]", "\"= 0\""), claim("a", "\"refuted\"", "[0.5, 1]", "[0, 0.4]"),
+          claim("a", "\"refuted\"", "[0.5, 1]", "\"> 1\""), claim("a", qualified, "[1, 1]", "\"= 0\""),
+          claim("a", qualified, "[1, 1]", "\"= 1\""), claim("a", "\"holds\"", "[1, 1]", "")}) {
+        const auto r = check(right);
+        INFO(right << r.out << r.err);
+        CHECK(r.code == 0);
+    }
+    const std::string does_not_follow = ": the verdict \"";
+    const std::pair<std::string, std::string> wrong[] = {
+        {claim("a", "\"holds\"", "[1, 1]", "\"= 0\""),
+         "c.toml:14:13: claim[0].expect.criterion is = 0, which is false of the numbers in [1, 1]: the verdict "
+         "\"holds\" "
+         "does not follow"},
+        {claim("a", "\"holds\"", "[0.5, 1]", "\"> 0.5\""), "is > 0.5, which is true of some and false of others"},
+        {claim("a", "\"refuted\"", "[1, 1]", "\"= 1\""),
+         "which is true of the numbers in [1, 1]: the verdict \"refuted\""},
+        {claim("a", "\"refuted\"", "[0.5, 1]", "\">= 1\""), does_not_follow + "refuted\""},
+        {claim("a", qualified, "[0.5, 1]", "\"= 1\""), does_not_follow + "qualified\""},
+        {claim("a", "\"qualified\"", "[1, 1]", "\"= 1\""), "c.toml:6:11: claim[0].verdict is qualified: say when"},
+        {claim("a", "\"holds\"\ncondition = \"never\"", "[1, 1]", ""), "c.toml:7:13: claim[0].condition goes with"},
+        {claim("a", "\"holds\"", "[1, 1]", "\"1\""), "c.toml:14:13: claim[0].expect.criterion is \"1\"; write"},
+        {claim("a", "\"holds\"", "[1, 1]", "\">\""), "write what the sentence says"},
+        {claim("a", "\"holds\"", "[1, 1]", "\"!= 0\""), "write what the sentence says"},
+        {claim("a", "\"holds\"", "[1, 1]", "\"= one\""), "in which one is not a number"},
+        {claim("a", "\"holds\"", "[1, 1]", "1"), "must be a string"},
+        {claim("a", "\"holds\"", "[1, 1]", "[1, 0]"), "must be [low, high]"},
+        {claim("a", "\"maybe\"", "[1, 1]", ""), "claim[0].verdict is \"maybe\""}};
+    for (const auto& [text, says] : wrong) {
+        const auto r = check(text);
+        INFO(text << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+    }
+}
+
+TEST_CASE("a number that moves out of its interval says whether the verdict stands") {
+    const Scratch scratch;
+    const std::string text = head + claim("stands", "\"holds\"", "[0.8, 0.9]", "\"> 0.5\"") +
+                             claim("falls", "\"holds\"", "[0.1, 0.2]", "\"< 0.5\"") +
+                             claim("still", "\"refuted\"", "[0.8, 0.9]", "\"= 0\"") +
+                             claim("describes", "\"holds\"", "[0.8, 0.9]", "");
+    const auto r = run("check '" + scratch.write("c.toml", text) + "'");
+    INFO(r.out);
+    CHECK(r.code == 1);
+    CHECK(has(r.out, "FAILED: holds, but the number has changed: stands"));
+    CHECK(
+        has(r.out, "in [0.8, 0.9], measured 1; the sentence says > 0.5: the number has moved, and the verdict stands"));
+    CHECK(has(r.out, "FAILED: expected to hold, does not: falls"));
+    CHECK(has(r.out, "in [0.1, 0.2], measured 1; the sentence says < 0.5: the verdict does not follow any more"));
+    CHECK(has(r.out, "FAILED: refuted, but the number has changed: still"));
+    CHECK(has(r.out, "the sentence says = 0: the number has moved, and the verdict stands"));
+    CHECK(has(r.out, "FAILED: expected to hold, does not: describes"));
+}
+
+TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
+    const Scratch scratch;
+    const std::string file = scratch.write("c.toml", head + claim("a", "\"holds\"", "[1, 1]", "\"= 1\"", "A book") +
+                                                         claim("b", "\"refuted\"", "[1, 1]", "\"= 0\"", "A book") +
+                                                         claim("c", qualified, "[1, 1]", "\"= 0\"", "A book") +
+                                                         claim("d", "\"holds\"", "[1, 1]", "") +
+                                                         claim("e", "\"holds\"", "[1, 1]", "\"> 0\"") +
+                                                         claim("f", "\"refuted\"", "[0.8, 0.9]", "\"= 0\"", "A book"));
+    const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
+    const auto r = run("check '" + file + "' --junit '" + at("j.xml") + "' --export-csv '" + at("c.csv") +
+                       "' --export-json '" + at("c.json") + "' --report '" + at("report") + "'");
+    INFO(r.out << r.err);
+    CHECK(r.code == 1);
+    const std::string counts = "from a source 1 holds, 1 is qualified, 1 is refuted; of our own 2 hold";
+    CHECK(has(r.out, "5 verdicts confirmed, 1 failed\n" + counts + "\n"));
+    const std::string xml = contents(at("j.xml"));
+    CHECK(has(xml, "<property name=\"from a source\" value=\"1 holds, 1 is qualified, 1 is refuted\""));
+    CHECK(has(xml, "<property name=\"our own\" value=\"2 hold\""));
+    const auto rows = read_csv(at("c.csv"));
+    REQUIRE(rows.size() == 6);
+    const auto array = nlohmann::json::parse(contents(at("c.json")));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CHECK(rows[i].at("sourced") == (i < 3 || i == 5 ? "true" : "false"));
+        CHECK(array[i]["sourced"] == (i < 3 || i == 5));
+        CHECK(array[i]["criterion"] == rows[i].at("criterion"));
+        CHECK(array[i]["condition"] == rows[i].at("condition"));
+    }
+    CHECK(rows[0].at("criterion") == "= 1");
+    CHECK(rows[3].at("criterion").empty());
+    CHECK(rows[2].at("verdict") == "qualified");
+    CHECK(rows[2].at("condition") == "where the eye is outside");
+    CHECK(rows[0].at("condition").empty());
+    const std::string document = contents(at("report") + "/README.md");
+    CHECK(has(document,
+              "6 claims, each a sentence or a part of one, of which 1 failed or could not be measured: " + counts));
+    CHECK(has(document, "The verdicts on 4 follow from what the sentence says of the number"));
+    CHECK(has(document, "| qualified: where the eye is outside | A sentence |"));
+    CHECK(has(document, "false_miss_fraction = 1; says = 0 |"));
+    CHECK(has(run("check '" + file + "' --filter d -v").out, "ok       d (holds): 1"));
+    CHECK(has(run("check '" + file + "' --filter c -v").out, "ok       c (qualified, where the eye is outside): 1"));
+}
+
+TEST_CASE("a 99th percentile of random rays has the bounds of its order statistics, and that of a picture has none") {
+    const Scratch scratch;
+    const auto of = [](const std::string& id, const std::string& given, const std::string& metric) {
+        return "[[claim]]\nid = \"" + id +
+               "\"\nstatement = \"A sentence\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
+               "form = \"sphere.unified\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"" + metric +
+               "\"\nin = [0, 24]\n";
+    };
+    const std::string sweep = "sweep = \"sphere-distance\"\nat = 4096\n", scene = "scene = \"near-benign\"\n";
+    const std::string file =
+        scratch.write("c.toml", head + of("p99", sweep, "lost_bits_p99") + of("low", sweep, "lost_bits_p99_low") +
+                                    of("high", sweep, "lost_bits_p99_high") + of("median", sweep, "lost_bits_p50") +
+                                    of("picture", scene, "lost_bits_p99"));
+    const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
+    REQUIRE(run("check '" + file + "' --export-json '" + at("c.json") + "'").code == 0);
+    const auto array = nlohmann::json::parse(contents(at("c.json")));
+    const auto measured = [&](int i) { return array[i]["measured"].get<double>(); };
+    CHECK(array[0]["p99_bounds"] == nlohmann::json{measured(1), measured(2)});
+    CHECK(measured(1) < measured(0));
+    CHECK(measured(0) < measured(2));
+    CHECK(array[3]["p99_bounds"].is_null());
+    CHECK(array[4]["p99_bounds"].is_null());
+    REQUIRE(run("check '" + file + "' --filter p99 --report '" + at("report") + "'").code == 0);
+    CHECK(has(contents(at("report") + "/README.md"), " (95 %: "));
+}
+
+}  // namespace test_criterion
