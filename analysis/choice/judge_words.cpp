@@ -11,6 +11,7 @@
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::choice {
@@ -56,18 +57,16 @@ Solid<double> solid_of(const std::string& whole, Shape shape, const Format& form
     if (at < whole.size()) {
         const bool inverse = whole.substr(at + 1).starts_with('/');
         const auto matrix = numbers_in(whole.substr(at + (inverse ? 2 : 1)), option, format);
-        Placement<double> placed{{}, inverse, 1};
-        if (matrix.size() != placed.matrix.size())
+        std::array<double, Affine<double>::numbers> rows;
+        if (matrix.size() != rows.size())
             throw InputError(
                 fmt::format("{} {}: has {} numbers after the @; write the three rows of four numbers of a "
                             "matrix, and a / before those of a stored inverse",
                             option, whole, matrix.size()));
-        std::ranges::copy(matrix, placed.matrix.begin());
-        placed.orientation = orientation_of(placed.matrix);
-        if (!placed.is_proper())
-            throw InputError(
-                fmt::format("{} {}: the matrix is singular: it flattens the solid; write another", option, whole));
-        solid.placed = placed;
+        std::ranges::copy(matrix, rows.begin());
+        solid.placed = placement_of(rows, inverse);
+        if (!solid.placed->is_proper())
+            throw InputError(fmt::format("{} {}: the matrix {}", option, whole, singular_words));
     }
     if (const auto broken = broken_limit(solid))
         throw InputError(

@@ -20,6 +20,7 @@
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/round.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::choice {
@@ -219,7 +220,7 @@ AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path&
 }
 
 /// `…@M` after the numbers of a solid: the twelve numbers of its matrix, row by row; `…@/M` of a stored inverse.
-std::optional<Placement<double>> placement_of(const std::string& text, const char* option, const std::string& as) {
+Placement<double> placement_in(const std::string& text, const char* option, const std::string& as) {
     const bool inverse = text.starts_with('/');
     const auto x = numbers_of(text.substr(inverse ? 1 : 0),
                               {option,
@@ -227,12 +228,10 @@ std::optional<Placement<double>> placement_of(const std::string& text, const cha
                                "them, and a / before the rows of a stored inverse",
                                Affine<double>::numbers},
                               format_of(as));
-    Placement<double> placed{{}, inverse, 1};
-    std::ranges::transform(x, placed.matrix.begin(), [](const Real& number) { return stored(number); });
-    placed.orientation = orientation_of(placed.matrix);
-    if (!placed.is_proper())
-        throw InputError(
-            fmt::format("{} …@{}: the matrix is singular: it flattens the solid; write another", option, text));
+    std::array<double, Affine<double>::numbers> numbers;
+    std::ranges::transform(x, numbers.begin(), [](const Real& number) { return stored(number); });
+    const Placement<double> placed = placement_of(numbers, inverse);
+    if (!placed.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
     return placed;
 }
 
@@ -246,7 +245,7 @@ Solid<double> solid_of(Shape shape, const std::string& words, const std::string&
                     option_words(shape), solid.used().size());
     const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, format_of(as));
     std::ranges::transform(x, solid.numbers.begin(), [](const Real& number) { return stored(number); });
-    if (at < words.size()) solid.placed = placement_of(words.substr(at + 1), option.c_str(), as);
+    if (at < words.size()) solid.placed = placement_in(words.substr(at + 1), option.c_str(), as);
     if (const auto broken = broken_limit(solid))
         throw InputError(
             fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));

@@ -222,45 +222,33 @@ const Intersector& plain_set(Shapes shapes) {
 }
 
 Forms made_named(const std::string& word, const char* option) {
-    const std::size_t at = word.find_last_of("@^");
-    const std::string form = word.substr(0, at), last = word.substr(at + 1);
-    const bool is_space = word[at] == '@';
-    if (form.empty() || last.empty())
+    using Kind = scene::rays::MadeName::Kind;
+    const auto name = scene::rays::made_name(word).value();
+    const bool is_box = name.kind == Kind::box;
+    if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: no form, or no {}, stands beside the {}; write {}", option, word, is_space ? "space" : "box",
-            word[at],
-            is_space ? "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` shows them"
-                     : "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
-                       "shows how boxes are computed"));
-    const Forms forms = select_forms({form}, option);
-    Forms all;
-    if (is_space && last.starts_with(scene::rays::maker_prefix)) {
-        for (const Intersector* const one : forms)
-            for (const auto* const maker : select_makers(last.substr(scene::rays::maker_prefix.size()), option))
-                all.push_back(&scene::rays::with_maker(*maker, *one));
-        return all;
-    }
-    if (is_space) {
-        const bool is_glob = form.find_first_of("*?[") != std::string::npos;
-        for (const Intersector* const one : forms) {
-            if (is_glob && !is_solid(one->shape)) continue;  // a form that marches has no space; named, it says so
-            for (const auto* const through : select_spaces(last, option))
-                all.push_back(&intersect::space::through(*through, scene::rays::without_maker(*one)));
-        }
-        if (all.empty())
-            throw NothingSelected(
-                fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",
-                            option, word, last));
-        return all;
-    }
-    const std::size_t tilde = std::min(last.find('~'), last.size());
-    const auto hulls = tilde == last.size() ? std::vector{&intersect::hull::usual_hull()}
-                                            : select_hulls(last.substr(tilde + 1), option);
-    for (const Intersector* const one : forms)
-        for (const Intersector* const box : select_forms({last.substr(0, tilde)}, option))
-            for (const auto* const hull : hulls)
-                all.push_back(&intersect::hull::behind(*hull, scene::rays::without_maker(*box),
-                                                       scene::rays::without_maker(*one)));
+            "{} {}: no form, or no {}, stands beside the {}; write {}", option, word, is_box ? "box" : "space",
+            is_box ? "^" : "@",
+            is_box ? "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
+                     "shows how boxes are computed"
+                   : "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` shows them"));
+    const bool is_glob = name.form.find_first_of("*?[") != std::string::npos;
+    const Forms all =
+        rows_of(name, {.forms =
+                           [&](const std::string& glob) {
+                               Forms forms = select_forms({glob}, option);
+                               // A form that marches has no space of a solid; named, it says so.
+                               if (name.kind == Kind::space && is_glob)
+                                   std::erase_if(forms, [](const Intersector* form) { return !is_solid(form->shape); });
+                               return forms;
+                           },
+                       .spaces = [option](const std::string& glob) { return select_spaces(glob, option); },
+                       .makers = [option](const std::string& glob) { return select_makers(glob, option); },
+                       .hulls = [option](const std::string& glob) { return select_hulls(glob, option); }});
+    if (all.empty())
+        throw NothingSelected(
+            fmt::format("{} {}: every form that matches marches, and those have no space of a solid; try '*@{}'",
+                        option, word, name.last));
     return all;
 }
 

@@ -81,8 +81,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
     put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // by is a number of cylinders
     put_columns(columns, rays.matrix,
-                std::array<std::string, 12>{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22",
-                                            "m23"});
+                std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
     scene::dump::DumpOptions options{.stop = running.stop()};
     if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
     if (rays.format != nullptr) options.format = choice::select_formats({rays.format}, "format").front();

@@ -5,6 +5,7 @@
 #include "analysis/library/handles.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/toml/toml_tree.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::library {
@@ -221,17 +222,16 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         Scene& of = scene->scene;
         if (of.flake) throw InputError("transform: a sphereflake is made in the world, and no matrix moves it");
         const bool shared = of.inputs == scene::file::Inputs::shared;
-        Placement<double> placed{{}, inverse != 0, 1};
-        for (std::size_t k = 0; k < placed.matrix.size(); ++k) {
+        std::array<double, Affine<double>::numbers> numbers;
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
             const double x = shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
             if (!std::isfinite(x))
                 throw InputError("transform: number " + std::to_string(k) + " is not a finite number" +
                                  (shared ? " of float32" : ""));
-            placed.matrix[k] = x;
+            numbers[k] = x;
         }
-        placed.orientation = orientation_of(placed.matrix);
-        if (!placed.is_proper())
-            throw InputError("transform: the matrix is singular: it flattens the solids; write another");
+        const Placement<double> placed = placement_of(numbers, inverse != 0);
+        if (!placed.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
         for (Solid<Real>& solid : of.listed) solid.placed = transformed(placed, [](double x) { return Real(x); });
         if (of.mesh) of.mesh_placed = placed;
         scene->named.clear();

@@ -91,21 +91,17 @@ ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* su
 
 namespace {
 
-const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form);
-
-/// The row of `form` behind a box such as `box.signs~nearest`.
-const intersect::table::Intersector& form_behind(const Claim& claim, const std::string& form, const std::string& box) {
-    const std::size_t tilde = std::min(box.find('~'), box.size());
-    const auto* const way =
-        tilde == box.size() ? &intersect::hull::usual_hull() : intersect::hull::find_hull(box.substr(tilde + 1));
-    if (way == nullptr) {
-        std::vector<std::string> names;
-        for (const auto& each : intersect::hull::hulls()) names.emplace_back(each.info->name);
-        scene::toml::fail(claim.where, "unknown way of computing a box \"" + box.substr(tilde + 1) + "\"; " +
-                                           scene::toml::did_you_mean(box.substr(tilde + 1), names));
-    }
-    return intersect::hull::behind(*way, scene::rays::without_maker(form_named(claim, box.substr(0, tilde))),
-                                   scene::rays::without_maker(form_named(claim, form)));
+/// The row of a table whose name that is, in a form's name.
+template <class Row>
+std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> table, const std::string& name,
+                                   const std::string& what) {
+    std::vector<std::string> names;
+    for (const Row& row : table) names.emplace_back(row.info->name);
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end())
+        scene::toml::fail(claim.where, "unknown " + what + " \"" + name + "\" in form \"" + claim.form + "\"; " +
+                                           scene::toml::did_you_mean(name, names));
+    return {&table[static_cast<std::size_t>(found - names.begin())]};
 }
 
 const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
@@ -113,25 +109,22 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     const auto found = std::ranges::find_if(
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
-    const std::size_t at = form.find_last_of("@^");
-    if (form.find('+') == std::string::npos && at != std::string::npos) {
-        const std::string last = form.substr(at + 1);
-        if (form[at] == '^') return form_behind(claim, form.substr(0, at), last);
-        if (last.starts_with(scene::rays::maker_prefix)) {
-            const auto* const maker = scene::camera::find_maker(last.substr(scene::rays::maker_prefix.size()));
-            if (maker == nullptr)
-                scene::toml::fail(claim.where,
-                                  "unknown maker of rays in form \"" + form + "\"; `lostbits list makers` shows all");
-            return scene::rays::with_maker(*maker, form_named(claim, form.substr(0, at)));
-        }
-        const auto* const space = intersect::space::find_space(last);
-        if (space == nullptr) {
-            std::vector<std::string> names;
-            for (const auto& each : intersect::space::spaces()) names.emplace_back(each.info->name);
-            scene::toml::fail(claim.where, "unknown space \"" + form.substr(at + 1) + "\" of form \"" + form + "\"; " +
-                                               scene::toml::did_you_mean(form.substr(at + 1), names));
-        }
-        return intersect::space::through(*space, scene::rays::without_maker(form_named(claim, form.substr(0, at))));
+    if (const auto made = scene::rays::made_name(form); made && form.find('+') == std::string::npos) {
+        return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
+                                .spaces =
+                                    [&](const std::string& name) {
+                                        return part_named(claim, intersect::space::spaces(), name, "space");
+                                    },
+                                .makers =
+                                    [&](const std::string& name) {
+                                        return part_named(claim, scene::camera::makers(), name, "maker of rays");
+                                    },
+                                .hulls =
+                                    [&](const std::string& name) {
+                                        return part_named(claim, intersect::hull::hulls(), name,
+                                                          "way of computing a box");
+                                    }})
+                    .front();
     }
     if (form.find('+') == std::string::npos) {
         std::vector<std::string> names;

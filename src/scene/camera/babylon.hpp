@@ -7,7 +7,7 @@ namespace lostbits::scene::camera {
 
 /// The second point has z = 1 - 1e-8 whatever the range of depths is: behind the near plane where z is reversed, and 1
 /// itself in float.
-struct BabylonRay {
+struct BabylonRay : InvertsBoth {
     static constexpr MakerInfo info{
         .name = "babylon",
         .title = "(P V)^-1, product and inverse in the format; from the near plane to z = 1 - 1e-8",
@@ -15,10 +15,6 @@ struct BabylonRay {
         .from_near = true,
     };
 
-    template <Number T>
-    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
-        return inverse(camera.projection * camera.view);
-    }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
         const auto at = [&](const T& z) { return times_over_w(from_clip.point(clip_point(camera, pixel, z))); };

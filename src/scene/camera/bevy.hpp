@@ -20,7 +20,7 @@ struct BevyRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
-        const auto at = [&](const T& z) { return over_w(from_clip.point(clip_point(camera, pixel, z))); };
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
         return {near, unit(Vec<T>(far - near))};
     }

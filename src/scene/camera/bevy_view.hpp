@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::camera {
 
-struct BevyViewRay {
+struct BevyViewRay : InvertsProjection {
     static constexpr MakerInfo info{
         .name = "bevy_view",
         .title = "both points through P^-1, inverted in the format; their difference turned, the near one moved",
@@ -14,12 +14,8 @@ struct BevyViewRay {
     };
 
     template <Number T>
-    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
-        return inverse(camera.projection);
-    }
-    template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
-        const auto at = [&](const T& z) { return over_w(from_clip.point(clip_point(camera, pixel, z))); };
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
         return {camera.to_world.affine(near), unit(camera.to_world.linear(Vec<T>(far - near)))};
     }

@@ -6,7 +6,7 @@
 namespace lostbits::scene::camera {
 
 /// z = 0 is the near plane where z runs from 0 to 1, and the far one where it is reversed.
-struct DxrRay {
+struct DxrRay : InvertsBoth {
     static constexpr MakerInfo info{
         .name = "dxr",
         .title = "z = 0 through (P V)^-1, product and inverse in the format; minus the eye",
@@ -14,12 +14,8 @@ struct DxrRay {
     };
 
     template <Number T>
-    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
-        return inverse(camera.projection * camera.view);
-    }
-    template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
-        const Vec<T> world = over_w(from_clip.point(clip_point(camera, pixel, T(0))));
+        const Vec<T> world = unprojected(camera, from_clip, pixel, T(0));
         return {camera.eye, unit(Vec<T>(world - camera.eye))};
     }
 };

@@ -33,20 +33,15 @@ struct Matrix4 {
     }
     [[nodiscard]] Vec<T> shift() const { return {rows[0][3], rows[1][3], rows[2][3]}; }
 
-    /// Each number through `f`, to a matrix over what that returns.
+    /// Each number through `f`, row by row, to a matrix over what that returns.
     template <class F>
     [[nodiscard]] auto each(const F& f) const {
-        Matrix4<decltype(f(rows[0][0]))> to;
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t j = 0; j < 4; ++j) to.rows[i][j] = f(rows[i][j]);
-        return to;
+        return Matrix4<decltype(f(rows[0][0]))>::of([&](std::size_t i, std::size_t j) { return f(rows[i][j]); });
     }
     template <class F>
     static Matrix4 of(const F& f) {
-        Matrix4 m;
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t j = 0; j < 4; ++j) m.rows[i][j] = f(i, j);
-        return m;
+        const auto row = [&f](std::size_t i) { return std::array<T, 4>{f(i, 0), f(i, 1), f(i, 2), f(i, 3)}; };
+        return {{row(0), row(1), row(2), row(3)}};
     }
 };
 

@@ -32,10 +32,11 @@ struct CameraNumbers {
     Matrix4<T> clip_to_world, clip_to_offset;
     Matrix4<T> raster_to_camera;  ///< pixels to the right and down, and z from 0 on the near plane
 
+    /// Each number through `f`, in this order.
     template <class F>
     [[nodiscard]] auto each(const F& f) const {
         using S = decltype(f(near));
-        const auto vec = [&f](const Vec<T>& v) { return Vec<S>(f(v.x), f(v.y), f(v.z)); };
+        const auto vec = [&f](const Vec<T>& v) { return Vec<S>{f(v.x), f(v.y), f(v.z)}; };
         return CameraNumbers<S>{.width = width,
                                 .height = height,
                                 .eye = vec(eye),
@@ -69,6 +70,22 @@ struct AsStored {
     }
 };
 
+/// For ways that invert the projection alone, in the format.
+struct InvertsProjection {
+    template <Number T>
+    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
+        return inverse(camera.projection);
+    }
+};
+
+/// For ways whose product of both matrices and its inverse, (P V)^-1, are made in the format.
+struct InvertsBoth {
+    template <Number T>
+    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
+        return inverse(camera.projection * camera.view);
+    }
+};
+
 /// The middle of a pixel in clip space over w: (x + 1/2)/width * 2 - 1, and the same of y, negated.
 template <Number T>
 Vec<T> clip_point(const CameraNumbers<T>& camera, const Pixel& pixel, const T& z) {
@@ -95,6 +112,12 @@ Vec<T> over_w(const Homogeneous<T>& p) {
 template <Number T>
 Vec<T> times_over_w(const Homogeneous<T>& p) {
     return T(1) / p.w * p.at;
+}
+
+/// What a matrix makes of the middle of a pixel at a depth, over w.
+template <Number T>
+Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel, const T& z) {
+    return over_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 
 /// v/|v|, each component a quotient; and multiplied by 1/|v|.

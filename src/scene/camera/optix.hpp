@@ -9,7 +9,7 @@ struct OptixRay : AsStored {
     static constexpr MakerInfo info{
         .name = "optix",
         .title = "x U + y V + W, made unit; U and V are the tangents times the axes, in the format",
-        .source = "OptiX SDK, optixPathTracer.cu, normalize(d.x * U + d.y * V + W)",
+        .source = "OptiX SDK, SDK/optixPathTracer/optixPathTracer.cu __raygen__rg: normalize(d.x*U + d.y*V + W)",
     };
 
     template <Number T>

@@ -9,12 +9,14 @@ struct RelativeRay : AsStored {
     static constexpr MakerInfo info{
         .name = "relative",
         .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye apart",
-        .source = "Unity High Definition Render Pipeline, Camera-relative rendering; Unreal's ScreenToTranslatedWorld",
+        .source =
+            "Unity-Technologies/Graphics 4a193f6, com.unity.render-pipelines.high-definition/Documentation~/"
+            "Camera-Relative-Rendering.md:9; Unreal's ScreenToTranslatedWorld",
     };
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel& pixel) {
-        return {camera.eye, unit(over_w(camera.clip_to_offset.point(clip_point(camera, pixel, camera.depth_near))))};
+        return {camera.eye, unit(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
     }
 };
 

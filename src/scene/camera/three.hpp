@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::camera {
 
-struct ThreeRay {
+struct ThreeRay : InvertsProjection {
     static constexpr MakerInfo info{
         .name = "three",
         .title =
@@ -14,10 +14,6 @@ struct ThreeRay {
         .source = "three.js, src/core/Raycaster.js setFromCamera, src/math/Vector3.js unproject",
     };
 
-    template <Number T>
-    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
-        return inverse(camera.projection);
-    }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
         const Vec<T> seen = times_over_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));

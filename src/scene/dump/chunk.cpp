@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "number/error.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::scene::dump {
@@ -74,8 +76,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
             return bad(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (layout_.has_matrix() && !solid().placed->is_proper())
-        return Fault{slot::matrix,
-                     "the matrix is singular: it flattens the solid; write another, or leave this ray out"};
+        return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
     if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return bad(slot::object, "write which solid was hit, counted from 0, and -1 or nothing where none was");
@@ -116,10 +117,9 @@ Solid<double> ChunkWriter::solid() const {
     Solid<double> solid = terms_.under.value_or(Solid<double>(*shape_));
     for (std::size_t k = 0; !terms_.under && k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
     if (!layout_.has_matrix()) return solid;
-    Placement<double> placed{};
-    for (std::size_t k = 0; k < placed.matrix.size(); ++k) placed.matrix[k] = numbers_[slot::matrix + k];
-    placed.orientation = orientation_of(placed.matrix);
-    solid.placed = placed;
+    std::array<double, Affine<double>::numbers> matrix;
+    std::copy_n(numbers_ + slot::matrix, matrix.size(), matrix.begin());
+    solid.placed = placement_of(matrix);
     return solid;
 }
 

@@ -34,7 +34,8 @@ std::vector<KnownName> make_known_names() {
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
-    add(slot::matrix, {"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"});
+    for (std::size_t k = 0; k < matrix_columns.size(); ++k)
+        all.push_back({std::string(matrix_columns[k]), slot::matrix + k});
     // As the project's own tables and other people have it.
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
@@ -235,7 +236,7 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
             {"dir", {"dx", "dy", "dz"}},
             {"d", {"dx", "dy", "dz"}},
             {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
-            {"matrix", {"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"}},
+            {"matrix", {matrix_columns.begin(), matrix_columns.end()}},
         };
         for (const ShapeRow& row : shape_rows) {
             const auto names = column_names(row.shape);

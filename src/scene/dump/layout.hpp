@@ -21,6 +21,10 @@ inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t +
 inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 }  // namespace slot
 
+/// What the columns of a matrix are called, row by row.
+inline constexpr std::array<std::string_view, Affine<double>::numbers> matrix_columns{
+    "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"};
+
 /// One column of a file.
 struct LayoutColumn {
     std::string name;                 ///< as the file has it

@@ -2,7 +2,7 @@
 
 #include <boost/math/constants/constants.hpp>
 
-#include "shapes/lift.hpp"
+#include "shapes/given_matrix.hpp"
 
 namespace lostbits::scene::file {
 
@@ -106,12 +106,11 @@ Map inverse(const Map& m) {
     return back;
 }
 
-Placement<Real> stored_as(const Map& map) {
-    Placement<Real> placed{};
+Placement<Real> stored_as(const Map& map, bool is_inverse) {
+    std::array<Real, Map::numbers> numbers;
     std::size_t k = 0;
-    map.each([&](const Real& x) { placed.matrix[k++] = x; });
-    placed.orientation = orientation_of(placed.matrix);
-    return placed;
+    map.each([&](const Real& x) { numbers[k++] = x; });
+    return placement_of(numbers, is_inverse);
 }
 
 constexpr std::pair<std::string_view, bool> stored_names[] = {{"forward", false}, {"inverse", true}};
@@ -125,12 +124,8 @@ std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNu
     const Map map = read_map(*table);
     table->reject_unknown_keys();
     const std::string_view where = table->has("matrix") ? "matrix" : "scale";
-    if (stored_as(map).orientation == 0)
-        table->fail_at(where,
-                       "is singular: it flattens the solid, and no ray can be taken back; write rows that lie "
-                       "in no plane");
-    Placement<Real> placed = stored_as(is_inverse ? inverse(map) : map);
-    placed.is_inverse = is_inverse;
+    if (!stored_as(map, false).is_proper()) table->fail_at(where, std::string(singular_words));
+    const Placement<Real> placed = stored_as(is_inverse ? inverse(map) : map, is_inverse);
     const auto stored =
         transformed(placed, [&](const Real& x) { return numbers.stored(numbers.finite(*table, where, x)); });
     if (orientation_of(stored.matrix) == 0)

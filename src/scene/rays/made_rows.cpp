@@ -52,4 +52,43 @@ const Intersector& without_maker(const Intersector& row) {
     return row;
 }
 
+std::optional<MadeName> made_name(const std::string& name) {
+    using Kind = MadeName::Kind;
+    const std::size_t at = name.find_last_of("@^");
+    if (at == std::string::npos) return std::nullopt;
+    MadeName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
+    if (found.kind == Kind::space && found.last.starts_with(maker_prefix)) {
+        found.kind = Kind::maker;
+        found.last.erase(0, maker_prefix.size());
+    }
+    if (const std::size_t tilde = found.last.find('~'); found.kind == Kind::box && tilde != std::string::npos) {
+        found.hull = found.last.substr(tilde + 1);
+        found.last.erase(tilde);
+    }
+    return found;
+}
+
+std::vector<const Intersector*> rows_of(const MadeName& name, const NamedParts& parts) {
+    std::vector<const Intersector*> all;
+    for (const Intersector* const form : parts.forms(name.form)) {
+        switch (name.kind) {
+            case MadeName::Kind::maker:
+                for (const Maker* const maker : parts.makers(name.last)) all.push_back(&with_maker(*maker, *form));
+                break;
+            case MadeName::Kind::space:
+                for (const auto* const space : parts.spaces(name.last))
+                    all.push_back(&intersect::space::through(*space, without_maker(*form)));
+                break;
+            case MadeName::Kind::box: {
+                const auto hulls = name.hull ? parts.hulls(*name.hull) : std::vector{&intersect::hull::usual_hull()};
+                for (const Intersector* const box : parts.forms(name.last))
+                    for (const auto* const hull : hulls)
+                        all.push_back(&intersect::hull::behind(*hull, without_maker(*box), without_maker(*form)));
+                break;
+            }
+        }
+    }
+    return all;
+}
+
 }  // namespace lostbits::scene::rays

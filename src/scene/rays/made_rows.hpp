@@ -1,7 +1,13 @@
 // Forms that are given the rays of a camera as a way makes them, as rows of the table.
 #pragma once
 
-#include "intersect/table/table.hpp"
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/hull/behind.hpp"
+#include "intersect/space/spaced.hpp"
 #include "scene/camera/makers.hpp"
 
 namespace lostbits::scene::rays {
@@ -19,5 +25,28 @@ const camera::Maker* maker_of(const intersect::table::Intersector& row);
 /// The row itself, to be made part of another one. InputError where its rays are made already: the way stands last, as
 /// in `FORM^BOX@ray-WAY`.
 const intersect::table::Intersector& without_maker(const intersect::table::Intersector& row);
+
+/// A name that says what a row is made of, taken apart where the last part begins: FORM@SPACE, FORM@ray-WAY, FORM^BOX
+/// or FORM^BOX~HULL.
+struct MadeName {
+    enum class Kind { space, maker, box } kind;
+    std::string form;                 ///< may be such a name itself
+    std::string last;                 ///< the space, the way, or the form of boxes
+    std::optional<std::string> hull;  ///< the way of computing the box, where one is named
+};
+/// Nothing for a name without an @ or a ^.
+std::optional<MadeName> made_name(const std::string& name);
+
+/// What each part of a name stands for: one for a name, several for a glob. They throw for what is unknown.
+struct NamedParts {
+    template <class Part>
+    using Find = std::function<std::vector<const Part*>(const std::string&)>;
+    Find<intersect::table::Intersector> forms;
+    Find<intersect::space::Space> spaces;
+    Find<camera::Maker> makers;
+    Find<intersect::hull::HullWay> hulls;
+};
+/// Every row of that name, the form first, then the box, then the other part.
+std::vector<const intersect::table::Intersector*> rows_of(const MadeName& name, const NamedParts& parts);
 
 }  // namespace lostbits::scene::rays

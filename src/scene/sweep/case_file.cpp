@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "scene/sweep/convention.hpp"
+#include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::scene::sweep {
@@ -38,16 +39,15 @@ struct Symmetry {
     }
     /// S M of the matrix to the world, and M⁻¹ S⁻¹ of a stored inverse: the solid stays in its own space.
     [[nodiscard]] Placement<double> of(const Placement<double>& m) const {
-        Placement<double> to = m;
+        auto to = m.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(from[i]);
             for (std::size_t j = 0; j < 4; ++j) {
-                if (!m.is_inverse) to.matrix[4 * i + j] = sign[i] * m.matrix[4 * k + j];
-                else if (j < 3) to.matrix[4 * j + i] = sign[i] * m.matrix[4 * j + k];
+                if (!m.is_inverse) to[4 * i + j] = sign[i] * m.matrix[4 * k + j];
+                else if (j < 3) to[4 * j + i] = sign[i] * m.matrix[4 * j + k];
             }
         }
-        to.orientation = orientation_of(to.matrix);
-        return to;
+        return placement_of(to, m.is_inverse);
     }
     [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
         Solid<double> to = s;
@@ -126,8 +126,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
                 if (!spec.matrix.empty()) solid.fail_at(key, "stands beside matrix; write one of the two");
                 spec.matrix = quantities(solid, key, Affine<double>::numbers, false);
                 spec.is_inverse = is_inverse;
-                if (!spec.in(binary64, 0).placed->is_proper())
-                    solid.fail_at(key, "is singular: it flattens the solid; write rows that lie in no plane");
+                if (!spec.in(binary64, 0).placed->is_proper()) solid.fail_at(key, std::string(singular_words));
             }
             solid.reject_unknown_keys();
             c.solids.push_back(std::move(spec));
@@ -182,10 +181,9 @@ Solid<double> CaseFile::SolidSpec::in(const FloatFormat& format, int lengths) co
     Solid<double> solid(shape);
     for (std::size_t k = 0; k < numbers.size(); ++k) solid.numbers[k] = numbers[k].in(format, lengths);
     if (matrix.empty()) return solid;
-    Placement<double> placed{{}, is_inverse, 1};
-    for (std::size_t k = 0; k < matrix.size(); ++k) placed.matrix[k] = matrix[k].in(format, k % 4 == 3 ? lengths : 0);
-    placed.orientation = orientation_of(placed.matrix);
-    solid.placed = placed;
+    std::array<double, Affine<double>::numbers> in_format;
+    for (std::size_t k = 0; k < matrix.size(); ++k) in_format[k] = matrix[k].in(format, k % 4 == 3 ? lengths : 0);
+    solid.placed = placement_of(in_format, is_inverse);
     return solid;
 }
 
