@@ -1,22 +1,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <memory>
 
 #include "analysis/choice/doors.hpp"
-#include "analysis/choice/judge_words.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/subjects.hpp"
+#include "analysis/choose_mended.hpp"
 #include "commands.hpp"
 #include "measure/choice/file_rays.hpp"
-#include "output/blame/explain_command.hpp"
 #include "output/choice/choice_files.hpp"
-#include "scene/toml/result_name.hpp"
 
 namespace lostbits::analysis {
 
@@ -30,7 +28,8 @@ struct ChooseOptions : choice::RayFileWords {
     std::vector<std::string> forms{"*"}, formats{"f32", "f64"}, set;
     std::string tolerance, unit;
     double bits = -1, wrong = 0;
-    bool single = false, bulk = false, quick = false;
+    std::string compiler = "c++";
+    bool single = false, bulk = false, quick = false, mend = false;
 };
 
 double quantile_named(const std::string& text) {
@@ -39,47 +38,6 @@ double quantile_named(const std::string& text) {
     } catch (const InputError& error) {
         throw InputError(std::string("--at ") + error.what());
     }
-}
-
-/// Files of rays are told by their ending, or by a word that only they take.
-bool are_files(const ChooseOptions& o) {
-    if (o.container != "auto" || !o.columns.empty()) return true;
-    const auto is_file = [](const std::string& name) {
-        std::string ending = std::filesystem::path(name).extension().string();
-        std::ranges::transform(ending, ending.begin(),
-                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-        return ending == ".csv" || ending == ".npy";
-    };
-    return std::ranges::all_of(o.subjects, is_file);
-}
-
-/// InputError for an option of files beside a scene, and the other way round.
-void refuse_others(const ChooseOptions& o, bool files) {
-    const std::pair<const char*, bool> of_files[] = {
-        {"--file-format", !o.format.empty()},        {"--skip", o.skip != 0},
-        {"--scene", !o.RayFileWords::scene.empty()}, {"--miss", !o.miss.empty()},
-        {"--direction", o.direction != "any"},       {"--touching", o.touching != "hit"},
-        {"--at-origin", o.at_origin != "hit"},       {"--inside", o.inside != "usual"},
-        {"--open-ends", o.open_ends != "none"}};
-    std::vector<std::pair<std::string, bool>> solids;
-    for (const ShapeRow& row : shape_rows)
-        solids.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());
-    const std::pair<const char*, bool> of_scenes[] = {
-        {"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}};
-    const auto refuse = [](const auto& options, const std::string& why) {
-        for (const auto& [name, given] : options) {
-            if (given) throw InputError(fmt::format("{}{}", name, why));
-        }
-    };
-    if (files) return refuse(of_scenes, ": is about a scene, and these are files of rays; leave it out");
-    const std::string of_a_scene = ": is about files of rays, and " + o.subjects.front() +
-                                   " is taken for a scene; leave it out, or say --container csv, npy or raw";
-    refuse(of_files, of_a_scene);
-    refuse(solids, of_a_scene);
-    if (o.subjects.size() > 1)
-        throw InputError(o.subjects[1] +
-                         ": a choice is for one scene, or for files of rays, which end in .csv or "
-                         ".npy or are named by --container; name one");
 }
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
@@ -115,12 +73,13 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
 
 /// What scenes and files have in common, once the accuracy of rays from files is known.
 Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::file::Progress& progress,
-            const Common& common) {
+            const Common& common, std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
     measure::choice::TimedRays timed;
     std::optional<measure::choice::Meetings> meetings;
     if (request.scene) request.sinks = meetings.emplace(request, request.rows).sinks();
     const auto all = measure_candidates(request, timed);
     output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    chosen.mended = std::move(mended);
     if (meetings) chosen.requirement = requirement_of(request, all, *meetings);
     request.sinks.clear();
     request.progress = [](std::uint64_t) {};
@@ -157,23 +116,17 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advancing(progress);
     if (!common.quiet) choice::note_idle_settings(o.set, scene.id, request.rows);
-    return choose(request, files, progress, common);
+    if (!o.mend) return choose(request, files, progress, common);
+    Mending mending = mended(request, {o.compiler, choice::form_flags_folder()}, folder,
+                             common.typed.of(choice::name_of_scene(scene, choice::data_folder(common.data))));
+    for (const auto& made : mending.made) request.rows.push_back({.form = &made.formula.row, .format = made.format});
+    return choose(request, files, progress, common, std::move(mending.candidates));
 }
 
 Exit choose_for_files(const ChooseOptions& o, const Common& common) {
-    const auto aimed_at = choice::scene_of(o, choice::data_folder(common.data));
-    std::vector<std::unique_ptr<scene::dump::Dump>> each;
-    std::string id, words;
-    for (const std::string& file : o.subjects) {
-        each.push_back(choice::open_file(o, file, choice::shape_given(o, aimed_at)));
-        id += (id.empty() ? "" : "+") + scene::toml::result_name(file);
-        words += (words.empty() ? "" : " ") + output::blame::shell_word(file);
-    }
-    const auto dump = scene::dump::join_dumps(std::move(each));
-    measure::choice::FileTerms terms{
-        .id = id, .solids = choice::solids_given(o, aimed_at, dump->format()), .contract = choice::contract_of(o)};
-    choice::put_under_matrices(*dump, terms.solids);
-    const Shapes shapes = choice::shapes_of_rays(dump->layout(), terms.solids);
+    auto opened = choice::open_rays(o, o.subjects, choice::data_folder(common.data));
+    const std::string& id = opened.id;
+    const Shapes shapes = opened.shapes;
     ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });
@@ -184,27 +137,26 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
             "map of a scene, and files of rays have none\n",
             id);
     const auto folder = std::filesystem::path(o.out) / id;
-    const auto owner = own_folder(folder, common, words);
+    const auto owner = own_folder(folder, common, opened.words);
     output::choice::ChoiceFiles files(folder);
-    const bool by_bytes = dump->bytes() > 0;
-    output::file::Progress progress(by_bytes ? dump->bytes() : 1, fmt::format("choose {}", id), common.progress,
+    const bool by_bytes = opened.dump->bytes() > 0;
+    output::file::Progress progress(by_bytes ? opened.dump->bytes() : 1, fmt::format("choose {}", id), common.progress,
                                     common.quiet);
     const auto advance = advancing(progress);
-    terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
-    const measure::choice::FileRays rays = judge_rays(*dump, terms, request);
-    if (rays.rounded > 0 && !common.quiet)
-        fmt::print(stderr,
-                   "lostbits: {}: {} numbers are not numbers of {}, and were rounded to it; name the format that they "
-                   "were computed in with --file-format\n",
-                   rays.name, rays.rounded, rays.format.name);
+    opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
+    choice::note_rounded(rays, common.quiet);
     request.rays = &rays;
     return choose(request, files, progress, common);
 }
 
 Exit run(const ChooseOptions& o, const Common& common) {
     require_folder(o.out);
-    const bool files = are_files(o);
-    refuse_others(o, files);
+    const bool files = choice::are_files(o, o.subjects);
+    choice::refuse_others(
+        o, o.subjects,
+        {{"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}, {"--mend", o.mend}},
+        "a choice");
     const choice::ThreadLimit limit(common.threads);
     return files ? choose_for_files(o, common) : choose_for_scene(o, common);
 }
@@ -240,6 +192,10 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
     choice::add_ray_options(command, *o, "--file-format");
+    command.add("--mend", o->mend,
+                "Beside the forms, what those that do not meet the wish are mended to (see `lostbits mend`), compiled "
+                "and timed");
+    command.add("--compiler", o->compiler, "That compiles for --mend (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
     command.add("-o,--out", o->out, "Folder for the results").required();
     command.runs([o, &common] { return run(*o, common); });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -11,6 +12,7 @@
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/subjects.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
@@ -25,13 +27,16 @@ using output::mend::MendResult;
 namespace {
 
 struct MendOptions {
-    choice::SceneChoice scene;
-    std::string scene_name, form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
+    std::vector<std::string> subjects;  ///< one scene, or files of rays
+    choice::SceneChoice changes;
+    choice::RayFileWords rays;
+    std::string form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
     bool price = false;
     double bits = 0, wrong = 0;
 };
 
-measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scene) {
+/// `id` has the solids that forms must be for.
+measure::map::MapRow row_of(const MendOptions& o, const std::string& id, const choice::Meets& meets) {
     const auto forms = choice::select_forms({o.form});
     const auto formats = choice::select_formats({o.format});
     if (std::ranges::any_of(formats, choice::is_emulated))
@@ -41,23 +46,28 @@ measure::map::MapRow row_of(const MendOptions& o, const scene::file::Scene& scen
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
                                      choice::formats_of(*forms.front())));
-    choice::refuse_placed({scene}, "mend");
     choice::refuse_makers(forms, "mend");
-    if (!scene.meets(forms.front()->shapes()))
-        throw NothingSelected(fmt::format(
-            "{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, scene.id));
+    if (!meets(forms.front()->shapes()))
+        throw NothingSelected(
+            fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, id));
     return {.form = forms.front(), .format = formats.front()};
 }
 
-/// All forms of the catalogue for the same solids and format, the most accurate first.
+/// All forms of the catalogue for the same solids and format.
+std::vector<measure::map::MapRow> catalogue_beside(const measure::map::MapRow& row) {
+    std::vector<measure::map::MapRow> rows;
+    for (const auto& form : intersect::table::catalogue())
+        if (form.shape == row.form->shape && form.exists_in(row.format)) rows.push_back({&form, row.format});
+    return rows;
+}
+
+/// These, the most accurate first.
 void add_catalogue(MendResult& result) {
     const MendRequest& request = result.request;
-    measure::choice::ChoiceRequest all{.scene = request.scene, .wish = request.wish};
+    measure::choice::ChoiceRequest all{
+        .scene = request.scene, .rows = catalogue_beside(request.row), .wish = request.wish};
     all.limit = request.limit;
-    for (const auto& form : intersect::table::catalogue())
-        if (form.shape == request.row.form->shape && form.exists_in(request.row.format))
-            all.rows.push_back({&form, request.row.format});
-    const auto worth = measure::choice::worth_of(all);
+    const auto worth = request.scene ? worth_of(all) : request.rays->worth;
     std::vector<std::size_t> order(worth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order,
@@ -71,7 +81,7 @@ void add_catalogue(MendResult& result) {
 /// How far each of the mended forms holds.
 void add_rooms(MendResult& result) {
     const MendRequest& request = result.request;
-    measure::choice::ChoiceRequest asked{.scene = request.scene, .wish = request.wish};
+    measure::choice::ChoiceRequest asked{.scene = request.scene, .rays = request.rays, .wish = request.wish};
     asked.limit = request.limit;
     for (const auto& proposal : proposals_of(result)) {
         const measure::tape::TapeForm form(*request.row.form, request.row.format, proposal.tape, "mended", "");
@@ -88,9 +98,7 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
         const std::string name = fmt::format("mended{}", written.size() + 1);
-        written.push_back({&proposal.tape, header_of(result, proposal, name, command),
-                           fmt::format("lostbits::intersect::{}::{}", row_of(request.row.form->shape).name,
-                                       output::mend::type_name(name))});
+        written.push_back(output::mend::written(result, proposal, name, command));
     }
     try {
         std::vector<intersect::doors::Formula> formulas;
@@ -106,41 +114,110 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
 
 std::string command_of(const MendOptions& o) {
     using output::blame::shell_word;
-    std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.scene_name),
+    std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
                                     shell_word(o.form), o.format, o.bits);
     if (o.wrong != 0) words += fmt::format(" --wrong {:.12g}", o.wrong);
     if (o.at != "max") words += " --at " + o.at;
     if (o.wider != "double") words += " --wider " + o.wider;
-    if (!o.scene.size.empty()) words += " --size " + o.scene.size;
-    if (!o.scene.variant.empty()) words += " --variant " + o.scene.variant;
-    for (const std::string& change : o.scene.set) words += " --set " + shell_word(change);
+    if (!o.changes.size.empty()) words += " --size " + o.changes.size;
+    if (!o.changes.variant.empty()) words += " --variant " + o.changes.variant;
+    for (const std::string& change : o.changes.set) words += " --set " + shell_word(change);
     return words;
 }
 
-/// The name of the form, and of its struct, is that of the file.
-void require_header_name(const std::filesystem::path& path) {
+/// The name of the form, and of its struct or function, is that of the file.
+void require_code_name(const std::filesystem::path& path) {
     static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
-    if (path.extension() != ".hpp" || !std::regex_match(path.stem().string(), name))
+    const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
+    if (!known || !std::regex_match(path.stem().string(), name))
         throw InputError("--emit " + path.string() +
                          ": the form is called as the file; write a word of letters, digits "
-                         "and _, and .hpp, as in half_b_mended.hpp");
+                         "and _, and .hpp or .glsl, as in half_b_mended.hpp");
+}
+
+/// Files of rays, all of which rows can be judged on, as often as is asked.
+class RayFiles {
+public:
+    RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {
+        if (opened_.shapes.are_placed())
+            throw InputError(opened_.id +
+                             ": solids of these rays stand under matrices, which mend does not look through; use "
+                             "`lostbits judge`, or write them where they stand");
+    }
+    [[nodiscard]] const std::string& id() const { return opened_.id; }
+    [[nodiscard]] const std::string& words() const { return opened_.words; }
+    [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
+
+    /// The request is about these files from then on.
+    void become_subject_of(MendRequest& request) {
+        rays_ = judged(request, catalogue_beside(request.row));
+        choice::note_rounded(rays_, common_.quiet);
+        request.rays = &rays_;
+        request.on_all = [this, &request](const std::vector<Tape>& tapes) {
+            std::deque<measure::tape::TapeForm> forms;
+            std::vector<measure::map::MapRow> rows;
+            for (const Tape& tape : tapes) {
+                forms.emplace_back(*request.row.form, request.row.format, tape, "mended", "");
+                rows.push_back({.form = &forms.back().row(), .format = request.row.format});
+            }
+            opened_ = open();
+            return judged(request, rows).worth;
+        };
+    }
+
+private:
+    [[nodiscard]] choice::OpenedRays open() const {
+        return choice::open_rays(o_.rays, o_.subjects, choice::data_folder(common_.data));
+    }
+    measure::choice::FileRays judged(const MendRequest& request, const std::vector<measure::map::MapRow>& rows) {
+        measure::choice::ChoiceRequest asked{.rows = rows, .wish = request.wish};
+        asked.limit = request.limit;
+        return judge_rays(*opened_.dump, opened_.terms, asked);
+    }
+
+    const MendOptions& o_;
+    const Common& common_;
+    choice::OpenedRays opened_;
+    measure::choice::FileRays rays_ = {};
+};
+
+scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& data) {
+    choice::SceneChoice named = o.changes;
+    named.names = o.subjects;
+    scene::file::Scene scene = choice::load_one_scene(named, data);
+    choice::refuse_placed({scene}, "mend");
+    return scene;
 }
 
 Exit run(const MendOptions& o, const Common& common) {
-    if (!o.emit.empty()) require_header_name(o.emit);
+    if (!o.emit.empty()) require_code_name(o.emit);
     if (!o.out.empty()) require_folder(o.out);
-    choice::SceneChoice named = o.scene;
-    named.names = {o.scene_name};
-    const auto scene = choice::load_one_scene(named, choice::data_folder(common.data));
-    MendRequest request{.scene = &scene, .row = row_of(o, scene), .two_words = o.wider == "two-words"};
+    choice::refuse_others(o.rays, o.subjects,
+                          {{"--size", !o.changes.size.empty()},
+                           {"--variant", !o.changes.variant.empty()},
+                           {"--set", !o.changes.set.empty()}},
+                          "mending");
+    const auto data = choice::data_folder(common.data);
+    std::optional<scene::file::Scene> scene;
+    std::optional<RayFiles> rays;
+    if (choice::are_files(o.rays, o.subjects)) rays.emplace(o, common);
+    else scene = scene_of(o, data);
+    const auto meets = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
+    MendRequest request{.scene = scene ? &*scene : nullptr,
+                        .row = row_of(o, scene ? scene->id : rays->id(), meets),
+                        .two_words = o.wider == "two-words"};
+    if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
+        throw InputError("--emit " + o.emit + ": a shader computes in floats; mend the form in f32, or write .hpp");
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
     request.limit.stop = common.stop;
     const choice::ThreadLimit limit(common.threads);
+    if (rays) rays->become_subject_of(request);
+    const std::string subject = scene ? choice::name_of_scene(*scene, data) : rays->words();
     std::unique_ptr<output::file::ResultFolder> owner;
     std::optional<output::mend::MendFiles> files;
     if (!o.out.empty()) {
-        const auto folder = std::filesystem::path(o.out) / scene.id;
-        owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
+        const auto folder = std::filesystem::path(o.out) / request.id();
+        owner = own_folder(folder, common, subject);
         files.emplace(folder);
     }
     std::optional<output::file::AtomicFile> header;
@@ -149,9 +226,10 @@ Exit run(const MendOptions& o, const Common& common) {
     MendResult result{.request = request, .mended = mended, .catalogue = {}, .catalogue_worth = {}};
     add_catalogue(result);
     add_rooms(result);
-    if (o.price) add_prices(result, o, command_of(o));
+    const std::string command = scene ? command_of(o) : common.typed.of(subject);
+    if (o.price) add_prices(result, o, command);
     if (header) {
-        header->write(emitted(result, o.emit, command_of(o)));
+        header->write(emitted(result, o.emit, command));
         header->commit();
     }
     if (files) files->finish(result);
@@ -168,8 +246,11 @@ void add_mend(const shell::Command& program, const Common& common) {
         "mend",
         "What to change in a form so that it meets a wish on a scene: the fewest operations wider, or other formulas");
     const auto o = std::make_shared<MendOptions>();
-    o->scene.stop = common.stop;
-    command.add("SCENE", o->scene_name, "A scene file, or a name in data/scenes").required();
+    o->changes.stop = o->rays.stop = common.stop;
+    command
+        .add("SCENE", o->subjects,
+             "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
+        .required();
     command.add("-i,--intersector", o->form, "The form that is to be mended").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
     command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
@@ -179,10 +260,12 @@ void add_mend(const shell::Command& program, const Common& common) {
     command.add("--wider", o->wider,
                 "What operations are done in: double (default; of f64 two doubles), or two words of the format",
                 shell::one_of({"double", "two-words"}));
-    choice::add_changes(command, o->scene, "sphere[0].radius=10");
+    choice::add_changes(command, o->changes, "sphere[0].radius=10");
+    choice::add_ray_options(command, o->rays, "--file-format");
     command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
     command.add("--compiler", o->compiler, "That compiles for --price (default: c++)");
-    command.add("--emit", o->emit, "Also write the mended form as a header of C++, NAME.hpp");
+    command.add("--emit", o->emit,
+                "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function");
     command.add("-o,--out", o->out, "Folder for the results");
     command.runs([o, &common] { return run(*o, common); });
 }

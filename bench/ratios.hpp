@@ -35,7 +35,8 @@ void print_truth();
 /// A table on stdout: what the truth of a ray takes in packs, shape by shape.
 void print_truth_of_shapes();
 
-/// Tables on stdout: nanoseconds a ray of a map's row, truth and all the rest, and of a float of an exhaustive sweep.
+/// Tables on stdout: nanoseconds a ray of a map's row, truth and all the rest, and of a float of an exhaustive sweep;
+/// and operations of tapes a second.
 void print_chains();
 
 /// A table on stdout: what the filtered forms cost, width by width, over the forms that they are held against.

@@ -8,6 +8,7 @@
 #include "measure/map/map.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/sweep/exhaustive.hpp"
+#include "measure/tape/tape_form.hpp"
 #include "ratios.hpp"
 
 namespace bench {
@@ -66,6 +67,27 @@ void print_rows() {
     }
 }
 
+/// What `lostbits mend` tries its candidates with.
+void print_tapes() {
+    const auto& form = form_named("sphere.schoolbook");
+    const Format format = *find_format("f32");
+    const Tape plain = measure::tape::tape_of(form, format);
+    const auto all = measure::tape::rounded_operations(plain);
+    const measure::truth::Band band(picture_of_rays());
+    const auto inputs = band.inputs(format, {});
+    std::printf("\n%-28s %18s\n", "tape of sphere.schoolbook", "million operations/s");
+    for (const auto& [name, tape] :
+         {std::pair("in float", plain), std::pair("in double", measure::tape::widened(plain, all, binary64)),
+          std::pair("in two floats", measure::tape::widened(plain, all, measure::tape::two_floats))}) {
+        const measure::tape::TapeForm row(form, format, tape, "tape", "");
+        double best = HUGE_VAL;
+        for (int k = 0; k < 9; ++k)
+            best = std::min(best, seconds_of([&] { measure::answer::evaluate(row.row(), inputs); }));
+        const double done = static_cast<double>(row.program().operations() * band.pixels());
+        std::printf("%-28s %18.0f\n", name, done / best / 1e6);
+    }
+}
+
 void print_every_float() {
     const auto file = std::filesystem::temp_directory_path() / "lostbits-bench-every-float.toml";
     std::ofstream(file) << R"(schema = "lostbits-sweep/1"
@@ -106,6 +128,7 @@ void print_chains() {
     print_rows();
     std::printf("%-28s %-6s %25s\n", "every float, ns a float", "format", "truth and all");
     print_every_float();
+    print_tapes();
     std::printf("\n");
 }
 

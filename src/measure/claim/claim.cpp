@@ -156,7 +156,7 @@ MapRow claim_row(const Claim& claim) {
 
 namespace {
 
-enum class Kind { scene, sweep, render, offsets, consistency, search, table, timing, choice };
+enum class Kind { scene, sweep, render, offsets, consistency, search, mend, table, timing, choice };
 
 Kind kind_of(const Claim& c) {
     return c.timing                 ? Kind::timing
@@ -167,6 +167,7 @@ Kind kind_of(const Claim& c) {
            : !c.offsets.empty()     ? Kind::offsets
            : !c.consistency.empty() ? Kind::consistency
            : !c.search.empty()      ? Kind::search
+           : c.mend                 ? Kind::mend
                                     : Kind::table;
 }
 
@@ -237,6 +238,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             case Kind::offsets: measure_offsets(claims, places, request, results); break;
             case Kind::consistency: measure_consistency(claims, places, request, results); break;
             case Kind::search: measure_search(claims, places, request, results); break;
+            case Kind::mend: measure_mend(claims, places, request, results); break;
             case Kind::sweep:
             case Kind::table: measure_draws(claims, places, request, results); break;
             case Kind::choice:

@@ -43,6 +43,9 @@ void measure_exhaustive(const std::vector<scene::claim::Claim>& claims, const Pl
 /// About the worst ray that a search finds.
 void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
                     std::vector<ClaimResult>& results);
+/// About what mending makes of a form.
+void measure_mend(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
+                  std::vector<ClaimResult>& results);
 void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
                    int draw, std::vector<ClaimResult>& results);
 

@@ -12,6 +12,34 @@ void RewriteFinder::offer_each(const std::vector<std::pair<NodeId, NodeId>>& rep
     for (const auto& one : replaced) offer({one});
 }
 
+std::set<NodeId> RewriteFinder::innermost_names() const {
+    std::set<NodeId> names;
+    std::map<NodeId, bool> named;  // whether it is a name or computed from one
+    for (const NodeId i : needed) {
+        const TapeNode& n = terms[i];
+        const bool leaf = is_given(n.op) || is_decision(n.op) || !terms.is_own(i) || terms.factors_of(i).has_value();
+        bool within = false;
+        if (!leaf)
+            for (const NodeId operand : n.operands) within |= operand != no_node && named[operand];
+        if (!leaf && !within && !n.label.empty()) names.insert(i);
+        named[i] = within || names.contains(i);
+    }
+    return names;
+}
+
+void RewriteFinder::on_sums(const std::function<void(NodeId, const Sum&)>& act, bool with_names) const {
+    const std::set<NodeId> names = with_names ? innermost_names() : std::set<NodeId>();
+    for (const NodeId i : needed) {
+        const TapeOp op = terms[i].op;
+        if ((op != TapeOp::add && op != TapeOp::sub) || !terms.is_own(i) || terms.factors_of(i)) continue;
+        const auto sum = multiplied_out(terms, i);
+        if (sum && sum->size() >= 2) act(i, *sum);
+        if (names.empty() || names.contains(i)) continue;
+        const auto other = multiplied_out(terms, i, false, names);
+        if (other && other->size() >= 2 && other != sum) act(i, *other);
+    }
+}
+
 std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit) {
     RewriteFinder places(terms, outputs, unit);
     for (const Rule& rule : rules) {

@@ -1,6 +1,8 @@
 // The rules of rewriting: identities of real arithmetic, one line each, and where a formula has room for one.
 #pragma once
 
+#include <functional>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -35,6 +37,12 @@ public:
     /// One place alone.
     void offer(NodeId old, NodeId now) { offer({{old, now}}); }
     void offer(std::vector<std::pair<NodeId, NodeId>> replaced);
+    /// The named numbers that are computed from no other named ones, dot products apart: what a reader may take as they
+    /// are.
+    [[nodiscard]] std::set<NodeId> innermost_names() const;
+    /// act(node, sum) for every number of the formula that is a sum of products, dot products apart; and again where
+    /// the sum is another one with the innermost names in it.
+    void on_sums(const std::function<void(NodeId, const Sum&)>& act, bool with_names = false) const;
     /// Each alone, and all at once.
     void offer_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
 };
@@ -49,6 +57,7 @@ struct Rule {
 void find_differences_of_squares(RewriteFinder& places);
 void find_differences_of_lengths(RewriteFinder& places);
 void find_cross_products(RewriteFinder& places);
+void find_combinations(RewriteFinder& places);
 void find_volumes(RewriteFinder& places);
 void find_closest_approach(RewriteFinder& places);
 void find_unit_approach(RewriteFinder& places);
@@ -69,6 +78,9 @@ inline constexpr Rule rules[]{
      find_cross_products},
     {"volume", "|a|^2 |b|^2 |c|^2 + 2 (a.b)(b.c)(c.a) - |a|^2 (b.c)^2 - |b|^2 (c.a)^2 - |c|^2 (a.b)^2 = (a.(b x c))^2",
      "", find_volumes},
+    {"combination",
+     "x^2 a.a - 2 x y a.b + y^2 b.b = |x a - y b|^2, likewise of (a.v)(b.v); (v.b) a - (v.a) b = v x (a x b) within it",
+     "", find_combinations},
     {"closest approach", "|n|^2 (a.b) - (a.n)(b.n) = |n|^2 (a - (a.n)/|n|^2 n).b: from the point nearest to the centre",
      "n != 0; where the form promises |d| = 1, for such directions", find_closest_approach},
     {"closest approach, normalised", "the same with n/|n|", "n != 0", find_unit_approach},

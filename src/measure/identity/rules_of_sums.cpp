@@ -1,24 +1,12 @@
 // Rules that look for products of opposite sign in a sum that is multiplied out.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "measure/identity/rules.hpp"
 
 namespace lostbits::measure::identity {
 
 namespace {
-
-/// act(node, sum) for every number of the formula that is a sum of products, dot products apart.
-void on_sums(RewriteFinder& places, const std::function<void(NodeId, const Sum&)>& act) {
-    const Terms& terms = places.terms;
-    for (const NodeId i : places.needed) {
-        const TapeOp op = terms[i].op;
-        if ((op != TapeOp::add && op != TapeOp::sub) || !terms.is_own(i) || terms.factors_of(i)) continue;
-        const auto sum = multiplied_out(terms, i);
-        if (sum && sum->size() >= 2) act(i, *sum);
-    }
-}
 
 /// (a·c)(b·d) and −(a·d)(b·c), both times the same.
 struct Pair {
@@ -127,7 +115,7 @@ void find_approach(RewriteFinder& places, bool normalised) {
     Terms& terms = places.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
     if (places.unit) terms.dot(*places.unit, *places.unit);
-    on_sums(places, [&](NodeId i, const Sum& sum) {
+    places.on_sums([&](NodeId i, const Sum& sum) {
         for (const Pair& p : PairFinder(places, sum).all()) {
             // (n·n)(b·d) − (n·d)(b·n)
             const auto along = [&](const Triple& n, const Triple& a, const Triple& b) {
@@ -168,7 +156,7 @@ std::optional<NodeId> root_of(RewriteFinder& places, const Product& product, boo
 
 void find_squares(RewriteFinder& places, bool by_length) {
     Terms& terms = places.terms;
-    on_sums(places, [&](NodeId i, const Sum& sum) {
+    places.on_sums([&](NodeId i, const Sum& sum) {
         if (sum.size() != 2) return;
         const auto [common, rest] = without_common(sum);
         const auto positive = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(1, 1); });
@@ -225,21 +213,23 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
 
 void find_volumes(RewriteFinder& places) {
     Terms& terms = places.terms;
-    on_sums(places, [&](NodeId i, const Sum& sum) {
-        for (const auto& [product, factor] : sum) {
-            std::vector<NodeId> dots;
-            for (const auto& [atom, power] : product)
-                if (power > 0 && terms.factors_of(atom)) dots.push_back(atom);
-            for (std::size_t j = 0; j < dots.size(); ++j)
-                for (std::size_t k = j + 1; k < dots.size(); ++k)
-                    for (std::size_t l = k + 1; l < dots.size(); ++l) {
-                        const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
-                        const auto now = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
-                        if (now && !now->empty())
-                            places.offer(i, written_out(terms, *now, places.newest, terms[i].label));
-                    }
-        }
-    });
+    places.on_sums(
+        [&](NodeId i, const Sum& sum) {
+            for (const auto& [product, factor] : sum) {
+                std::vector<NodeId> dots;
+                for (const auto& [atom, power] : product)
+                    if (power > 0 && terms.factors_of(atom)) dots.push_back(atom);
+                for (std::size_t j = 0; j < dots.size(); ++j)
+                    for (std::size_t k = j + 1; k < dots.size(); ++k)
+                        for (std::size_t l = k + 1; l < dots.size(); ++l) {
+                            const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
+                            const auto now = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
+                            if (now && !now->empty())
+                                places.offer(i, written_out(terms, *now, places.newest, terms[i].label));
+                        }
+            }
+        },
+        true);
 }
 
 void find_differences_of_squares(RewriteFinder& places) { find_squares(places, false); }
@@ -251,7 +241,7 @@ void find_cross_products(RewriteFinder& places) {
     Terms& terms = places.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
     if (places.unit) terms.dot(*places.unit, *places.unit);
-    on_sums(places, [&](NodeId i, const Sum& sum) {
+    places.on_sums([&](NodeId i, const Sum& sum) {
         for (const Pair& p : PairFinder(places, sum).all()) {
             const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
             all.emplace_back(i, with_pair(places, i, p, dot_power(terms.dot(first, second), 1)));

@@ -46,12 +46,13 @@ const Sum minus_one{{{}, Ratio(-1, 1)}};
 struct Reader {
     const Terms& terms;
     bool written;
+    const std::set<NodeId>& kept;
 
     [[nodiscard]] std::optional<Sum> operator()(NodeId i) const {
         if (written) i = terms.meaning(i);
         const TapeNode& n = terms[i];
         const auto read = [&](std::size_t k) { return (*this)(n.operands[k]); };
-        if (!terms.is_own(i)) return as_it_is(i);
+        if (!terms.is_own(i) || kept.contains(i)) return as_it_is(i);
         switch (n.op) {
             case TapeOp::constant: return n.operands[0] == 0 ? Sum() : Sum{{{}, Ratio(n.operands[0], 1)}};
             case TapeOp::neg: return times_both(read(0), minus_one);
@@ -89,7 +90,9 @@ private:
 
 }  // namespace
 
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written) { return Reader{terms, written}(i); }
+std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written, const std::set<NodeId>& kept) {
+    return Reader{terms, written, kept}(i);
+}
 
 Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed) {
     Newest newest;

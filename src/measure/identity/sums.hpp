@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "measure/identity/terms.hpp"
 
@@ -39,8 +40,9 @@ inline constexpr std::size_t most_products = 32;
 
 /// Node i multiplied out. What is taken as it is: dot products, and whatever is not a sum, a difference, a product or a
 /// quotient by one product; each stands for all that mean the same. `written`: as it was before rules were applied.
-/// Nothing where it would be too long.
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written = false);
+/// `kept`: these are taken as they are, too. Nothing where it would be too long.
+std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written = false,
+                                  const std::set<NodeId>& kept = {});
 
 /// The node that `meaning`s are to be written with: the newest that a formula has of each.
 using Newest = std::map<NodeId, NodeId>;

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <memory>
+#include <optional>
 #include <string>
 
+#include "intersect/process/parallel.hpp"
+#include "intersect/table/in_range.hpp"
+#include "measure/answer/pair_columns.hpp"
+#include "measure/map/measure_row.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::mend {
@@ -16,7 +20,7 @@ using tape::TapeForm;
 
 namespace {
 
-/// Rows of one map: more would only take memory.
+/// Tapes of one call: more would only take memory.
 constexpr std::size_t at_once = 48;
 
 /// The bits of all answers of a row, in order.
@@ -37,21 +41,104 @@ private:
     std::uint64_t hash_ = 0xcbf29ce484222325U;
 };
 
-choice::ChoiceRequest asked(const MendRequest& request, const Scene& scene, std::vector<MapRow> rows) {
-    choice::ChoiceRequest choice{.scene = &scene, .rows = std::move(rows), .wish = request.wish};
-    choice.limit = request.limit;
-    return choice;
-}
-
 MapRow row_like(const MapRow& row, const TapeForm& form) {
     return {.form = &form.row(), .format = row.format, .judged = row.judged};
 }
 
+/// What a tape answers to rays with candidates among many solids. `answer::evaluate` asks a form about one solid after
+/// the other, and a call of a tape costs as much as some hundred rays.
+template <class S>
+void ask_among(const TapeForm& form, const truth::FormatInputs& in, answer::Answers& answers) {
+    constexpr std::size_t rays_at_once = 512;
+    const scene::rays::RayBlock& rays = in.rays_for(*form.row().info);
+    answers.claimed.resize(in.candidates->pairs());
+    for (std::size_t begin = 0; begin < rays.size(); begin += rays_at_once) {
+        answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_at_once, rays.size()));
+        pairs.ask_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
+            form.program().run<S>(batch, target, hits);
+            intersect::table::keep_in_range(*form.row().info, form.row().shape, batch, hits);
+        });
+        pairs.put(answers);
+    }
+}
+
+std::optional<answer::Answers> answers_among_many(const TapeForm& form, const truth::FormatInputs& in) {
+    if (!in.candidates) return std::nullopt;
+    const std::size_t n = in.rays_for(*form.row().info).size();
+    answer::Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
+    if (in.format.engine == Format::Engine::native32) ask_among<float>(form, in, answers);
+    else ask_among<double>(form, in, answers);
+    return answers;
+}
+
 }  // namespace
 
-bool is_more_accurate(const Worth& a, const Worth& b) {
-    const auto bits = [](const Worth& w) { return std::isnan(w.kept_bits) ? -1 : w.kept_bits; };
-    return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction() : bits(a) > bits(b);
+const std::string& MendRequest::id() const { return scene ? scene->id : rays->id; }
+
+/// Rays with their truth, as rows of the request's kind are measured on them.
+class Judge::Part {
+public:
+    Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
+        : band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)), request.limit, &culler),
+          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
+          columns_(map::columns_of(band, {request.row})) {}
+    Part(const MendRequest& request, const scene::rays::RayGroup& rays)
+        : band(rays, request.limit),
+          inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
+          columns_(map::columns_of(band, {request.row})) {}
+
+    [[nodiscard]] map::RowBand rows() const { return {band, inputs_, columns_}; }
+
+    const truth::Band band;
+
+private:
+    truth::FormatInputs inputs_;
+    columns::BandColumns columns_;
+};
+
+Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request), scene_(scene) {
+    if (!scene) {
+        kept_.push_back(std::make_unique<Part>(request_, request_.rays->sample));
+        return;
+    }
+    culler_ = std::make_unique<culling::Culler>(*scene);
+    if (scene->pixels() > most_kept) return;
+    for (const int y0 : bands()) kept_.push_back(std::make_unique<Part>(request_, *scene, y0, *culler_));
+}
+
+Judge::~Judge() = default;
+
+std::uint64_t Judge::rays() const { return scene_ ? scene_->pixels() : kept_.front()->band.pixels(); }
+
+std::vector<int> Judge::bands() const { return map::bands_of(scene_->width, scene_->height, {}); }
+
+void Judge::each_part(const std::function<void(const Part&)>& act) {
+    for (const auto& part : kept_) act(*part);
+    if (kept_.empty())
+        for (const int y0 : bands()) act(Part(request_, *scene_, y0, *culler_));
+}
+
+std::vector<Worth> Judge::worth_of(const std::vector<MapRow>& rows, const std::vector<map::MapSink*>& sinks) {
+    return worth_of(rows, sinks, {});
+}
+
+std::vector<Worth> Judge::worth_of(const std::vector<MapRow>& rows, const std::vector<map::MapSink*>& sinks,
+                                   const std::vector<std::unique_ptr<TapeForm>>& tapes) {
+    const std::vector<const metric::Metric*> metrics = request_.wish.metrics();
+    std::vector<map::MapSummary> summaries;
+    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
+    each_part([&](const Part& part) {
+        intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
+            request_.limit.stop.check();
+            const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
+            map::RowRequest asked{rows[r], metrics, sinks.empty() ? nullptr : sinks[r]};
+            if (among) asked.answers = &*among;
+            measure_row(asked, part.rows(), summaries[r]);
+        });
+    });
+    std::vector<Worth> all;
+    for (std::size_t r = 0; r < rows.size(); ++r) all.push_back(choice::worth_of(summaries[r], rows[r], request_.wish));
+    return all;
 }
 
 std::vector<Worth> Judge::worth_of(const std::vector<Tape>& tapes) {
@@ -65,7 +152,7 @@ std::vector<Worth> Judge::worth_of(const std::vector<Tape>& tapes) {
                 std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
             rows.push_back(row_like(request_.row, *forms.back()));
         }
-        const auto worth = choice::worth_of(asked(request_, scene_, std::move(rows)));
+        const auto worth = worth_of(rows, {}, forms);
         all.insert(all.end(), worth.begin(), worth.end());
         tried_ += end - begin;
         request_.progress(end - begin);
@@ -73,17 +160,32 @@ std::vector<Worth> Judge::worth_of(const std::vector<Tape>& tapes) {
     return all;
 }
 
-Compared compare(const MendRequest& request, const MapRow& one, const MapRow& other) {
+bool is_more_accurate(const Worth& a, const Worth& b) {
+    const auto bits = [](const Worth& w) { return std::isnan(w.kept_bits) ? -1 : w.kept_bits; };
+    return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction() : bits(a) > bits(b);
+}
+
+namespace {
+
+struct Compared {
+    Worth worth;  ///< of the form
+    bool same;
+};
+Compared compared(const MapRow& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
     Bits first, second;
-    auto both = asked(request, *request.scene, {one, other});
-    both.sinks = {&first, &second};
-    const auto worth = choice::worth_of(both);
+    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
     return {worth.front(), first == second};
 }
 
-Worth own_worth(const MendRequest& request, const Tape& tape) {
-    const TapeForm form(*request.row.form, request.row.format, tape, "tape", "");
-    const Compared both = compare(request, request.row, row_like(request.row, form));
+}  // namespace
+
+bool answers_as(const MapRow& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+    return compared(form, tape, request, judge).same;
+}
+
+Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge) {
+    const Compared both = compared(request.row, tape, request, judge);
     if (both.same) return both.worth;
     throw InputError(std::string(request.row.form->info->name) +
                      ": its operations are not the same for every ray, since it decides by itself how far to go; name "

@@ -22,7 +22,7 @@ struct Mended {
     Rewriting rewriting = {};          ///< other ways of writing it; none where it meets the wish as it is
     std::uint64_t tried = 0;           ///< candidates, each on all rays
     scene::file::Scene apart = {};     ///< the scene in other pixels: rays that were not searched on
-    Worth own_apart{}, apart_worth{};  ///< of the form and of the set there
+    Worth own_apart{}, apart_worth{};  ///< of the form and of the set there; of files on all their rays
 };
 
 /// From all operations those are taken, one after the other, whose loss costs least while the wish is met, until none

@@ -82,9 +82,12 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
                  request);
     auto formulas = intersect::doors::load_formulas(bench.folder / "mended.so");
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const tape::TapeForm tape(*request.row.form, request.row.format, *forms[k].tape, "tape", "");
-        const map::MapRow own{.form = &formulas[k].row, .format = request.row.format, .judged = request.row.judged};
-        if (!compare(request, own, {.form = &tape.row(), .format = own.format, .judged = own.judged}).same)
+        const map::MapRow& from = forms[k].from;
+        MendRequest asked = request;
+        asked.row = from;
+        Judge judge(asked);
+        const map::MapRow own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
+        if (!answers_as(own, *forms[k].tape, asked, judge))
             throw std::logic_error(forms[k].type + ": compiled it has other answers than its tape");
         simd::enroll_packs({{formulas[k].row.info, formulas[k].packed}});
     }
@@ -93,14 +96,15 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
 
 std::vector<Price> prices_of(const MendRequest& request, const std::vector<map::MapRow>& rows,
                              const speed::TimingPlan& plan) {
-    speed::SceneWork on_scene(*request.scene, request.limit);
+    auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
+                                 : speed::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
     for (const map::MapRow& row : rows) {
         prices.push_back({.isa = name_of(is_packed(*row.form, isa) ? isa : simd::Isa::scalar)});
-        work.push_back(on_scene.on(row, packed_kernels(*row.form, isa)));
-        work.push_back(on_scene.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
+        work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
+        work.push_back(on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
     }
     const auto times = time_interleaved(work, plan);
     for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];

@@ -21,6 +21,7 @@ struct Written {
     const Tape* tape;
     std::string header;  ///< text
     std::string type;    ///< the struct's name, with its namespace
+    map::MapRow from;    ///< the form that it was made of
 };
 
 /// Seconds a ray and solid.
@@ -30,8 +31,8 @@ struct Price {
 };
 
 /// Compiles all of them into one library of forms, in packs of the current width too, and loads it; it stays loaded.
-/// EnvironmentError with what the compiler said; std::logic_error where a compiled form has other bits than its tape on
-/// any ray of the scene.
+/// Of the request the scene and the limit count. EnvironmentError with what the compiler said; std::logic_error where a
+/// compiled form has other bits than its tape on any ray of the scene.
 std::vector<intersect::doors::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
                                                 const Workshop& workshop);
 

@@ -26,13 +26,8 @@ struct Candidate {
 
 class Writing {
 public:
-    Writing(const MendRequest& request, const Tape& form, const Worth& own, const SearchLimit& limit)
-        : request_(request),
-          limit_(limit),
-          form_(form),
-          terms_(form),
-          judge_(request, *request.scene),
-          sample_(*request.scene, request.row, request.limit) {
+    Writing(const MendRequest& request, const Tape& form, const Worth& own, Judge& judge, const SearchLimit& limit)
+        : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         all_.push_back({.outputs = terms_.outputs(), .worth = own, .work = work_of(form)});
         seen_.insert(identity::all_of(terms_.outputs()));
@@ -41,8 +36,7 @@ public:
     Rewriting done() {
         for (std::size_t round = 0; round < limit_.rounds; ++round)
             if (!next_round()) break;
-        Rewriting result{.found = front(), .tried = judge_.tried(), .refused = refused_};
-        return result;
+        return {.found = front(), .tried = judge_.tried() - before_, .refused = refused_};
     }
 
 private:
@@ -143,7 +137,8 @@ private:
     SearchLimit limit_;
     const Tape& form_;
     Terms terms_;
-    Judge judge_;
+    Judge& judge_;
+    const std::uint64_t before_ = judge_.tried();
     RaySample sample_;
     std::optional<Triple> unit_;
     std::vector<Candidate> all_;
@@ -160,8 +155,9 @@ std::size_t work_of(const Tape& tape) {
     return work;
 }
 
-Rewriting rewrite(const MendRequest& request, const Tape& form, const Worth& own, const SearchLimit& limit) {
-    return Writing(request, form, own, limit).done();
+Rewriting rewrite(const MendRequest& request, const Tape& form, const Worth& own, Judge& judge,
+                  const SearchLimit& limit) {
+    return Writing(request, form, own, judge, limit).done();
 }
 
 }  // namespace lostbits::measure::mend

@@ -41,7 +41,8 @@ struct SearchLimit {
 /// From the form on: what rules make of the most accurate so far, and of what meets the wish with least work, is held
 /// against the truth on all rays; until nothing new comes, or for so many rounds. A candidate that is not the form in
 /// real arithmetic (on a sample of the rays, see `RaySample::agree`) is dropped.
-Rewriting rewrite(const MendRequest& request, const Tape& form, const Worth& own, const SearchLimit& limit = {});
+Rewriting rewrite(const MendRequest& request, const Tape& form, const Worth& own, Judge& judge,
+                  const SearchLimit& limit = {});
 
 /// What stands for time while it is not known: operations that round, each division and root counted eight times. It
 /// orders the search and is not printed.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/rerun.hpp"
@@ -30,6 +31,21 @@ std::vector<double> along_axis(std::vector<double> numbers) {
     return numbers;
 }
 
+/// At most so many of the rays, evenly.
+scene::rays::RayGroup some_of(const scene::rays::RayGroup& all, int rays) {
+    const std::size_t step = (all.rays.size() + static_cast<std::size_t>(rays) - 1) / static_cast<std::size_t>(rays);
+    scene::rays::RayGroup some{.rays = {}, .solids = all.paired ? std::vector<Solid<double>>() : all.solids};
+    some.paired = all.paired;
+    for (std::size_t i = 0; i < all.rays.size(); i += step) {
+        some.rays.push(all.rays[i]);
+        some.rays.push_range(all.rays, i);
+        if (all.paired) some.solids.push_back(all.solids[i]);
+    }
+    some.rays.width = static_cast<int>(some.rays.size());
+    some.rays.y1 = 1;
+    return some;
+}
+
 bool divides_by_zero(const Tape& tape) {
     return std::ranges::any_of(
         tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
@@ -45,15 +61,18 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
     return tape;
 }
 
-RaySample::RaySample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays) {
-    const auto thin = choice::thinned(scene, rays);
-    const truth::Band band(thin, 0, thin.height, limit);
+RaySample::RaySample(const MendRequest& request, int rays) {
+    const map::MapRow& row = request.row;
+    std::optional<scene::file::Scene> thin;
+    if (request.scene) thin = choice::thinned(*request.scene, rays);
+    const truth::Band band = thin ? truth::Band(*thin, 0, thin->height, request.limit)
+                                  : truth::Band(some_of(request.rays->sample, rays), request.limit);
     const auto inputs = band.inputs(row.format, choice::needs_of(row));
     const auto& own = inputs.rays_for(*row.form->info);
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, row.convention());
-        const std::size_t solid = truth.is_hit() ? static_cast<std::size_t>(truth.object) : 0;
+        const std::size_t solid = inputs.paired ? i : truth.is_hit() ? static_cast<std::size_t>(truth.object) : 0;
         inputs_.push_back(numbers_of(own[i], inputs.solids[solid], band.range(i).tmax));
         exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
     }

@@ -1,18 +1,17 @@
-// Rays of a scene that tapes are run on one by one: where the bits go, and whether two formulas are the same without
-// rounding.
+// Rays of a scene or of files that tapes are run on one by one: where the bits go, and whether two formulas are the
+// same without rounding.
 #pragma once
 
 #include <vector>
 
-#include "measure/map/map.hpp"
-#include "measure/truth/band.hpp"
+#include "measure/mend/judge.hpp"
 
 namespace lostbits::measure::mend {
 
 class RaySample {
 public:
-    /// About so many rays, evenly over the picture, each with the solid that it truly hits, or the first.
-    RaySample(const scene::file::Scene& scene, const map::MapRow& row, truth::TruthLimit limit, int rays = 64);
+    /// About so many rays, evenly over the picture or the file, each with the solid that it truly hits, or the first.
+    explicit RaySample(const MendRequest& request, int rays = 64);
 
     /// How often each operation of a tape loses most.
     [[nodiscard]] std::vector<int> culprits(Tape tape) const;

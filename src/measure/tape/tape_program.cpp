@@ -1,26 +1,22 @@
 #include "measure/tape/tape_program.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
-#include "number/wide/two_words.hpp"
+#include "intersect/simd/packed.hpp"
 
 namespace lostbits::measure::tape {
 
 using intersect::Target;
 using intersect::table::HitBatch;
 using intersect::table::RayBatch;
-using number::wide::TwoWords;
 
 namespace {
-
-/// Rays at a time: the columns of a form stay in the first-level cache.
-constexpr std::size_t together = 128;
 
 constexpr bool is_pair(Word w) { return w == Word::pair || w == Word::twice_pair; }
 /// Which of floats, doubles and decisions it is made of.
@@ -28,32 +24,15 @@ constexpr std::size_t kind_of_column(Word w) {
     return w == Word::decision ? 2 : w == Word::twice || w == Word::twice_pair ? 1 : 0;
 }
 
-template <class N>
-N from_double(double x) {
-    return static_cast<N>(x);
-}
-template <>
-TwoWords<float> from_double(double x) {
-    const auto high = static_cast<float>(x);
-    return {high, static_cast<float>(x - static_cast<double>(high))};
-}
-template <>
-TwoWords<double> from_double(double x) {
-    return TwoWords<double>(x);
-}
-
-/// Between any two; to what is narrower it is rounded once.
-template <class To, class From>
-To converted(const From& x) {
-    if constexpr (std::same_as<To, From>) return x;
-    else if constexpr (std::same_as<From, TwoWords<float>>) return from_double<To>(double{x.hi} + double{x.lo});
-    else if constexpr (std::same_as<From, TwoWords<double>>) return from_double<To>(x.hi);
-    else return from_double<To>(x);
-}
-/// The nearest float is the high word: double{hi} + double{lo} may lie half way, and be rounded away from it.
-template <>
-float converted(const TwoWords<float>& x) {
-    return x.hi;
+void run_steps(const std::vector<Step>& steps, const StepColumns& columns) {
+    const auto run = [&] {
+#if defined(__x86_64__)
+        if (intersect::simd::current_isa() == intersect::simd::Isa::w256) return run_steps_w256;
+        if (intersect::simd::current_isa() == intersect::simd::Isa::w512) return run_steps_w512;
+#endif
+        return run_steps_w128;
+    }();
+    run(steps.data(), steps.size(), columns);
 }
 
 }  // namespace
@@ -67,125 +46,40 @@ Word word_of(const FloatFormat& format) {
 }
 
 /// The memory of one run.
-struct TapeProgram::Columns {
-    std::unique_ptr<float[]> floats;
-    std::unique_ptr<double[]> doubles;
-    std::unique_ptr<std::uint8_t[]> decisions;
-    std::size_t rays = 0;  ///< of which `together` at most
-
+class TapeProgram::Columns {
+public:
     explicit Columns(const std::array<std::uint16_t, 3>& counts)
-        : floats(std::make_unique_for_overwrite<float[]>(counts[0] * together)),
-          doubles(std::make_unique_for_overwrite<double[]>(counts[1] * together)),
-          decisions(std::make_unique_for_overwrite<std::uint8_t[]>(counts[2] * together)) {}
+        : floats_(std::make_unique_for_overwrite<float[]>(counts[0] * together)),
+          doubles_(std::make_unique_for_overwrite<double[]>(counts[1] * together)),
+          decisions_(std::make_unique<bool[]>(counts[2] * together)) {}
 
     template <class P>
     [[nodiscard]] P* at(std::uint16_t column) const {
-        if constexpr (std::same_as<P, float>) return floats.get() + column * together;
-        else if constexpr (std::same_as<P, double>) return doubles.get() + column * together;
-        else return decisions.get() + column * together;
+        if constexpr (std::same_as<P, float>) return floats_.get() + column * together;
+        else if constexpr (std::same_as<P, double>) return doubles_.get() + column * together;
+        else return decisions_.get() + column * together;
+    }
+    /// x in all the rays, in the word or two of it.
+    void fill(Word word, std::uint16_t place, double x) const {
+        const auto put = [&]<class P>(std::uint16_t column, P value) { std::fill_n(at<P>(column), rays, value); };
+        const auto in = [&]<class P>(P high) {
+            put(place, high);
+            if (is_pair(word))
+                put(static_cast<std::uint16_t>(place + 1), static_cast<P>(x - static_cast<double>(high)));
+        };
+        if (kind_of_column(word) == 0) in(static_cast<float>(x));
+        else in(x);
+    }
+    void run(const std::vector<Step>& steps) const {
+        run_steps(steps, {floats_.get(), doubles_.get(), decisions_.get(), rays});
     }
 
-    template <class N>
-    struct Column {
-        N* values;
-        [[nodiscard]] N load(std::size_t i) const { return values[i]; }
-        void store(std::size_t i, const N& x) const { values[i] = x; }
-    };
-    template <class P>
-    struct Column<TwoWords<P>> {
-        P *high, *low;
-        [[nodiscard]] TwoWords<P> load(std::size_t i) const { return {high[i], low[i]}; }
-        void store(std::size_t i, const TwoWords<P>& x) const { high[i] = x.hi, low[i] = x.lo; }
-    };
-    template <class N>
-    [[nodiscard]] Column<N> column(std::uint16_t k) const {
-        if constexpr (requires(N x) { x.hi; }) {
-            using P = decltype(N{}.hi);
-            return {at<P>(k), at<P>(static_cast<std::uint16_t>(k + 1))};
-        } else {
-            return {at<N>(k)};
-        }
-    }
+    std::size_t rays = 0;  ///< of which `together` at most
 
-    template <class N>
-    void fill(std::uint16_t k, const N& x) const {
-        const auto out = column<N>(k);
-        for (std::size_t i = 0; i < rays; ++i) out.store(i, x);
-    }
-
-    /// out[i] = f(a[i], …) for the rays at hand. Each ray's operands are read before its result is written, so a result
-    /// may take the place of an operand.
-    template <class Out, class... In, class F, std::size_t... k>
-    void apply(const Step& s, const F& f, std::index_sequence<k...>) const {
-        const auto out = column<Out>(s.out);
-        const std::tuple in{column<In>(s.operands[k])...};
-        const std::size_t n = rays;
-#pragma GCC ivdep
-        for (std::size_t i = 0; i < n; ++i) out.store(i, static_cast<Out>(f(std::get<k>(in).load(i)...)));
-    }
-    template <class Out, class... In, class F>
-    void apply(const Step& s, const F& f) const {
-        apply<Out, In...>(s, f, std::index_sequence_for<In...>());
-    }
-
-    template <class N>
-    void compute(const Step& s) const {
-        using Mask = std::uint8_t;
-        switch (s.op) {
-            case TapeOp::add: return apply<N, N, N>(s, [](const N& a, const N& b) { return a + b; });
-            case TapeOp::sub: return apply<N, N, N>(s, [](const N& a, const N& b) { return a - b; });
-            case TapeOp::mul: return apply<N, N, N>(s, [](const N& a, const N& b) { return a * b; });
-            case TapeOp::div: return apply<N, N, N>(s, [](const N& a, const N& b) { return a / b; });
-            case TapeOp::sqrt: return apply<N, N>(s, [](const N& a) { return sqrt(a); });
-            case TapeOp::fma:
-                return apply<N, N, N, N>(s, [](const N& a, const N& b, const N& c) { return fma(a, b, c); });
-            case TapeOp::neg: return apply<N, N>(s, [](const N& a) { return -a; });
-            case TapeOp::abs: return apply<N, N>(s, [](const N& a) { return abs(a); });
-            case TapeOp::copysign: return apply<N, N, N>(s, [](const N& a, const N& b) { return copysign(a, b); });
-            case TapeOp::min: return apply<N, N, N>(s, [](const N& a, const N& b) { return a < b ? a : b; });
-            case TapeOp::max: return apply<N, N, N>(s, [](const N& a, const N& b) { return a > b ? a : b; });
-            case TapeOp::select:
-                return apply<N, Mask, N, N>(s, [](Mask m, const N& a, const N& b) { return m != 0 ? a : b; });
-            case TapeOp::next_up: return apply<N, N>(s, [](const N& a) { return next_up(a); });
-            case TapeOp::next_down: return apply<N, N>(s, [](const N& a) { return next_down(a); });
-            case TapeOp::less: return apply<Mask, N, N>(s, [](const N& a, const N& b) { return a < b; });
-            case TapeOp::less_equal: return apply<Mask, N, N>(s, [](const N& a, const N& b) { return a <= b; });
-            case TapeOp::greater: return apply<Mask, N, N>(s, [](const N& a, const N& b) { return a > b; });
-            case TapeOp::greater_equal: return apply<Mask, N, N>(s, [](const N& a, const N& b) { return a >= b; });
-            default: throw std::logic_error("no operation of numbers");
-        }
-    }
-
-    void decide(const Step& s) const {
-        using Mask = std::uint8_t;
-        switch (s.op) {
-            case TapeOp::both: return apply<Mask, Mask, Mask>(s, [](Mask a, Mask b) { return a & b; });
-            case TapeOp::either: return apply<Mask, Mask, Mask>(s, [](Mask a, Mask b) { return a | b; });
-            case TapeOp::opposite: return apply<Mask, Mask>(s, [](Mask a) { return a ^ 1; });
-            default: return apply<Mask, Mask>(s, [](Mask a) { return a; });
-        }
-    }
-
-    template <class Act>
-    static void with_number(Word word, const Act& act) {
-        switch (word) {
-            case Word::single: return act.template operator()<float>();
-            case Word::twice: return act.template operator()<double>();
-            case Word::pair: return act.template operator()<TwoWords<float>>();
-            case Word::twice_pair: return act.template operator()<TwoWords<double>>();
-            case Word::decision: break;
-        }
-        throw std::logic_error("no number");
-    }
-
-    void step(const Step& s) const {
-        if (s.from == Word::decision) return decide(s);
-        with_number(s.from, [&]<class From>() {
-            if (s.op != TapeOp::convert) return compute<From>(s);
-            with_number(s.word,
-                        [&]<class To>() { apply<To, From>(s, [](const From& x) { return converted<To>(x); }); });
-        });
-    }
+private:
+    std::unique_ptr<float[]> floats_;
+    std::unique_ptr<double[]> doubles_;
+    std::unique_ptr<bool[]> decisions_;
 };
 
 namespace {
@@ -274,14 +168,15 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
     Columns columns(columns_);
     // A ray and one of many solids come alone: what is the same for all rays is filled in no farther than they go.
     columns.rays = std::min(together, rays.size());
-    for (const Constant& c : constants_)
-        Columns::with_number(c.word, [&]<class N>() { columns.fill(c.out, from_double<N>(c.value)); });
+    for (const Constant& c : constants_) columns.fill(c.word, c.out, c.value);
     const bool one_solid = target.solids.size() == 1;
     const std::size_t limit = input_count_ - 1;
     const auto is_of_rays = [&](std::size_t number) { return number < 6 || number == limit; };
+    const Word own = std::same_as<S, float> ? Word::single : Word::twice;
     for (const Input& in : inputs_) {
-        if (one_solid && !is_of_rays(in.number)) columns.fill<S>(in.out, target.solids[0].numbers[in.number - 6]);
-        if (in.number == limit && rays.tmax.empty()) columns.fill<S>(in.out, std::numeric_limits<S>::infinity());
+        if (one_solid && !is_of_rays(in.number))
+            columns.fill(own, in.out, static_cast<double>(target.solids[0].numbers[in.number - 6]));
+        if (in.number == limit && rays.tmax.empty()) columns.fill(own, in.out, std::numeric_limits<double>::infinity());
     }
     for (std::size_t begin = 0; begin < rays.size(); begin += together) {
         columns.rays = std::min(together, rays.size() - begin);
@@ -295,11 +190,11 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
             else if (in.number != limit && !one_solid)
                 for (std::size_t i = 0; i < columns.rays; ++i) out[i] = target.solids[begin + i].numbers[in.number - 6];
         }
-        for (const Step& s : steps_) columns.step(s);
+        columns.run(steps_);
         const auto put = [&](const auto* from, const auto& to) {
             std::copy_n(from, columns.rays, to.begin() + static_cast<std::ptrdiff_t>(begin));
         };
-        put(columns.template at<std::uint8_t>(outputs_[0]), hits.hit);
+        put(columns.template at<bool>(outputs_[0]), hits.hit);
         put(columns.template at<S>(outputs_[1]), hits.t);
         put(columns.template at<S>(outputs_[2]), hits.near);
         put(columns.template at<S>(outputs_[3]), hits.far);

@@ -7,15 +7,13 @@
 #include <vector>
 
 #include "intersect/table/table.hpp"
+#include "measure/tape/steps.hpp"
 #include "number/tape.hpp"
 
 namespace lostbits::measure::tape {
 
 /// Two floats or two doubles, high and low (`number::wide::TwoWords`), as the format of a node.
 inline constexpr FloatFormat two_floats{48, -126, 127}, two_doubles{106, -1022, 1023};
-
-/// What a node is computed in.
-enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
 
 /// By its format. std::logic_error for one that a program has no arithmetic for.
 Word word_of(const FloatFormat& format);
@@ -36,12 +34,6 @@ public:
     [[nodiscard]] std::size_t operations() const { return steps_.size(); }
 
 private:
-    struct Step {
-        TapeOp op;
-        Word word, from;  ///< of the result, and of the operands that are numbers
-        std::array<std::uint16_t, 3> operands;
-        std::uint16_t out;
-    };
     struct Constant {
         Word word;
         double value;
@@ -51,7 +43,7 @@ private:
         std::size_t number;
         std::uint16_t out;
     };
-    struct Columns;
+    class Columns;
 
     std::vector<Step> steps_;
     std::vector<Constant> constants_;

@@ -1,7 +1,6 @@
 // The part of a tape that some of its values depend on.
 #pragma once
 
-#include <initializer_list>
 #include <vector>
 
 #include "number/tape.hpp"
@@ -13,7 +12,7 @@ struct TapeSlice {
     std::vector<bool> needed, constant;
     std::vector<int> uses;  ///< by how many needed operations
 
-    TapeSlice(const Tape& tape, std::initializer_list<NodeId> roots)
+    TapeSlice(const Tape& tape, const std::vector<NodeId>& roots)
         : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
         for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {

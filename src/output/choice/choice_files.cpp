@@ -35,7 +35,8 @@ std::vector<Column> candidate_columns() {
          {"distance_error", "number", "length",
           "how far the hit point is off along the ray, at the same share; missing: the wish has no tolerance"},
          {"meets", "boolean", "", "whether it meets the wish"},
-         {"chosen", "boolean", "", "the cheapest that does"}});
+         {"chosen", "boolean", "", "the cheapest that does"},
+         {"mended", "string", "", "what form was mended to it, and how; missing for a form as it is"}});
     return columns;
 }
 
@@ -116,13 +117,15 @@ void add_candidates(file::CsvWriter& csv, const Chosen& chosen) {
         csv.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
         add_worth(csv, c.worth);
         csv.add(c.worth.meets(chosen.request.wish)).add(chosen.meets == k);
+        const MendedCandidate* const mended = chosen.mended_as(c.row.form->info->name);
+        csv.add(mended ? Cell(mended->how) : Cell());
         csv.end_row();
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return;
     const auto& [name, format, worth] = *chosen.request.rays->answers;
     csv.add(name).add(format.name).add(Cell()).add(Cell()).add(Cell()).add(Cell());
     add_worth(csv, worth);
-    csv.add(worth.meets(chosen.request.wish)).add(false);
+    csv.add(worth.meets(chosen.request.wish)).add(false).add(Cell());
     csv.end_row();
 }
 

@@ -207,6 +207,26 @@ std::string nothing_meets(const Chosen& chosen) {
     return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
 }
 
+/// What mending made of the forms that do not meet the wish.
+std::string mended_in_words(const Chosen& chosen) {
+    if (!chosen.mended) return "";
+    if (chosen.mended->empty())
+        return "Nothing came out of mending: every form here meets the wish, or none was mended so that it does.\n";
+    const Wish& wish = chosen.request.wish;
+    std::string text;
+    for (const MendedCandidate& one : *chosen.mended) {
+        const auto found =
+            std::ranges::find(chosen.all, one.name, [](const Candidate& c) { return c.row.form->info->name; });
+        const int precision = found->row.format.shape.precision;
+        text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how, kept(found->worth, precision, wish),
+                            decisions(found->worth), nanoseconds(*found));
+        text += fmt::format("  On rays on which nothing was searched: {}, {}{}. Its file: {}\n",
+                            kept(one.apart, precision, wish), decisions(one.apart),
+                            one.apart.meets(wish) ? "" : ", which does not meet the wish", one.file);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string bits_beside(double kept, const Wish& wish) {
@@ -257,7 +277,7 @@ std::string in_words(const Chosen& chosen) {
         text += next_ray(chosen);
     }
     if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
-    text += own_answers(chosen) + unequal_widths(chosen.all);
+    text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
     return text + fmt::format("Times are of this run: {} rays of the {} against {} of its solids.\n", chosen.timed.rays,
                               chosen.request.rays ? "file" : "scene", chosen.timed.solids);
 }

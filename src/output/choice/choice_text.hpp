@@ -1,7 +1,10 @@
 // A choice in words: what meets the wish, what it costs and assumes, and how far it holds.
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/obstacle.hpp"
@@ -10,6 +13,14 @@
 #include "measure/choice/room.hpp"
 
 namespace lostbits::output::choice {
+
+/// A candidate that a form was mended to (`lostbits mend`), since the form does not meet the wish.
+struct MendedCandidate {
+    std::string name;              ///< as the candidate's form is called
+    std::string how;               ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    measure::choice::Worth apart;  ///< on rays of the scene on which nothing was searched
+    std::string file;              ///< that holds it as C++
+};
 
 /// All that is known of a choice.
 struct Chosen {
@@ -21,6 +32,14 @@ struct Chosen {
     std::optional<measure::choice::SafeOffsets> offsets = {};      ///< of that one, where it was measured
     std::optional<measure::choice::Obstacle> obstacle = {};        ///< where nothing meets the wish
     std::optional<measure::choice::Requirement> requirement = {};  ///< of each pixel of a scene
+    std::optional<std::vector<MendedCandidate>> mended = {};       ///< where they were asked for
+
+    /// Null for a candidate that is a form as it is.
+    [[nodiscard]] const MendedCandidate* mended_as(std::string_view form) const {
+        if (!mended) return nullptr;
+        const auto found = std::ranges::find(*mended, form, &MendedCandidate::name);
+        return found == mended->end() ? nullptr : &*found;
+    }
 };
 
 /// Bits to one decimal, or to as many as show on which side of the wish they are: 15.96 beside a wish of 16.

@@ -161,6 +161,14 @@ const Metric* metric_of_column(const std::string& column) {
 
 namespace {
 
+std::string mend_options(const Claim::Mend& m) {
+    std::string text = fmt::format(" --bits {:.12g}", m.bits);
+    if (m.wrong != 0) text += fmt::format(" --wrong {:.12g}", m.wrong);
+    if (m.at != "max") text += " --at " + m.at;
+    if (m.size) text += fmt::format(" --size {}x{}", m.size->first, m.size->second);
+    return text;
+}
+
 /// What measures the claim again, without where its form is from.
 std::string command_of(const Claim& c) {
     const std::string file = c.named ? " " + shell_word(c.where.source) : "";
@@ -176,6 +184,9 @@ std::string command_of(const Claim& c) {
                            c.strategy, c.points, c.form, c.format);
     if (!c.search.empty())
         return fmt::format("lostbits sweep {} --worst -i {} -f {} -o out", shell_word(c.search), c.form, c.format);
+    if (c.mend)
+        return fmt::format("lostbits mend {} -i {} -f {}{} -o out", shell_word(c.mend->scene), c.form, c.format,
+                           mend_options(*c.mend));
     if (!c.consistency.empty())
         return fmt::format("lostbits consistency {} --check {} -i {} -f {} -o out", shell_word(c.consistency), c.check,
                            c.form, c.format);
@@ -195,6 +206,8 @@ std::string offset_words(const Claim& c) {
 
 std::string consistency_words(const Claim& c) { return "consistency, " + c.check; }
 
+std::string mend_words(const Claim& c) { return "mended:" + mend_options(*c.mend); }
+
 std::string where_measured(const Claim& c) {
     std::string text = c.subject();
     if (!c.row.empty()) text += " " + c.row;
@@ -202,6 +215,7 @@ std::string where_measured(const Claim& c) {
         text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
     if (!c.offsets.empty()) text += ", " + offset_words(c);
     if (!c.consistency.empty()) text += ", " + consistency_words(c);
+    if (c.mend) text += ", " + mend_words(c);
     if (!c.case_name.empty()) text += ": " + c.case_name;
     if (!c.ray.empty()) text += ": " + c.ray;
     if (c.from) text += fmt::format(", {} to {}", scene::toml::exact_text(*c.from), scene::toml::exact_text(*c.to));

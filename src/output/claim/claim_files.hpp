@@ -32,6 +32,9 @@ std::string offset_words(const scene::claim::Claim& c);
 /// `consistency, reverse`: of a claim about consistency.
 std::string consistency_words(const scene::claim::Claim& c);
 
+/// `mended: --bits 16`: of a claim about what a form is mended to.
+std::string mend_words(const scene::claim::Claim& c);
+
 /// How far the verdict reaches: the condition of a qualified one, or what it rests on, "no worse one found in N
 /// evaluations; the worst is …"; empty where the sentence speaks of single numbers.
 std::string evidence_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);

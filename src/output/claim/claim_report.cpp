@@ -41,6 +41,7 @@ std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& cl
                                                 : !c.offsets.empty()     ? ", offsets"
                                                 : !c.consistency.empty() ? ", consistency"
                                                 : !c.search.empty()      ? ", searched"
+                                                : c.mend                 ? ", mended"
                                                                          : "");
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
@@ -278,6 +279,7 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                              scene::toml::exact_text(*c.to));
     if (!c.offsets.empty()) place = offset_words(c);
     if (!c.consistency.empty()) place = consistency_words(c);
+    if (c.mend) place = mend_words(c);
     if (c.step) place = fmt::format("sample {}", *c.step);
     for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
     const std::string says = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";

@@ -7,6 +7,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/mend/form_code.hpp"
+#include "output/mend/shader_code.hpp"
 
 namespace lostbits::output::mend {
 
@@ -121,26 +122,34 @@ void MendFiles::finish(const MendResult& r) {
     text.write(in_words(r));
     text.commit();
     file::write_datapackage(
-        folder_ / "datapackage.json", fmt::format("Mended: {}", r.request.scene->id),
+        folder_ / "datapackage.json", fmt::format("Mended: {}", r.request.id()),
         {{"mend.csv", "a form, the same with wider operations, or one of the catalogue", form_columns},
          {"minimal.csv", "an operation that is done wider", minimal_columns}});
 }
 
-std::string header_of(const MendResult& r, const Proposal& proposal, const std::string& name,
-                      const std::string& command) {
+namespace {
+
+FormWords words_of(const MendResult& r, const Proposal& proposal, const std::string& name, const std::string& command) {
     const auto& m = r.mended;
-    const std::string own(r.request.row.form->info->name), wider = name_of_wider(m.wider);
-    const std::string how = proposal.rewritten ? "written another way: " + rules_of(*proposal.rewritten)
-                                               : fmt::format("{} of its {} operations in {}", m.set->operations.size(),
-                                                             m.operations, wider);
-    const FormWords words{.name = "mended." + name,
-                          .title = own + ", " + how,
-                          .source = command,
-                          .comment = fmt::format("// {}, {}:\n// {} on every pixel of {}.\n// Made by {}\n", own, how,
-                                                 choice::in_words(r.request.wish), r.request.scene->id, command),
-                          .two_words = m.wider != binary64,
-                          .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
-    return form_header(proposal.tape, *r.request.row.form, words);
+    const std::string own(r.request.row.form->info->name), how = how_in_words(r, proposal);
+    return {.name = name,
+            .title = own + ", " + how,
+            .source = command,
+            .comment = fmt::format("// {}, {}:\n// {} on every {} of {}.\n// Made by {}\n", own, how,
+                                   choice::in_words(r.request.wish), r.request.scene ? "pixel" : "ray kept",
+                                   r.request.id(), command),
+            .two_words = m.wider != binary64,
+            .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+}
+
+}  // namespace
+
+measure::mend::Written written(const MendResult& r, const Proposal& proposal, const std::string& name,
+                               const std::string& command) {
+    const FormWords words = words_of(r, proposal, "mended." + name, command);
+    return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, words),
+            fmt::format("lostbits::intersect::{}::{}", row_of(r.request.row.form->shape).name, type_name(name)),
+            r.request.row};
 }
 
 std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
@@ -151,7 +160,10 @@ std::string emitted(const MendResult& r, const std::filesystem::path& file, cons
             fmt::format("--emit {}: no other form of {} was found that meets the wish, so there is none to write; {}",
                         file.string(), r.request.row.form->info->name,
                         r.mended.set ? "it meets the wish as it is" : "with all operations wider it fails it, too"));
-    return header_of(r, *best, file.stem().string(), command);
+    const bool shader = file.extension() == ".glsl";
+    const FormWords words = words_of(r, *best, (shader ? "" : "mended.") + file.stem().string(), command);
+    return shader ? shader_code(best->tape, *r.request.row.form, words)
+                  : form_header(best->tape, *r.request.row.form, words);
 }
 
 }  // namespace lostbits::output::mend

@@ -21,12 +21,12 @@ private:
     file::CsvWriter forms_, minimal_;
 };
 
-/// A proposal as a header that holds `mended.NAME`. `command` is what made it.
-std::string header_of(const MendResult& result, const Proposal& proposal, const std::string& name,
-                      const std::string& command);
+/// A proposal as a header that holds `mended.NAME`, and what is to be compiled of it. `command` is what made it.
+measure::mend::Written written(const MendResult& result, const Proposal& proposal, const std::string& name,
+                               const std::string& command);
 
-/// The best proposal as a header of that file's name: `NAME.hpp` holds `mended.NAME`. InputError where none meets the
-/// wish.
+/// The best proposal under that file's name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME. InputError
+/// where none meets the wish, and as `shader_code`.
 std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
 
 }  // namespace lostbits::output::mend

@@ -50,35 +50,19 @@ std::string room_in_words(const Room& room, const MendResult& r) {
             return fmt::format("{}; first broken at {:.4g}-fold: {}", holds, room.beyond, in_words(room.broken, wish));
         case End::nothing_hit: return holds + "; beyond that no ray hits anything";
         case End::other_scene:
-            return holds + "; beyond that binary32, to which inputs are rounded, holds another scene";
+            return fmt::format("{}; beyond that {}, to which inputs are rounded, holds another scene", holds,
+                               r.request.rays ? r.request.rays->format.name : "binary32");
         case End::none: break;
     }
     return holds + ", which is as far as was tried";
-}
-
-/// The names of what is wider, each operation by that of the statement that it is part of, in order.
-std::string names_of(const MendResult& r) {
-    const Tape& tape = r.mended.tape;
-    std::vector<std::string> names;
-    std::set<std::string> seen;
-    for (const NodeId i : r.mended.set->operations) {
-        NodeId named = i;
-        // The next operation with a name that is computed from it, as maps of culprits have it.
-        for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
-            const auto& operands = tape[k].operands;
-            if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
-        }
-        const std::string name = std::string(tape[named].label.empty() ? "what follows" : tape[named].label);
-        if (seen.insert(name).second) names.push_back(name);
-    }
-    return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string own_is_enough(const MendResult& r) {
     return fmt::format("It meets the wish as it is: nothing has to be wider.\n{}",
                        r.mended.own_apart.meets(r.request.wish)
                            ? ""
-                           : fmt::format("On rays that lie between these it does not: {}.\n",
+                           : fmt::format("On {} it does not: {}.\n",
+                                         r.request.scene ? "rays that lie between these" : "all rays of the file",
                                          in_words(r.mended.own_apart, r.request.wish)));
 }
 
@@ -90,11 +74,14 @@ std::string diff_of(const MendResult& r, const Tape& now) {
 
 std::string apart_in_words(const MendResult& r, const Worth& apart) {
     const auto& m = r.mended;
-    std::string text =
-        fmt::format("  On {}x{} other pixels, on which nothing was searched: {}; as it was: {}.\n", m.apart.width,
-                    m.apart.height, in_words(apart, r.request.wish), in_words(m.own_apart, r.request.wish));
+    const std::string where = r.request.scene ? fmt::format("{}x{} other pixels, on which nothing was searched",
+                                                            m.apart.width, m.apart.height)
+                                              : fmt::format("all {} rays of the file", r.request.rays->rays);
+    std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
+                                   in_words(m.own_apart, r.request.wish));
     if (!apart.meets(r.request.wish))
-        text += "  There it does not meet the wish: it was found for the pixels of this scene alone.\n";
+        text += fmt::format("  There it does not meet the wish: it was found for the {} alone.\n",
+                            r.request.scene ? "pixels of this scene" : "rays that were kept of it");
     return text;
 }
 
@@ -111,7 +98,7 @@ std::string set_in_words(const MendResult& r) {
     const std::size_t n = m.set->operations.size();
     std::string text = fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n,
                                    m.operations, wider, in_words(m.set->worth, wish), in_words(m.all, wish));
-    text += fmt::format("  They are in: {}.\n", names_of(r));
+    text += fmt::format("  They are in: {}.\n", names_of_set(r));
     text += diff_of(r, with_wider(m, m.set->operations));
     const auto best = std::ranges::min_element(m.set->without, measure::mend::is_more_accurate);
     text += fmt::format(
@@ -217,6 +204,30 @@ std::string rules_of(const measure::mend::Rewritten& rewritten) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Each operation by the name of the statement that it is part of, in order.
+std::string names_of_set(const MendResult& r) {
+    const Tape& tape = r.mended.tape;
+    std::vector<std::string> names;
+    std::set<std::string> seen;
+    for (const NodeId i : r.mended.set->operations) {
+        NodeId named = i;
+        // The next operation with a name that is computed from it, as maps of culprits have it.
+        for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
+            const auto& operands = tape[k].operands;
+            if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
+        }
+        const std::string name = std::string(tape[named].label.empty() ? "what follows" : tape[named].label);
+        if (seen.insert(name).second) names.push_back(name);
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string how_in_words(const MendResult& r, const Proposal& proposal) {
+    const auto& m = r.mended;
+    if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
+    return fmt::format("{} of its {} operations in {}", m.set->operations.size(), m.operations, name_of_wider(m.wider));
+}
+
 std::vector<bool> on_front(const MendResult& r) {
     std::vector<const Worth*> worth{&r.mended.own};
     for (const Proposal& one : proposals_of(r)) worth.push_back(one.worth);
@@ -232,7 +243,7 @@ std::vector<bool> on_front(const MendResult& r) {
 std::string in_words(const MendResult& r) {
     const auto& wish = r.request.wish;
     const auto& m = r.mended;
-    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.scene->id, choice::in_words(wish),
+    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(wish),
                                    r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, wish));
     if (!m.set)
         text += fmt::format(
@@ -248,7 +259,8 @@ std::string in_words(const MendResult& r) {
                             in_words(r.catalogue_worth.front(), wish), r.catalogue.size(), meet);
     }
     text += prices_in_words(r);
-    return text + fmt::format("Tried: {} candidates on all {} rays.\n", m.tried, r.request.scene->pixels());
+    return text + fmt::format("Tried: {} candidates on all {} rays.\n", m.tried,
+                              r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size());
 }
 
 }  // namespace lostbits::output::mend

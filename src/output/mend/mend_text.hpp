@@ -40,6 +40,10 @@ std::vector<Proposal> proposals_of(const MendResult& result);
 const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Wish& wish);
 /// `cross products, stable roots`
 std::string rules_of(const measure::mend::Rewritten& rewritten);
+/// `3 of its 15 operations in double`, `written another way: cross products`
+std::string how_in_words(const MendResult& result, const Proposal& proposal);
+/// The names of what the set does wider: `c, disc`.
+std::string names_of_set(const MendResult& result);
 /// Of the form, and of what is in `prices`, whether nothing beats it in accuracy and time in packs.
 std::vector<bool> on_front(const MendResult& result);
 

@@ -97,6 +97,14 @@ void read_timing(TableReader table, Claim& claim) {
     table.reject_unknown_keys();
 }
 
+/// `bits` and `wrong` of a wish.
+void read_wish(TableReader& table, double& bits, double& wrong) {
+    bits = static_cast<double>(table.number("bits"));
+    wrong = static_cast<double>(table.optional_number("wrong").value_or(Real(0)));
+    if (!(bits >= 0 && bits <= 53)) table.fail_at("bits", "must lie in 0 to 53");
+    if (!(wrong >= 0 && wrong <= 1)) table.fail_at("wrong", "is a share of the rays, 0 to 1");
+}
+
 /// `choose`: a wish on a scene, or a time over another's there.
 void read_choice(TableReader table, Claim& claim) {
     Claim::Choice choice;
@@ -114,10 +122,8 @@ void read_choice(TableReader table, Claim& claim) {
             toml::fail(table.where(),
                        "claim.given needs a wish, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
                        "time is 1");
-        choice.bits = static_cast<double>(table.number("bits"));
-        choice.wrong = static_cast<double>(table.optional_number("wrong").value_or(Real(0)));
-        if (!(*choice.bits >= 0 && *choice.bits <= 53)) table.fail_at("bits", "must lie in 0 to 53");
-        if (!(choice.wrong >= 0 && choice.wrong <= 1)) table.fail_at("wrong", "is a share of the rays, 0 to 1");
+        choice.bits.emplace();
+        read_wish(table, *choice.bits, choice.wrong);
         choice.at = table.optional_string("at").value_or("p99");
         choice.formats = table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"});
     }
@@ -130,6 +136,26 @@ void read_choice(TableReader table, Claim& claim) {
 void read_timed(TableReader table, Claim& claim) {
     if (table.has("choose")) read_choice(std::move(table), claim);
     else read_timing(std::move(table), claim);
+}
+
+/// `mend`: a scene, the wish, and in which picture of it.
+void read_mend(TableReader& table, Claim& claim) {
+    Claim::Mend mend{.scene = file::beside(table.where().source, table.string("mend"))};
+    read_wish(table, mend.bits, mend.wrong);
+    mend.at = table.optional_string("at").value_or("max");
+    if (table.has("size")) {
+        const auto size = table.numbers("size", 2);
+        const auto side = [&](const Real& x) {
+            if (!(x >= 1 && x <= 4096)) table.fail_at("size", "must lie in 1 to 4096, as [width, height]");
+            return static_cast<int>(x);
+        };
+        mend.size = {side(size[0]), side(size[1])};
+    }
+    claim.mend = std::move(mend);
+    claim.form = table.string("form");
+    claim.format = table.string("format");
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
 }
 
 /// `strategy`, `side` and `points`, which go with `offsets`.
@@ -156,6 +182,7 @@ void read_consistency(TableReader& table, Claim& claim) {
 }
 
 void read_given(TableReader table, Claim& claim) {
+    if (table.has("mend")) return read_mend(table, claim);
     const auto named = [&table](const char* key) {
         return file::beside(table.where().source, table.optional_string(key).value_or(""));
     };

@@ -46,6 +46,14 @@ struct Claim {
         std::string over_form, over_format;
     };
 
+    /// What `lostbits mend` is asked of a form.
+    struct Mend {
+        std::string scene;
+        double bits = 0, wrong = 0;
+        std::string at = "max";                        ///< as of a choice
+        std::optional<std::pair<int, int>> size = {};  ///< of the picture; absent: the scene's
+    };
+
     std::string id, statement, source, note;
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     std::string condition;             ///< of a `qualified` one: `where touching is a miss`
@@ -89,6 +97,9 @@ struct Claim {
     /// Whether somebody else said it: `source` is not "-".
     [[nodiscard]] bool is_sourced() const { return source != "-"; }
 
+    /// What becomes of the form when it is mended.
+    std::optional<Mend> mend;
+
     /// What is measured on: the scene, sweep or table, the work that is timed, or what is chosen for.
     [[nodiscard]] const std::string& subject() const {
         return timing                 ? timing->work
@@ -99,6 +110,7 @@ struct Claim {
                : !offsets.empty()     ? offsets
                : !consistency.empty() ? consistency
                : !search.empty()      ? search
+               : mend                 ? mend->scene
                                       : table;
     }
 

@@ -112,7 +112,8 @@ TEST_CASE("a form is the fastest beyond the noise alone, and a form without regi
 }
 
 TEST_CASE("what a form computes in is seen in its operations") {
-    const std::set<std::string_view> in_double{"sphere.double_inside", "triangle.pbrt", "triangle.woop_double"};
+    const std::set<std::string_view> in_double{"sphere.double_inside",   "triangle.pbrt",       "triangle.woop_double",
+                                               "torus.bracketed_double", "torus.double_inside", "tube.mitsuba"};
     for (const auto& form : intersect::table::intersectors()) {
         if (form.shape == Shape::sdf) continue;
         INFO(form.info->name);

@@ -139,7 +139,7 @@ TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
     const auto scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/near-benign.toml", options).front();
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
-    const RaySample sample(scene, testing::row("sphere.schoolbook", "f32"), {});
+    const RaySample sample({.scene = &scene, .row = testing::row("sphere.schoolbook", "f32")});
     CHECK(sample.agree(before, before));
     for (NodeId i = 0; i < before.size(); ++i) {
         Tape wrong = before;

@@ -18,6 +18,7 @@ namespace lostbits::test::test_mend {
 
 using namespace lostbits::measure::mend;
 using scene::file::Scene;
+namespace identity = measure::identity;
 namespace tape = measure::tape;
 
 namespace {
@@ -135,6 +136,33 @@ TEST_CASE("a cylinder from dot products is written so that it decides as the bes
     CHECK_FALSE(is_more_accurate(judge.worth_of({known}).front(), m.rewriting.found.front().worth));
 }
 
+// Why no rule closes the cracks of a mesh that is far: what both triangles share of an edge are cross products of
+// vectors from the ray's origin, and little is left of those where the vectors are long and nearly alike.
+TEST_CASE("edges seen from the ray's origin decide better near a triangle, and far from a mesh much worse", "[mend]") {
+    for (const auto& [name, size, is_far] :
+         {std::tuple("triangle-edge", 64, false), std::tuple("mesh-icosphere-edges", 24, true)}) {
+        INFO(name);
+        const Scene scene = scene_named(name, size);
+        const MendRequest request = request_of(scene, "triangle.undivided", 10);
+        const Tape before = tape::tape_of(*request.row.form, request.row.format);
+        identity::Terms terms(before);
+        std::vector<Tape> tapes{before};
+        for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
+            if (rewrite.rule->name == "edges from the origin")
+                tapes.push_back(terms.tape(terms.with(terms.outputs(), rewrite.replaced)));
+        REQUIRE(tapes.size() == 2);
+        tapes.push_back(tape::tape_of(testing::form_named("triangle.signed_volumes"), *find_format("f32")));
+        Judge judge(request, scene);
+        const auto worth = judge.worth_of(tapes);
+        if (is_far) {
+            CHECK(worth[1].wrong > 10 * worth[0].wrong);
+            CHECK(worth[2].wrong > 10 * worth[0].wrong);
+        } else {
+            CHECK(worth[1].wrong < worth[0].wrong);
+        }
+    }
+}
+
 TEST_CASE("a form that is enough has nothing to be wider, and one that double does not help has no set", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
     const MendRequest easy = request_of(scene, "sphere.half_b", 5);
@@ -170,7 +198,7 @@ TEST_CASE("what cannot be compiled has no price, and the message says why", "[me
     const Scene scene = scene_named("near-benign", 8);
     const MendRequest request = request_of(scene, "sphere.half_b", 5);
     const Tape tape = tape::tape_of(*request.row.form, request.row.format);
-    const std::vector<Written> forms{{.tape = &tape, .header = "", .type = "None"}};
+    const std::vector<Written> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
     const test::Scratch folder;
     CHECK_THROWS_WITH(compiled(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
     folder.write("form.flags", "");

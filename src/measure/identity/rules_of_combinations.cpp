@@ -1,0 +1,147 @@
+// The square of a combination of two vectors, multiplied out.
+#include <algorithm>
+
+#include "measure/identity/rules.hpp"
+
+namespace lostbits::measure::identity {
+
+namespace {
+
+Product power(NodeId atom, int exponent) { return {{atom, exponent}}; }
+
+/// x a ± y b: x² (a·a), ±2 x y (a·b) and y² (b·b) are in the sum, all with the same rest.
+struct Combination {
+    NodeId x, y;
+    Triple a, b;
+    bool minus;
+};
+
+class CombinationFinder {
+public:
+    CombinationFinder(RewriteFinder& places, const Sum& sum) : places_(places), terms_(places.terms), sum_(sum) {}
+
+    /// The sum with dot products of the combination in place of those of its parts, in each way that is found.
+    std::vector<Sum> all() {
+        for (const auto& [product, factor] : sum_)
+            for (const auto& [x, px] : product)
+                for (const auto& [aa, pa] : product) {
+                    const auto a = terms_.factors_of(aa);
+                    if (px != 2 || terms_.factors_of(x) || pa != 1 || !a || a->first != a->second) continue;
+                    const Product rest = times(product, times(power(x, -2), power(aa, -1)));
+                    for (const auto& [other, same] : sum_)
+                        if (same == factor) look(x, a->first, times(other, inverse(rest)));
+                }
+        return std::move(found_);
+    }
+
+private:
+    /// `other`, without the rest, as y² (b·b).
+    void look(NodeId x, const Triple& a, const Product& other) {
+        if (other.size() != 2) return;
+        for (const auto& [y, py] : other)
+            for (const auto& [bb, pb] : other) {
+                const auto b = terms_.factors_of(bb);
+                if (py != 2 || y <= x || terms_.factors_of(y) || pb != 1 || !b || b->first != b->second) continue;
+                for (const bool minus : {false, true}) replace({x, y, a, b->first, minus});
+            }
+    }
+
+    void replace(const Combination& c) {
+        for (const bool crossed : {true, false}) {
+            auto u = crossed ? by_cross_products(c) : std::optional(plain(c));
+            if (!u) u = by_cross_products({c.y, c.x, c.b, c.a, c.minus});  // which is -u
+            if (!u) continue;
+            Sum now = sum_;
+            const bool any = take(c, *u, now);
+            if (any && !now.empty()) found_.push_back(std::move(now));
+        }
+    }
+
+    /// Puts (u·v)(u·w), for whatever v and w, in the place of the three products that it is; whether there were any.
+    bool take(const Combination& c, const Triple& u, Sum& now) {
+        bool any = false;
+        for (const auto& [product, factor] : sum_) {
+            if (!now.contains(product)) continue;
+            for (const auto& [dot, exponent] : product) {
+                const auto of = terms_.factors_of(dot);
+                if (!of || (of->first != c.a && of->second != c.a) || !product.contains(c.x)) continue;
+                const Triple& v = of->first == c.a ? of->second : of->first;
+                const bool own = v == c.a;
+                if (own ? exponent != 1 : exponent != 2) continue;
+                const auto av = terms_.known_dot(c.a, own ? c.b : v), bv = terms_.known_dot(c.b, own ? c.b : v);
+                if (!av || !bv) continue;
+                const Product rest = times(product, times(power(c.x, -2), power(dot, -exponent)));
+                const Product last = times(rest, times(power(c.y, 2), power(*bv, own ? 1 : 2)));
+                Product middle = times(rest, times(power(c.x, 1), power(c.y, 1)));
+                middle = times(middle, own ? power(*av, 1) : times(power(*av, 1), power(*bv, 1)));
+                const Ratio twice = factor * Ratio(c.minus ? -2 : 2, 1);
+                if (!is_in(now, last, factor) || !is_in(now, middle, twice)) continue;
+                const NodeId with = own ? terms_.dot(u, u) : terms_.dot(u, v);
+                for (const Product& gone : {product, last, middle}) now.erase(gone);
+                now = plus(now, Sum{{times(rest, power(with, own ? 1 : 2)), factor}});
+                any = true;
+                break;
+            }
+        }
+        return any;
+    }
+    static bool is_in(const Sum& sum, const Product& product, const Ratio& factor) {
+        const auto found = sum.find(product);
+        return found != sum.end() && found->second == factor;
+    }
+
+    [[nodiscard]] NodeId newest(NodeId atom) const {
+        const auto found = places_.newest.find(terms_.meaning(atom));
+        return found == places_.newest.end() ? atom : found->second;
+    }
+    Triple plain(const Combination& c) {
+        Triple u{};
+        for (std::size_t k = 0; k < 3; ++k)
+            u[k] = terms_.add(c.minus ? TapeOp::sub : TapeOp::add, {terms_.add(TapeOp::mul, {newest(c.x), c.a[k]}),
+                                                                    terms_.add(TapeOp::mul, {newest(c.y), c.b[k]})});
+        return u;
+    }
+    /// x a − y b with x = p + q (v·b) and y = q (v·a): p a + q v × (a × b).
+    std::optional<Triple> by_cross_products(const Combination& c) {
+        const auto x = multiplied_out(terms_, c.x), y = multiplied_out(terms_, c.y);
+        if (!c.minus || !x || !y || y->empty()) return std::nullopt;
+        for (const auto& [dot, exponent] : y->begin()->first) {
+            const auto of = terms_.factors_of(dot);
+            if (!of || exponent < 1 || (of->first != c.a && of->second != c.a)) continue;
+            const Triple v = of->first == c.a ? of->second : of->first;
+            const auto vb = terms_.known_dot(v, c.b);
+            const Sum q = times(*y, Sum{{power(dot, -1), Ratio(1, 1)}});
+            const Sum p = vb ? plus(*x, times(q, Sum{{power(*vb, 1), Ratio(-1, 1)}})) : Sum();
+            if (p.empty() || p.size() >= x->size()) continue;
+            const NodeId first = written_out(terms_, p, places_.newest),
+                         second = written_out(terms_, q, places_.newest);
+            const Triple turned = terms_.cross(v, terms_.cross(c.a, c.b));
+            Triple u{};
+            for (std::size_t k = 0; k < 3; ++k)
+                u[k] = terms_.add(TapeOp::add, {terms_.add(TapeOp::mul, {first, c.a[k]}),
+                                                terms_.add(TapeOp::mul, {second, turned[k]})});
+            return u;
+        }
+        return std::nullopt;
+    }
+
+    RewriteFinder& places_;
+    Terms& terms_;
+    const Sum& sum_;
+    std::vector<Sum> found_;
+};
+
+}  // namespace
+
+void find_combinations(RewriteFinder& places) {
+    std::vector<std::pair<NodeId, Sum>> all;
+    places.on_sums(
+        [&](NodeId i, const Sum& sum) {
+            for (Sum& now : CombinationFinder(places, sum).all()) all.emplace_back(i, std::move(now));
+        },
+        true);
+    for (const auto& [i, now] : all)
+        places.offer(i, written_out(places.terms, now, places.newest, places.terms[i].label));
+}
+
+}  // namespace lostbits::measure::identity

@@ -1,0 +1,11 @@
+// The steps of a tape in registers of one width; compiled once for each.
+#include "measure/tape/step_kernels.hpp"
+#include "number/width.hpp"
+
+namespace lostbits::measure::tape {
+
+void LOSTBITS_NAME_OF_WIDTH(run_steps)(const Step* steps, std::size_t count, const StepColumns& columns) {
+    run_steps<Width>(steps, count, columns);
+}
+
+}  // namespace lostbits::measure::tape

@@ -1,0 +1,109 @@
+// `lostbits mend` and `lostbits choose --mend` from the outside.
+#include "catch.hpp"
+#include "counts.hpp"
+#include "program.hpp"
+
+namespace test_mend {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string far_rays =
+    "'" LOSTBITS_DATA_DIR "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 -i sphere.schoolbook --bits 16";
+
+}  // namespace
+
+TEST_CASE("mend takes files of rays, and says what is kept on all of them", "[mend]") {
+    const Scratch scratch;
+    const auto r = run("mend " + far_rays + " -o out --emit far.hpp", scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "far-sphere: 16 correct bits of every hit, no wrong decision"));
+    CHECK(has(r.out, "185 of 1536 rays decided wrongly"));
+    CHECK(has(r.out, "On all 1536 rays of the file: "));
+    CHECK_FALSE(has(r.out, "other pixels"));
+    CHECK(has(contents(scratch.path() / "far.hpp"), "on every ray kept of far-sphere"));
+    const auto rows = read_csv(scratch.path() / "out" / "far-sphere" / "mend.csv");
+    REQUIRE(rows.size() > 10);
+    CHECK(rows.front().at("wrong") == "185");
+    CHECK(rows.front().at("apart_wrong") == "185");
+    int rewritten = 0;
+    for (const auto& row : rows) {
+        if (row.at("kind") != "wider" && row.at("kind") != "rewritten") continue;
+        INFO(row.at("kind"));
+        CHECK(row.at("meets") == "1");
+        CHECK(row.at("apart_wrong") == "0");
+        ++rewritten;
+    }
+    CHECK(rewritten > 1);
+}
+
+TEST_CASE("mend tells options of files from those of scenes", "[mend]") {
+    const Scratch scratch;
+    const std::string scene = "mend near-benign --size 8x8 -i sphere.half_b --bits 5";
+    CHECK(has(run(scene + " --skip 3").err, "--skip: is about files of rays"));
+    CHECK(has(run("mend " + far_rays + " --size 8x8").err, "--size: is about a scene"));
+    CHECK(has(run("mend near-benign box-one -i sphere.half_b --bits 5").err, "mending is for one scene"));
+    CHECK(run("mend " + far_rays + " -i box.signs").code == 2);
+}
+
+TEST_CASE("a mended form is written as a function of GLSL with the names of the source", "[mend]") {
+    const Scratch scratch;
+    const std::string words = "mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16";
+    const auto r = run(words + " --emit halved.glsl", scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const std::string text = contents(scratch.path() / "halved.glsl");
+    CHECK(has(text, "bool halved(vec3 o, vec3 d, vec3 centre, float radius, out float first) {"));
+    CHECK(has(text, "// lostbits: direction=any touching=hit at_origin=hit inside=usual roots=first"));
+    CHECK(has(text, "precise float o_minus_centre_x = o.x - centre.x;"));
+    CHECK(has(text, "Made by lostbits mend rtg-fig-7-3-4100-oblique -i sphere.half_b"));
+    const auto none = run(words + " --emit halved.txt", scratch.path());
+    CHECK(none.code == 2);
+    CHECK(has(none.err, ".hpp or .glsl"));
+    const auto wide =
+        run("mend near-benign --size 8x8 -i sphere.half_b -f f64 --bits 48 --emit wide.glsl", scratch.path());
+    CHECK(wide.code == 2);
+    CHECK(has(wide.err, "a shader computes in floats"));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "wide.glsl"));
+}
+
+TEST_CASE("choose offers what a form is mended to, compiled and timed with the others", "[mend]") {
+    if (!is_long()) return;  // compiling takes half a minute
+    const Scratch scratch;
+    const std::string scene = "rtg-fig-7-3-4100-oblique";
+    const auto r = run("choose " + scene +
+                           " --size 48x48 --quick -i sphere.half_b,sphere.hearn_baker -f f32 --bits 16 --at max --mend "
+                           "-o out",
+                       scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(has(r.out, "mended.sphere_half_b_1 is sphere.half_b, "));
+    CHECK(has(r.out, "On rays on which nothing was searched: "));
+    int mended = 0;
+    for (const auto& row : read_csv(scratch.path() / "out" / scene / "choose.csv")) {
+        const std::string form = row.at("form");
+        INFO(form);
+        CHECK(row.at("mended").empty() == !form.starts_with("mended."));
+        if (row.at("mended").empty()) continue;
+        ++mended;
+        CHECK(row.at("meets") == "1");
+        CHECK_FALSE(row.at("time_ns").empty());
+        const auto file = scratch.path() / "out" / scene / (form.substr(form.find('.') + 1) + ".hpp");
+        CHECK(has(contents(file), "// sphere.half_b, "));
+    }
+    CHECK(mended > 1);
+}
+
+TEST_CASE("choose says why mended forms cannot be compiled", "[mend]") {
+    const Scratch scratch;
+    const std::string words =
+        "choose rtg-fig-7-3-4100-oblique --size 24x21 --quick -i sphere.half_b -f f32 --bits 16 --at max --mend -o out";
+    const auto none = run(words + " --compiler no-such-compiler", scratch.path());
+    CHECK(none.code == 3);
+    CHECK(has(none.err, "no-such-compiler"));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out" / "rtg-fig-7-3-4100-oblique" / "choose.csv"));
+}
+
+}  // namespace test_mend
