@@ -314,12 +314,14 @@ Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<
     });
 }
 
-/// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead.
+/// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead. An end
+/// that is nowhere is not open: along a side of a cone, P(t) is of degree one, and at 1/0 no root comes before the end.
 template <class E, class F = E>
 std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
     const bool ends = !std::isinf(range.tmax);
-    return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, range.open};
+    const OpenEnds open{range.open.tmin, range.open.tmax && ends};
+    return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, open};
 }
 
 /// What a convention says of a ray with a range, which begins at tmin: what it says of t = 0 is said of that point by

@@ -1,0 +1,154 @@
+#include "exact/ask.hpp"
+
+#include <lostbits.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "measure/truth/truth_columns.hpp"
+
+namespace lostbits::exact {
+namespace {
+
+namespace truth = measure::truth;
+
+/// A problem as lostbits has it.
+struct Given {
+    Ray<double> ray;
+    Solid<double> solid;
+    Range<double> range;
+
+    Given(Shape shape, const Problem& p)
+        : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
+          solid(shape),
+          range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
+        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
+    }
+};
+
+double rounded(const truth::Truth& found, const Given& given, const FloatFormat& format) {
+    return truth::round_truth(found, given.ray, given.solid, format, truth::Length::parameter, {}, given.range);
+}
+
+Answer answer_of(const truth::Truth& found, const Given& given) {
+    if (found.decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
+    if (!found.is_hit()) return {};
+    const truth::Certified& t = found.t;
+    return {true, t.hi, t.lo, t.bound, t.exponent, rounded(found, given, binary32), rounded(found, given, binary64)};
+}
+
+/// A column a number, as the shape of S has it.
+template <class S>
+struct Columns {
+    std::array<std::vector<S>, 6> ray;
+    std::array<std::vector<S>, most_solid> solid;
+    std::vector<S> tmin, tmax;
+    truth::ProblemColumns<S> columns;
+
+    Columns(Shape shape, std::span<const Problem> problems) {
+        columns.size = problems.size();
+        columns.shape = shape;
+        columns.open = {problems.front().open_tmin, problems.front().open_tmax};
+        const auto put = [&](std::vector<S>& to, const auto& number) {
+            to.reserve(problems.size());
+            for (const Problem& p : problems) to.push_back(static_cast<S>(number(p)));
+            return std::span<const S>(to);
+        };
+        for (std::size_t k = 0; k < 6; ++k) columns.ray[k] = put(ray[k], [k](const Problem& p) { return p.ray[k]; });
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
+            columns.solid[k] = put(solid[k], [k](const Problem& p) { return p.solid[k]; });
+        columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
+        columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
+    }
+};
+
+template <class S>
+void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Problem> problems,
+                 std::vector<Answer>& answers) {
+    const Columns<S> given(shape, problems);
+    truth::TruthColumns found;
+    truth::find_truth_columns(given.columns, {.convention = {}, .tightness = tightness, .limit = {}}, found);
+    auto alone = found.alone.begin();
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        const Given one(shape, problems[i]);
+        if (alone != found.alone.end() && alone->first == i) {
+            answers[i] = answer_of((alone++)->second, one);
+            continue;
+        }
+        truth::Truth t;
+        t.decision = found.decision[i];
+        if (t.is_hit()) t.t = truth::certified(found.hi[i], found.lo[i], found.bound[i]);
+        answers[i] = answer_of(t, one);
+        // What is known to 2^-33 is no double yet.
+        if (tightness == truth::Tightness::ulps_of_binary32) answers[i].as_double = NAN;
+    }
+}
+
+/// Rounded numbers are not among what the interface tells.
+void ask_interface(std::string_view shape, std::span<const Problem> problems, std::vector<Answer>& answers) {
+    const auto column = [&problems](const double* first, std::size_t items) {
+        return lostbits_array{.data = first,
+                              .step = sizeof(Problem),
+                              .item_step = items == 1 ? 0 : std::ptrdiff_t{sizeof(double)},
+                              .bits = 64};
+    };
+    const std::string name(shape);
+    const Problem& p = problems.front();
+    lostbits_rays rays{};
+    rays.count = rays.solid_count = problems.size();
+    rays.origin = column(p.ray.data(), 3);
+    rays.direction = column(p.ray.data() + 3, 3);
+    rays.tmin = column(&p.tmin, 1);
+    rays.tmax = column(&p.tmax, 1);
+    rays.open_ends = p.open_tmin ? (p.open_tmax ? "both" : "tmin") : p.open_tmax ? "tmax" : "none";
+    rays.shape = name.c_str();
+    rays.solids = column(p.solid.data(), most_solid);
+    rays.paired = 1;
+    rays.format = "f64";
+    lostbits_run run{};
+    run.threads = 1;
+    lostbits_error error{};
+    lostbits_result* result = nullptr;
+    if (lostbits_truth(&rays, &run, &result, &error) != LOSTBITS_OK) throw std::runtime_error(error.text);
+    std::array<lostbits_column, 4> columns{};
+    for (std::size_t k = 0; k < columns.size(); ++k) lostbits_result_column(result, 0, k, &columns[k]);
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        answers[i] = {.hit = columns[0].numbers[i] == 1, .as_float = NAN, .as_double = NAN};
+        if (!answers[i].hit) continue;
+        answers[i].high = columns[2].numbers[i], answers[i].low = columns[3].numbers[i];
+        answers[i].bound = 0x1p-72 * std::fabs(answers[i].high);
+    }
+    lostbits_result_free(result);
+}
+
+}  // namespace
+
+double tightness_of(Way way) { return way == Way::floats_for_ulps ? 0x1p-33 : 0x1p-72; }
+
+void ask(std::string_view shape, Way way, std::span<const Problem> problems, std::vector<Answer>& answers) {
+    const Shape named = shape_named(shape).value();
+    answers.assign(problems.size(), {});
+    switch (way) {
+        case Way::floats_for_ulps:
+            return ask_columns<float>(named, truth::Tightness::ulps_of_binary32, problems, answers);
+        case Way::floats: return ask_columns<float>(named, truth::Tightness::certified, problems, answers);
+        case Way::doubles: return ask_columns<double>(named, truth::Tightness::certified, problems, answers);
+        case Way::one_by_one:
+            for (std::size_t i = 0; i < problems.size(); ++i) {
+                const Given one(named, problems[i]);
+                answers[i] = answer_of(truth::find_truth(one.ray, one.solid, {}, {}, one.range), one);
+            }
+            return;
+        case Way::interface: return ask_interface(shape, problems, answers);
+    }
+}
+
+std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {
+    std::vector<std::pair<std::string_view, std::size_t>> all;
+    for (const ShapeRow& row : shape_rows) all.emplace_back(row.name, row.numbers);
+    return all;
+}
+
+}  // namespace lostbits::exact

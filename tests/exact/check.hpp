@@ -1,0 +1,43 @@
+// Whether an answer is the right one: quickly where bounds tell, else without an error.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "exact/solids.hpp"
+
+namespace lostbits::exact {
+
+/// What is said of a problem: a miss, or a t within `bound` of high + low, all three times 2^exponent, which is the
+/// number `as_float` and `as_double` in binary32 and binary64, or NaN where it is not rounded.
+struct Answer {
+    bool hit = false;
+    double high = 0, low = 0, bound = 0;
+    std::int64_t exponent = 0;
+    double as_float = 0, as_double = 0;
+};
+
+enum class Fault : std::uint8_t { none, decision, length, tightness, rounded_to_float, rounded_to_double };
+const char* words_of(Fault fault);
+
+/// What was found of some answers. The quick check takes a t for right that is within 2^-80 of itself, or the answer's
+/// bound where that is wider.
+struct Findings {
+    std::size_t asked = 0, hits = 0;
+    std::size_t exactly = 0;    ///< that were decided without an error
+    std::size_t differ = 0;     ///< that are wrong
+    std::size_t first = 0;      ///< the place of the first of those
+    Fault fault = Fault::none;  ///< and what is wrong with it
+};
+
+/// `each_exactly`: every so many answers are checked without an error, whether the quick check can tell or not.
+/// `tightness`: how close each t must be known, as a share of itself.
+Findings check(const Shaped& shape, std::span<const Problem> problems, std::span<const Answer> answers,
+               double tightness, std::size_t each_exactly);
+
+/// Problem and answer in hexadecimal numbers.
+std::string paste(const Shaped& shape, const Problem& problem, const Answer& answer);
+
+}  // namespace lostbits::exact

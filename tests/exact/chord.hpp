@@ -1,0 +1,114 @@
+// The part of a line that is inside of a convex solid, and what of it counts.
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+
+#include "exact/roots.hpp"
+
+namespace lostbits::exact {
+
+/// All t from `first` to `last`, each without an end where there is none.
+template <class E>
+struct Part {
+    std::optional<Place<E>> first, last;
+};
+/// Nothing, or a part.
+template <class E>
+using Chord = std::optional<Part<E>>;
+
+template <class E>
+Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
+    if (!a || !b) return std::nullopt;
+    Part<E> both = *a;
+    if (b->first && (!both.first || order(*both.first, *b->first) < 0)) both.first = b->first;
+    if (b->last && (!both.last || order(*both.last, *b->last) > 0)) both.last = b->last;
+    if (both.first && both.last && order(*both.first, *both.last) > 0) return std::nullopt;
+    return both;
+}
+
+/// Of parts of one convex solid, each of which has ends: all that they cover.
+template <class E>
+Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
+    if (!a || !b) return a ? a : b;
+    return Part<E>{order(*a->first, *b->first) < 0 ? a->first : b->first,
+                   order(*a->last, *b->last) > 0 ? a->last : b->last};
+}
+
+/// Where b + t m is between 0 and v, v > 0.
+template <class E>
+Chord<E> between(const E& b, const E& m, const E& v) {
+    const int across = sign(m);
+    if (across == 0) return sign(b) >= 0 && sign(v - b) >= 0 ? Chord<E>(Part<E>{}) : std::nullopt;
+    const auto at_0 = fraction(-b, m), at_v = fraction(v - b, m);
+    return across > 0 ? Part<E>{at_0, at_v} : Part<E>{at_v, at_0};
+}
+
+/// Where a t² + 2 h t + c ≤ 0 within a part, of a solid that is convex there.
+template <class E>
+Chord<E> below(const Chord<E>& part, const E& a, const E& h, const E& c) {
+    if (!part) return part;
+    const int bends = sign(a);
+    if (bends == 0) {
+        const int slope = sign(h);
+        if (slope == 0) return sign(c) <= 0 ? part : std::nullopt;
+        const auto at = fraction(-c, h + h);
+        return common<E>(part, slope > 0 ? Part<E>{{}, at} : Part<E>{at, {}});
+    }
+    const Quadratic<E> x = bends > 0 ? Quadratic<E>(a, h, c) : Quadratic<E>(-a, -h, -c);
+    const int roots = sign(x.q);
+    if (bends > 0) return roots < 0 ? std::nullopt : common<E>(part, Part<E>{root_of(x, -1), root_of(x, 1)});
+    if (roots <= 0) return part;
+    const Chord<E> before = common<E>(part, Part<E>{{}, root_of(x, -1)});
+    const Chord<E> after = common<E>(part, Part<E>{root_of(x, 1), {}});
+    if (before && after && !in_doubt) throw std::logic_error("a cone is in two parts between its planes");
+    return before ? before : after;
+}
+
+/// Which t count.
+template <class E>
+struct Counted {
+    Place<E> from;
+    std::optional<Place<E>> to;
+    bool open_from, open_to;
+
+    [[nodiscard]] bool has_begun(const Place<E>& t) const {
+        const int since = order(t, from);
+        return since > 0 || (since == 0 && !open_from);
+    }
+    [[nodiscard]] bool has(const Place<E>& t) const {
+        if (!has_begun(t)) return false;
+        if (!to) return true;
+        const int until = order(t, *to);
+        return until < 0 || (until == 0 && !open_to);
+    }
+};
+
+/// The first t that counts; nothing: a miss.
+template <class E>
+using First = std::optional<Place<E>>;
+
+/// The first of the ends that counts: the surface of a solid that the line goes through.
+template <class E>
+First<E> first_end(const Chord<E>& chord, const Counted<E>& counted) {
+    if (!chord) return std::nullopt;
+    const bool near = counted.has_begun(*chord->first);
+    const Place<E>& end = near ? *chord->first : *chord->last;
+    return counted.has(end) ? First<E>(end) : std::nullopt;
+}
+/// The first of all that counts: of a line that runs along the surface, and of a solid that answers where the ray
+/// begins to one that begins inside.
+template <class E>
+First<E> first_of_all(const Chord<E>& chord, const Counted<E>& counted) {
+    if (!chord || !counted.has_begun(*chord->last)) return std::nullopt;
+    const bool near = counted.has_begun(*chord->first);
+    if (!near && counted.open_from) has_no_first = true;
+    const Place<E> first = near ? *chord->first : counted.from;
+    return counted.has(first) ? First<E>(first) : std::nullopt;
+}
+template <class E>
+First<E> only(const Place<E>& t, const Counted<E>& counted) {
+    return counted.has(t) ? First<E>(t) : std::nullopt;
+}
+
+}  // namespace lostbits::exact

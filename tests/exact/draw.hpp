@@ -1,0 +1,39 @@
+// Problems to ask about: random ones, and ones that are made so that something is exactly equal.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "exact/solids.hpp"
+
+namespace lostbits::exact {
+
+/// xoshiro256++ 1.0 by Blackman and Vigna, public domain.
+class Chance {
+public:
+    explicit Chance(std::uint64_t seed);
+    std::uint64_t bits();
+    /// Evenly from 0 to n − 1.
+    int below(int n) { return static_cast<int>((bits() >> 33) * static_cast<std::uint64_t>(n) >> 31); }
+    /// Evenly from −1 to 1.
+    double part() { return static_cast<double>(static_cast<std::int64_t>(bits())) * 0x1p-63; }
+
+private:
+    std::uint64_t s_[4];
+};
+
+/// Which ends of the ranges of a batch do not belong to them.
+struct Ends {
+    bool open_tmin = false, open_tmax = false;
+};
+
+/// Rays of any length of direction that are aimed at solids or beside them, from near, from far and from inside, in
+/// floats or doubles; a third of the rays have a range.
+void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
+
+/// Small whole numbers times a power of two, so that rays touch, pass through edges, corners and rims, begin on
+/// surfaces, run along them, and have components of zero; the power may make all of them subnormal, or take them to
+/// where numbers end; one may be moved by an ulp. And numbers of any bits.
+void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
+
+}  // namespace lostbits::exact

@@ -1,0 +1,149 @@
+// The truth of every shape against an answer that shares nothing with it: its own polynomials, its own numbers, and
+// whole numbers of GMP where those do not tell. `./run test --long` asks 10^8 random and 10^7 made rays of each shape,
+// which takes some minutes a shape; LOSTBITS_EXACT_RAYS=1000000 says another number of random ones.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "exact/ask.hpp"
+#include "exact/draw.hpp"
+
+namespace test_exact {
+
+using namespace lostbits::exact;
+
+namespace {
+
+std::size_t random_rays() {
+    if (const char* asked = std::getenv("LOSTBITS_EXACT_RAYS")) return std::strtoull(asked, nullptr, 10);
+    return lostbits::test::is_long() ? 100'000'000 : 40'000;
+}
+
+constexpr std::size_t batch = 4000;
+
+/// Every so many are decided without an error, whether the quick check tells or not.
+constexpr std::size_t each_exactly = 1000;
+
+/// Of rays of one kind.
+struct Tally {
+    std::size_t asked = 0, hits = 0, exactly = 0;
+
+    void ask_some(const Shaped& shape, Way way, std::vector<Problem>& problems) {
+        static std::vector<Answer> answers;
+        ask(shape.name, way, problems, answers);
+        const Findings found = check(shape, problems, answers, tightness_of(way), each_exactly);
+        asked += found.asked, hits += found.hits, exactly += found.exactly;
+        INFO("way " << static_cast<int>(way) << ": " << words_of(found.fault) << "\n"
+                    << paste(shape, problems[found.first], answers[found.first]));
+        REQUIRE(found.differ == 0);
+    }
+};
+
+/// The ways by turns, and every combination of open ends.
+template <class Draw>
+Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<Way> ways,
+              const Draw& draw) {
+    Tally tally;
+    Chance chance(seed);
+    std::vector<Problem> problems(batch);
+    std::size_t round = 0;
+    while (tally.asked < rays)
+        for (const Way way : ways) {
+            const Ends ends{.open_tmin = round % 2 == 1, .open_tmax = round / 2 % 2 == 1};
+            draw(shape, way == Way::floats || way == Way::floats_for_ulps, ends, chance, problems);
+            tally.ask_some(shape, way, problems);
+            ++round;
+        }
+    return tally;
+}
+
+void hold(const Shaped& shape) {
+    const std::size_t rays = random_rays();
+    const auto ways = {Way::floats_for_ulps, Way::floats, Way::doubles};
+    const Tally random = ask_all(shape, rays, 1, ways, draw_random);
+    const Tally made = ask_all(shape, rays / 10, 2, ways, draw_made);
+    const Tally one = ask_all(shape, rays / 100, 3, {Way::one_by_one}, draw_made);
+    const Tally through = ask_all(shape, rays / 100, 4, {Way::interface}, draw_random);
+    for (const auto& [name, tally] : {std::pair("random", random), std::pair("made", made), std::pair("alone", one),
+                                      std::pair("interface", through)}) {
+        INFO(shape.name << ", " << name << ": " << tally.asked << " rays, " << tally.hits << " hits, " << tally.exactly
+                        << " without an error");
+        CHECK(tally.hits > tally.asked / 20);
+        CHECK(tally.hits < tally.asked);
+        if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN("counted");
+    }
+}
+
+}  // namespace
+
+TEST_CASE("exact: every shape of the list is asked here", "[exact]") {
+    const auto there = shapes_there_are();
+    REQUIRE(there.size() == shapes.size());
+    for (const auto& [name, numbers] : there) {
+        INFO(name);
+        CHECK(numbers <= most_solid);
+        CHECK(std::ranges::count(shapes, name, &Shaped::name) == 1);
+    }
+}
+
+TEST_CASE("exact: the sphere", "[exact]") { hold(shapes[0]); }
+TEST_CASE("exact: the box", "[exact]") { hold(shapes[1]); }
+TEST_CASE("exact: the triangle", "[exact]") { hold(shapes[2]); }
+TEST_CASE("exact: the ellipsoid", "[exact]") { hold(shapes[3]); }
+TEST_CASE("exact: the cylinder", "[exact]") { hold(shapes[4]); }
+TEST_CASE("exact: the capsule", "[exact]") { hold(shapes[5]); }
+TEST_CASE("exact: the tube", "[exact]") { hold(shapes[6]); }
+TEST_CASE("exact: the cone", "[exact]") { hold(shapes[7]); }
+TEST_CASE("exact: the disc", "[exact]") { hold(shapes[8]); }
+TEST_CASE("exact: the plane", "[exact]") { hold(shapes[9]); }
+
+TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a side of a cone", "[exact]") {
+    // Once answered with a miss: a t² + 2 h t + c has a = 0.
+    std::vector<Problem> problems{
+        {.ray = {-3, -3, 1, 1, 1, 0}, .solid = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
+        {.ray = {0, -2, -2, 0, 2, 1}, .solid = {0, 2, 0, 0, 0, 0, 1, 0}, .tmin = 0.25, .open_tmax = true}};
+    std::vector<Answer> answers;
+    for (const Way way : {Way::doubles, Way::one_by_one, Way::interface}) {
+        ask("cone", way, problems, answers);
+        CHECK(std::ranges::count(answers, true, &Answer::hit) == 2);
+        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
+    }
+}
+
+TEST_CASE("exact: an answer that is a little wrong is told from the right one, quickly and exactly", "[exact]") {
+    Chance chance(5);
+    std::vector<Problem> problems(2000);
+    std::vector<Answer> answers;
+    for (const Shaped& shape : shapes)
+        for (const bool made : {false, true}) {
+            (made ? draw_made : draw_random)(shape, false, {}, chance, problems);
+            ask(shape.name, Way::doubles, problems, answers);
+            const auto differ = [&](const auto& spoil, std::size_t exactly) {
+                std::vector<Answer> spoilt = answers;
+                for (Answer& a : spoilt) spoil(a);
+                return check(shape, problems, spoilt, 0x1p-72, exactly).differ;
+            };
+            const auto count = [&](const auto& is) {
+                return static_cast<std::size_t>(std::ranges::count_if(answers, is));
+            };
+            const std::size_t away = count([](const Answer& a) { return a.hit && a.high != 0; });
+            const std::size_t floats = count([](const Answer& a) { return a.hit && a.as_float != 0; });
+            const std::size_t doubles = count([](const Answer& a) { return a.hit && a.as_double != 0; });
+            INFO(shape.name << (made ? ", made" : ", random"));
+            REQUIRE(floats > 100);
+            for (const std::size_t exactly : {std::size_t{1}, problems.size() + 1}) {
+                CHECK(differ([](Answer&) {}, exactly) == 0);
+                CHECK(differ([](Answer& a) { a.hit = !a.hit; }, exactly) == problems.size());
+                CHECK(differ([](Answer& a) { a.low += 0x1p-71 * a.high; }, exactly) == away);
+                CHECK(differ([](Answer& a) { a.bound = 0x1p-71 * a.high; }, exactly) == away);
+                CHECK(differ([](Answer& a) { a.as_double = std::nextafter(a.as_double, 0); }, exactly) == doubles);
+                CHECK(differ([](Answer& a) { a.as_float = std::nextafter(static_cast<float>(a.as_float), 0.0F); },
+                             exactly) == floats);
+            }
+        }
+}
+
+}  // namespace test_exact
