@@ -101,7 +101,7 @@ bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
 /// By its distance from the circle, which along the ray has its least near the least of three points in a row.
 bool hits(const Ray<Real>& ray, const Torus<Real>& t) {
     const Vec<Real> f = ray.origin - t.centre, &d = ray.direction;
-    const Real a = dot(d, d), h = dot(f, d), outer = t.major_radius + t.minor_radius;
+    const Real a = dot(d, d), h = dot(f, d), outer = (t.major_radius + t.minor_radius) * 11 / 10;
     const Real disc = h * h - a * (dot(f, f) - outer * outer);
     if (disc < 0) return false;
     const Real begin = max(Real((-h - sqrt(disc)) / a), Real(0)), step = ((-h + sqrt(disc)) / a - begin) / 64;
