@@ -55,6 +55,21 @@ TEST_CASE("two levels of boxes are named from the inside out, and explained") {
           "box.filtered^box.signs@plain");
 }
 
+TEST_CASE("steps and offsets of a form behind a box in the world are those of its way into the space of the solid") {
+    const Scratch folder;
+    const std::string form = "box.signs@plain", out = (folder.path() / "out").string();
+    const auto step = [&](const std::string& name, const std::string& where) {
+        REQUIRE(run("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step -o '" + out +
+                    where + "'")
+                    .code == 0);
+        return read_csv(folder.path() / ("out" + where) / "behind-boxes.instance/summary.csv")[0].at(
+            "worst_step_inverse");
+    };
+    CHECK(step(form, "/a") == step(form + "^box.embree_robust", "/b"));
+    CHECK(run("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8 -o '" + out + "/c'")
+              .code == 0);
+}
+
 TEST_CASE("what cannot be behind a box is refused with what to write") {
     const auto refused = [](const std::string& arguments, int code, const std::string& words) {
         const auto r = run(arguments);

@@ -142,6 +142,11 @@ bool has_box(const Intersector& row) {
     return placed.form != nullptr && has_box(*placed.form);
 }
 
+const Intersector& within_boxes(const Intersector& row) {
+    const HullParts made = made_of(row);
+    return made.form != nullptr && row.is_placed ? within_boxes(*made.form) : row;
+}
+
 const Intersector& innermost(const Intersector& row) {
     if (const HullParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
     const auto placed = space::made_of(row);

@@ -26,6 +26,9 @@ HullParts made_of(const table::Intersector& row);
 /// Whether a row is behind a box, in the space of its solid or in the world; of a set whether any of its forms is.
 bool has_box(const table::Intersector& row);
 
+/// A row for solids under matrices without its boxes in the world: one that `space::through` made.
+const table::Intersector& within_boxes(const table::Intersector& row);
+
 /// The form itself, behind all boxes and spaces.
 const table::Intersector& innermost(const table::Intersector& row);
 /// The same boxes and spaces around another form of that shape.

@@ -20,7 +20,9 @@ OwnWords::OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs&
     if (!(needs & metric::needs_steps)) return;
     const Solid<double> asked = inputs.solids[solid];
     const intersect::table::Intersector& part = form.of(asked.shape);
-    if (asked.placed && part.is_placed) steps_ = answer::steps_of(part, row.format, ray, asked, rays.range(i));
+    if (!asked.placed || !part.is_placed) return;
+    // A box in the world is no step of the way.
+    steps_ = answer::steps_of(intersect::hull::within_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
 void OwnWords::into(metric::Sample& sample) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "measure/offset/ball_of.hpp"
 #include "measure/offset/half_line.hpp"
@@ -145,8 +146,8 @@ private:
     /// o + t d, what is projected M times the point there, and the normal A⁻ᵀ times that there, made unit. A way that
     /// takes adj(A) for A⁻¹ and a solid |det A| times as large has its ray made as much smaller.
     void put_object_point(Leaving<T>& found) const {
-        const auto& steps =
-            intersect::space::steps_in<T>(*intersect::space::made_of(work_.row_.form->of(found.solid.shape)).space);
+        const auto& steps = intersect::space::steps_in<T>(
+            *intersect::space::made_of(intersect::hull::within_boxes(work_.row_.form->of(found.solid.shape))).space);
         const Placement<T> placed = *std::exchange(found.solid.placed, std::nullopt);
         const auto maps = steps.maps(placed);
         const auto in = steps.to_object(maps, found.ray);

@@ -1,8 +1,6 @@
 #include "output/file/atomic_file.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
-#include <pthread.h>
 #include <sys/file.h>
 #include <sys/random.h>
 #include <sys/resource.h>
@@ -17,11 +15,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <mutex>
 #include <stdexcept>
 #include <system_error>
 
 #include "number/error.hpp"
+#include "output/file/partial_files.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/files_of_run.hpp"
 
@@ -29,89 +27,6 @@ namespace lostbits::output::file {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{256} * 1024;
-
-// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
-// slot to null owns the string: the handler never frees what it took, which leaks a name in a process that is ending
-// anyway.
-struct Slots {
-    std::array<std::atomic<char*>, 1024> names{};
-    std::atomic<Slots*> next{nullptr};
-};
-Slots first_slots;
-// Threads read and free names under it; the handler, which frees none, does without.
-std::mutex names_mutex;
-std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
-static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
-
-std::atomic<int> threads_creating{0};
-std::atomic<bool> is_ending{false};
-
-/// While one lives, its thread runs no signal handler, and one that removes the files waits for it: a file that is
-/// created just behind the handler's back would stay (a run ended by SIGSEGV left one).
-class Creation {
-public:
-    Creation() {
-        sigset_t all;
-        sigfillset(&all);
-        pthread_sigmask(SIG_BLOCK, &all, &before_);
-        ++threads_creating;
-        if (!is_ending) return;
-        leave();
-        throw Interrupted();
-    }
-    ~Creation() { leave(); }
-    Creation(const Creation&) = delete;
-    Creation& operator=(const Creation&) = delete;
-
-private:
-    void leave() noexcept {
-        --threads_creating;
-        pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-    }
-    sigset_t before_{};
-};
-
-/// Calls `use` on slot after slot, until it answers true or all were there.
-template <class Use>
-bool any_slot(const Use& use) {
-    for (Slots* block = &first_slots; block != nullptr; block = block->next.load()) {
-        if (std::any_of(block->names.begin(), block->names.end(), use)) return true;
-    }
-    return false;
-}
-
-void add_slots() {
-    auto fresh = std::make_unique<Slots>();
-    for (Slots* block = &first_slots;;) {
-        Slots* next = nullptr;
-        if (block->next.compare_exchange_strong(next, fresh.get())) break;
-        block = next;
-    }
-    static_cast<void>(fresh.release());  // for as long as the process lives
-}
-
-std::atomic<char*>* register_partial(const std::string& partial) {
-    char* const name = ::strdup(partial.c_str());
-    if (name == nullptr) throw std::bad_alloc();
-    std::atomic<char*>* found = nullptr;
-    const auto take = [&](std::atomic<char*>& slot) {
-        char* expected = nullptr;
-        if (!slot.compare_exchange_strong(expected, name)) return false;
-        found = &slot;
-        return true;
-    };
-    while (!any_slot(take)) add_slots();
-    if (const auto listener = partial_listener.load()) listener(name);
-    return found;
-}
-
-/// True when this thread took the name back, false when a signal handler did (and removed the file).
-bool unregister_partial(std::atomic<char*>* slot) noexcept {
-    const std::lock_guard lock(names_mutex);
-    char* name = slot->exchange(nullptr);
-    std::free(name);
-    return name != nullptr;
-}
 
 const char* remedy(int error_number) {
     switch (error_number) {
@@ -191,15 +106,6 @@ int open_new(const std::function<std::string()>& make, const std::function<void(
     }
 }
 
-bool is_live(const std::string& prefix) {
-    const std::lock_guard lock(names_mutex);
-    return any_slot([&](const std::atomic<char*>& slot) {
-        const char* const name = slot.load();
-        return name != nullptr && std::strncmp(name, prefix.c_str(), prefix.size()) == 0 &&
-               std::strlen(name) == prefix.size() + drawn_letters;
-    });
-}
-
 /// What dead runs left of this file. A folder of results was looked through when its run began.
 void remove_abandoned_beside(const std::filesystem::path& final) {
     if (is_in_own_folder(final)) return;
@@ -236,7 +142,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(
         if (::access(final_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }
     const std::string prefix = partial_prefix(final_);
-    if (is_live(prefix)) throw std::logic_error(path.string() + " is being written already");
+    if (is_live(prefix, drawn_letters)) throw std::logic_error(path.string() + " is being written already");
     remove_abandoned_beside(final_);
     const auto forget = [this] {
         unregister_partial(slot_);
@@ -354,20 +260,6 @@ void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
     if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(partial.c_str());
     ::close(fd);
 }
-
-void remove_partial_files() noexcept {
-    const int saved = errno;
-    is_ending = true;
-    // No longer than a second: a copy of the process has the count and not the thread.
-    for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
-    any_slot([](std::atomic<char*>& slot) {
-        if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
-        return false;
-    });
-    errno = saved;
-}
-
-void listen_to_partial_files(void (*listener)(const char*) noexcept) noexcept { partial_listener = listener; }
 
 void raise_open_file_limit() noexcept {
     rlimit limit{};

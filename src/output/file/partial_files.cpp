@@ -1,0 +1,120 @@
+#include "output/file/partial_files.hpp"
+
+#include <poll.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <new>
+
+#include "number/error.hpp"
+#include "output/file/atomic_file.hpp"
+
+namespace lostbits::output::file {
+namespace {
+
+// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
+// slot to null owns the string: the handler never frees what it took, which leaks a name in a process that is ending
+// anyway.
+struct Slots {
+    std::array<std::atomic<char*>, 1024> names{};
+    std::atomic<Slots*> next{nullptr};
+};
+Slots first_slots;
+// Threads read and free names under it; the handler, which frees none, does without.
+std::mutex names_mutex;
+std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
+static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
+
+std::atomic<int> threads_creating{0};
+std::atomic<bool> is_ending{false};
+
+/// Calls `use` on slot after slot, until it answers true or all were there.
+template <class Use>
+bool any_slot(const Use& use) {
+    for (Slots* block = &first_slots; block != nullptr; block = block->next.load()) {
+        if (std::any_of(block->names.begin(), block->names.end(), use)) return true;
+    }
+    return false;
+}
+
+void add_slots() {
+    auto fresh = std::make_unique<Slots>();
+    for (Slots* block = &first_slots;;) {
+        Slots* next = nullptr;
+        if (block->next.compare_exchange_strong(next, fresh.get())) break;
+        block = next;
+    }
+    static_cast<void>(fresh.release());  // for as long as the process lives
+}
+
+}  // namespace
+
+Creation::Creation() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+    ++threads_creating;
+    if (!is_ending) return;
+    leave();
+    throw Interrupted();
+}
+Creation::~Creation() { leave(); }
+
+void Creation::leave() noexcept {
+    --threads_creating;
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+std::atomic<char*>* register_partial(const std::string& partial) {
+    char* const name = ::strdup(partial.c_str());
+    if (name == nullptr) throw std::bad_alloc();
+    std::atomic<char*>* found = nullptr;
+    const auto take = [&](std::atomic<char*>& slot) {
+        char* expected = nullptr;
+        if (!slot.compare_exchange_strong(expected, name)) return false;
+        found = &slot;
+        return true;
+    };
+    while (!any_slot(take)) add_slots();
+    if (const auto listener = partial_listener.load()) listener(name);
+    return found;
+}
+
+bool unregister_partial(std::atomic<char*>* slot) noexcept {
+    const std::lock_guard lock(names_mutex);
+    char* name = slot->exchange(nullptr);
+    std::free(name);
+    return name != nullptr;
+}
+
+bool is_live(const std::string& prefix, std::size_t letters) {
+    const std::lock_guard lock(names_mutex);
+    return any_slot([&](const std::atomic<char*>& slot) {
+        const char* const name = slot.load();
+        return name != nullptr && std::strncmp(name, prefix.c_str(), prefix.size()) == 0 &&
+               std::strlen(name) == prefix.size() + letters;
+    });
+}
+
+void remove_partial_files() noexcept {
+    const int saved = errno;
+    is_ending = true;
+    // No longer than a second: a copy of the process has the count and not the thread.
+    for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
+    any_slot([](std::atomic<char*>& slot) {
+        if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
+        return false;
+    });
+    errno = saved;
+}
+
+void listen_to_partial_files(void (*listener)(const char*) noexcept) noexcept { partial_listener = listener; }
+
+}  // namespace lostbits::output::file
