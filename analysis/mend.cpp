@@ -12,7 +12,6 @@
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
-#include "analysis/choice/subjects.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"

@@ -146,7 +146,9 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
             CHECK(tally.below == 0);
             if (any_scale) continue;  // where most over- or underflows, little is known
             // A bound that adds up what operations lose does not see that a second word holds what the first has lost.
-            CHECK(tally.proved > tally.asked / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
+            // Of tori: a solver divides by what its bounds may hold to be 0.
+            if (form.shape != Shape::torus)
+                CHECK(tally.proved > tally.asked / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
             // Not every form knows anything: closest_approach takes the sign of what is zero but for rounding.
             if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
             if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);

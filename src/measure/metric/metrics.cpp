@@ -11,8 +11,6 @@
 #include "measure/metric/errors_of_t.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "measure/metric/march.hpp"
-#include "measure/metric/own_bound.hpp"
-#include "measure/metric/predictions.hpp"
 #include "measure/metric/published_bounds.hpp"
 #include "measure/metric/stability.hpp"
 #include "measure/truth/lost_bits.hpp"

@@ -6,6 +6,7 @@
 
 #include "measure/metric/hit_point.hpp"
 #include "number/ball.hpp"
+#include "number/rounded.hpp"
 #include "shapes/box/forms/slab.hpp"
 
 namespace lostbits::measure::metric {
@@ -83,5 +84,20 @@ double padding(const Sample& s) {
     if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
     return of(*s.ray, s.solid->box());
 }
+
+double bound(const Sample& s) {
+    if (!s.bounded) return missing;
+    if (!(s.bounded->error < HUGE_VAL)) return HUGE_VAL;
+    return std::ldexp(s.bounded->error, -static_cast<int>(ulp_exponent(s.format->shape, s.truth->floor_log2())));
+}
+
+double bound_over(const Sample& s, double error) {
+    const double size = bound(s);
+    return size == 0 && error == 0 ? 1 : size / std::fabs(error);
+}
+
+double decision(const Sample& s) { return s.bounded ? (s.bounded->proved ? 0 : 1) : missing; }
+
+double arithmetic(const Sample& s) { return s.way ? static_cast<double>(*s.way) : missing; }
 
 }  // namespace lostbits::measure::metric

@@ -2,11 +2,13 @@
 
 #include <cmath>
 
-#include "measure/truth/margin.hpp"
+#include "measure/stability/margin.hpp"
+#include "measure/stability/prediction.hpp"
+#include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::metric {
 
-using truth::missing, truth::Perturbed, truth::Turned;
+using truth::missing, truth::Perturbed, stability::Turned;
 
 namespace {
 
@@ -14,13 +16,13 @@ double in_units(double relative, const Sample& s) { return std::ldexp(relative, 
 
 double backward(const Sample& s, Perturbed perturbed) {
     if (!s.solid || s.march) return missing;
-    return in_units(truth::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
+    return in_units(stability::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
 }
 
 double margin(const Sample& s, Turned turned) {
     if (!s.solid || s.march) return missing;
-    return in_units(truth::decision_margin(*s.ray, *s.solid, turned, Perturbed::componentwise, s.convention, s.range),
-                    s);
+    return in_units(
+        stability::decision_margin(*s.ray, *s.solid, turned, Perturbed::componentwise, s.convention, s.range), s);
 }
 
 }  // namespace
@@ -33,6 +35,41 @@ double wrong_decision(const Sample& s) {
     if (!s.solid || s.march) return missing;
     if (!answer::is_wrong(s.outcome)) return 0;
     return margin(s, Turned::decision) > 1 ? 2 : 1;
+}
+
+namespace {
+
+/// Whether the tape is of a t whose decision rounding did not turn.
+bool explains_t(const Sample& s) {
+    return s.blame && !s.march && s.blame->attribution->subject == s.blame->tape->outputs.t;
+}
+
+}  // namespace
+
+double cestac_bits(const Sample& s) {
+    if (!explains_t(s)) return missing;
+    return stability::RandomRuns(*s.blame->tape).correct_bits(s.format->shape.precision);
+}
+
+double cestac_error(const Sample& s) {
+    if (!explains_t(s)) return missing;
+    const int precision = s.format->shape.precision;
+    const stability::RandomRuns runs(*s.blame->tape);
+    const double error = (runs.mean() - s.t) + s.blame->attribution->error;
+    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.blame->ulp, precision));
+}
+
+double cestac_decision(const Sample& s) {
+    if (!s.blame || s.march) return missing;
+    const bool is_stable = stability::RandomRuns(*s.blame->tape).agree();
+    return (is_stable ? 0 : 2) + (answer::is_wrong(s.outcome) ? 1 : 0);
+}
+
+double statistical_ratio(const Sample& s) {
+    if (!explains_t(s)) return missing;
+    const double bound = stability::statistical_bound(*s.blame->tape, *s.blame->attribution);
+    const double error = std::fabs(s.blame->attribution->error);
+    return error == 0 ? 0 : error / bound;
 }
 
 }  // namespace lostbits::measure::metric

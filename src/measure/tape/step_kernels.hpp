@@ -16,7 +16,7 @@ class StepRunner {
 public:
     explicit StepRunner(const StepColumns& columns) : at_(columns) {}
 
-    void run(const Step& s) const {
+    void run(const TapeStep& s) const {
         if (s.from == Word::decision) return decide(s);
         if (s.op == TapeOp::convert) return convert(s);
         switch (s.from) {
@@ -65,22 +65,22 @@ private:
 
     /// out[i] = f(a[i], …). The operands are read before the result is written, so it may take the place of one.
     template <class N, std::size_t operands, class F>
-    void computed(const Step& s, const F& f) const {
+    void computed(const TapeStep& s, const F& f) const {
         computed<N>(s, f, std::make_index_sequence<operands>());
     }
     template <class N, class F, std::size_t... k>
-    void computed(const Step& s, const F& f, std::index_sequence<k...>) const {
+    void computed(const TapeStep& s, const F& f, std::index_sequence<k...>) const {
         const Numbers<N> out(*this, s.out), in[]{Numbers<N>(*this, s.operands[k])...};
         for (std::size_t i = 0; i < at_.rays; i += Numbers<N>::lanes) out.store(i, f(in[k].load(i)...));
     }
     template <class N, class F>
-    void decision(const Step& s, const F& f) const {
+    void decision(const TapeStep& s, const F& f) const {
         const Numbers<N> a(*this, s.operands[0]), b(*this, s.operands[1]);
         bool* const out = decisions(s.out);
         for (std::size_t i = 0; i < at_.rays; i += Numbers<N>::lanes) f(a.load(i), b.load(i)).store(out + i);
     }
     template <class N>
-    void choose(const Step& s) const {
+    void choose(const TapeStep& s) const {
         const Numbers<N> a(*this, s.operands[1]), b(*this, s.operands[2]), out(*this, s.out);
         const bool* const first = decisions(s.operands[0]);
         using Lanes = typename Numbers<N>::Lanes;
@@ -91,7 +91,7 @@ private:
     }
 
     template <class N>
-    void compute(const Step& s) const {
+    void compute(const TapeStep& s) const {
         switch (s.op) {
             case TapeOp::add: return computed<N, 2>(s, [](const N& a, const N& b) { return a + b; });
             case TapeOp::sub: return computed<N, 2>(s, [](const N& a, const N& b) { return a - b; });
@@ -116,7 +116,7 @@ private:
     }
 
     [[nodiscard]] bool* decisions(std::uint16_t place) const { return at_.decisions + place * together; }
-    void decide(const Step& s) const {
+    void decide(const TapeStep& s) const {
         const bool* const a = decisions(s.operands[0]);
         const bool* const b = decisions(s.operands[1]);
         bool* const out = decisions(s.out);
@@ -133,7 +133,7 @@ private:
 
     /// From any number to any other: to a narrower one it is rounded once. Of two floats the nearest float is the high
     /// word: double{hi} + double{lo} may lie half way, and be rounded away from it.
-    void convert(const Step& s) const {
+    void convert(const TapeStep& s) const {
         switch (s.from) {
             case Word::single: return put(s, [in = column<float>(s.operands[0])](std::size_t i) { return in[i]; });
             case Word::twice: return put(s, [in = column<double>(s.operands[0])](std::size_t i) { return in[i]; });
@@ -146,7 +146,7 @@ private:
         }
     }
     template <class From>
-    void put(const Step& s, const From& from) const {
+    void put(const TapeStep& s, const From& from) const {
         const bool is_pair = s.word == Word::pair || s.word == Word::twice_pair;
         const auto put_in = [&]<class F>(F* high) {
             for (std::size_t i = 0; i < at_.rays; ++i) {
@@ -166,7 +166,7 @@ private:
 };
 
 template <class Width>
-void run_steps(const Step* steps, std::size_t count, const StepColumns& columns) {
+void run_steps(const TapeStep* steps, std::size_t count, const StepColumns& columns) {
     const StepRunner<Width> runner(columns);
     for (std::size_t k = 0; k < count; ++k) runner.run(steps[k]);
 }

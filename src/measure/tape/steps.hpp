@@ -13,7 +13,7 @@ namespace lostbits::measure::tape {
 enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
 
 /// An operation on columns.
-struct Step {
+struct TapeStep {
     TapeOp op;
     Word word, from;  ///< of the result, and of the operands that are numbers
     std::array<std::uint16_t, 3> operands;
@@ -32,8 +32,8 @@ struct StepColumns {
 };
 
 /// One function a register width, each in an object of its own.
-void run_steps_w128(const Step* steps, std::size_t count, const StepColumns& columns);
-void run_steps_w256(const Step* steps, std::size_t count, const StepColumns& columns);
-void run_steps_w512(const Step* steps, std::size_t count, const StepColumns& columns);
+void run_steps_w128(const TapeStep* steps, std::size_t count, const StepColumns& columns);
+void run_steps_w256(const TapeStep* steps, std::size_t count, const StepColumns& columns);
+void run_steps_w512(const TapeStep* steps, std::size_t count, const StepColumns& columns);
 
 }  // namespace lostbits::measure::tape

@@ -4,7 +4,7 @@
 
 namespace lostbits::measure::tape {
 
-void LOSTBITS_NAME_OF_WIDTH(run_steps)(const Step* steps, std::size_t count, const StepColumns& columns) {
+void LOSTBITS_NAME_OF_WIDTH(run_steps)(const TapeStep* steps, std::size_t count, const StepColumns& columns) {
     run_steps<Width>(steps, count, columns);
 }
 

@@ -24,7 +24,7 @@ constexpr std::size_t kind_of_column(Word w) {
     return w == Word::decision ? 2 : w == Word::twice || w == Word::twice_pair ? 1 : 0;
 }
 
-void run_steps(const std::vector<Step>& steps, const StepColumns& columns) {
+void run_steps(const std::vector<TapeStep>& steps, const StepColumns& columns) {
     const auto run = [&] {
 #if defined(__x86_64__)
         if (intersect::simd::current_isa() == intersect::simd::Isa::w256) return run_steps_w256;
@@ -70,7 +70,7 @@ public:
         if (kind_of_column(word) == 0) in(static_cast<float>(x));
         else in(x);
     }
-    void run(const std::vector<Step>& steps) const {
+    void run(const std::vector<TapeStep>& steps) const {
         run_steps(steps, {floats_.get(), doubles_.get(), decisions_.get(), rays});
     }
 
@@ -141,11 +141,11 @@ TapeProgram::TapeProgram(const Tape& tape) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
         if (last[static_cast<std::size_t>(i)] == no_node || is_given(n.op)) continue;
-        Step s{.op = n.op,
-               .word = word(i),
-               .from = word(n.operands[n.op == TapeOp::select ? 1 : 0]),
-               .operands = {},
-               .out = 0};
+        TapeStep s{.op = n.op,
+                   .word = word(i),
+                   .from = word(n.operands[n.op == TapeOp::select ? 1 : 0]),
+                   .operands = {},
+                   .out = 0};
         for (std::size_t k = 0; k < 3; ++k)
             if (n.operands[k] != no_node) s.operands[k] = at(n.operands[k]);
         for (std::size_t k = 0; k < 3; ++k) {

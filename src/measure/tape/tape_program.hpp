@@ -45,7 +45,7 @@ private:
     };
     class Columns;
 
-    std::vector<Step> steps_;
+    std::vector<TapeStep> steps_;
     std::vector<Constant> constants_;
     std::vector<Input> inputs_;
     std::size_t input_count_ = 0;

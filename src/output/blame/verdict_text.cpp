@@ -189,8 +189,7 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                             name, fares(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                s.around < x.standing.around ? ", by a bit or more" : "",
-                                fares(s));
+                                s.around < x.standing.around ? ", by a bit or more" : "", fares(s));
     }
     for (const auto* form : x.unasked)
         text += !(form->shapes() == x.form->shapes())

@@ -19,7 +19,6 @@
 #include <system_error>
 
 #include "number/error.hpp"
-#include "output/file/partial_files.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/files_of_run.hpp"
 

@@ -1,4 +1,4 @@
-#include "output/file/partial_files.hpp"
+#include "output/file/atomic_file.hpp"
 
 #include <poll.h>
 #include <pthread.h>
@@ -14,7 +14,6 @@
 #include <new>
 
 #include "number/error.hpp"
-#include "output/file/atomic_file.hpp"
 
 namespace lostbits::output::file {
 namespace {

@@ -45,22 +45,6 @@ void read_verdict(TableReader& table, Claim& claim) {
         table.fail_at("condition", "goes with verdict = \"qualified\": a sentence that is true where it is met");
 }
 
-/// A verdict follows from what the sentence says of every number that the interval admits, so whatever is measured in
-/// it confirms the verdict too.
-void check_criterion(const TableReader& table, const Claim& claim) {
-    if (!claim.criterion) return;
-    const bool met = claim.criterion->is_met_by(claim.low, claim.high),
-               failed = claim.criterion->is_failed_by(claim.low, claim.high);
-    if (claim.verdict == V::holds ? met : claim.verdict == V::refuted ? failed : met || failed) return;
-    table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
-                                           "follow; change the verdict, the sentence or the interval",
-                                           claim.criterion->text,
-                                           met      ? "true"
-                                           : failed ? "false"
-                                                    : "true of some and false of others",
-                                           claim.low, claim.high, name_of(claim.verdict)));
-}
-
 /// What the verdict rests on, and whether the claim has that.
 void read_evidence(TableReader& table, Claim& claim) {
     claim.evidence = table.optional_one_of<Evidence>("evidence", evidences).value_or(Evidence::none);
@@ -296,7 +280,7 @@ void read_expect(TableReader table, Claim& claim) {
     claim.high = static_cast<double>(ends[1]);
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
     claim.criterion = read_criterion(table);
-    check_criterion(table, claim);
+    if (claim.criterion) claim.criterion->demand(table, name_of(claim.verdict), claim.low, claim.high);
     claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
     table.reject_unknown_keys();
 }

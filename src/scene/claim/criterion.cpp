@@ -51,4 +51,16 @@ std::optional<Criterion> read_criterion(toml::TableReader& table) {
     return Criterion{low, high, fmt::format("[{}, {}]", low, high)};
 }
 
+void Criterion::demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const {
+    const bool met = is_met_by(from, to), failed = is_failed_by(from, to);
+    if (verdict == "holds" ? met : verdict == "refuted" ? failed : met || failed) return;
+    table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
+                                           "follow; change the verdict, the sentence or the interval",
+                                           text,
+                                           met      ? "true"
+                                           : failed ? "false"
+                                                    : "true of some and false of others",
+                                           from, to, verdict));
+}
+
 }  // namespace lostbits::scene::claim

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "scene/toml/toml_reader.hpp"
 
@@ -17,6 +18,9 @@ struct Criterion {
     [[nodiscard]] bool is_met_by(double from, double to) const { return low <= from && to <= high; }
     /// True of none of them.
     [[nodiscard]] bool is_failed_by(double from, double to) const { return to < low || high < from; }
+    /// A verdict follows from what the sentence says of every number that the interval from `from` to `to` admits, so
+    /// whatever is measured in it confirms the verdict too. InputError at the criterion where it does not.
+    void demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const;
 };
 
 /// The key `criterion`: a comparison ("= 0", "< 1", "<= 1", "> 0", ">= 10"), or the two ends of an interval. InputError

@@ -1,5 +1,5 @@
 // Predictions of errors: coins that fall as they should, and a bound that is the root of a sum of squares.
-#include "measure/blame/prediction.hpp"
+#include "measure/stability/prediction.hpp"
 
 #include <cmath>
 
@@ -9,8 +9,8 @@
 namespace lostbits::test::test_prediction {
 
 using measure::blame::attribute;
-using measure::blame::RandomRuns;
-using measure::blame::statistical_bound;
+using measure::stability::RandomRuns;
+using measure::stability::statistical_bound;
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include "counts.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/seeded.hpp"
+#include "measure/stability/margin.hpp"
 #include "measure/truth/box_families.hpp"
-#include "measure/truth/margin.hpp"
 #include "measure/truth/ray_families.hpp"
 #include "measure/truth/textbook.hpp"
 #include "measure/truth/truth.hpp"
@@ -18,11 +18,11 @@ namespace test_margin {
 
 using namespace lostbits;
 using namespace testing::textbook;
-using measure::truth::backward_error;
-using measure::truth::decision_margin;
+using measure::stability::backward_error;
+using measure::stability::decision_margin;
+using measure::stability::Turned;
 using measure::truth::find_truth;
 using measure::truth::Perturbed;
-using measure::truth::Turned;
 using testing::Seeded;
 
 namespace {

@@ -256,7 +256,9 @@ function onsetLines(row) {
             low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
     return [make(
         "details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`),
-        make("table", {}, header("event", "threshold", "last good", "first seen bad", "first seen bad over draws"), body))];
+        make(
+            "table", {}, header("event", "threshold", "last good", "first seen bad", "first seen bad over draws"),
+            body))];
 }
 
 function walkSteps(by) {

@@ -4,7 +4,9 @@
 #include "measure/truth/reach.hpp"
 #include "measure/truth/truth.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::stability {
+
+using truth::Perturbed;
 
 /// Which change counts: of hit or miss alone, or of the root that is met, too.
 enum class Turned : std::uint8_t { decision, root };
@@ -23,4 +25,4 @@ double backward_error(const Ray<double>& ray, const Solid<double>& solid, double
                       Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                       Range<double> range = {});
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::stability

@@ -1,18 +1,20 @@
-#include "measure/truth/margin.hpp"
+#include "measure/stability/margin.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "measure/truth/side.hpp"
-#include "number/affine_form.hpp"
+#include "number/wide/affine_form.hpp"
 
-namespace lostbits::measure::truth {
+namespace lostbits::measure::stability {
+
+using namespace truth;
 
 namespace {
 
 constexpr std::size_t most_inputs = 6 + most_stored;
-using Near = AffineForm<most_inputs>;
+using Near = number::wide::AffineForm<most_inputs>;
 
 /// A problem in units in which its largest length and its largest component of d are about 1, which changes no answer,
 /// and all problems within ε of it.
@@ -208,4 +210,4 @@ double backward_error(const Ray<double>& ray, const Solid<double>& solid, double
     });
 }
 
-}  // namespace lostbits::measure::truth
+}  // namespace lostbits::measure::stability

@@ -11,7 +11,7 @@
 #include "number/concept.hpp"
 #include "number/wide/running.hpp"
 
-namespace lostbits {
+namespace lostbits::number::wide {
 
 /// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where the same ηᵢ stand in every number of a problem: affine
 /// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). The ηᵢ
@@ -27,13 +27,13 @@ namespace lostbits {
 template <std::size_t N>
 class AffineForm {
 public:
-    using Centre = number::wide::Running<number::wide::TwoWords<double>>;
+    using Centre = Running<TwoWords<double>>;
     /// Behind the last place of each vector, in rising order, up to N; none: each ηᵢ for itself.
     using Vectors = std::span<const std::size_t>;
 
     AffineForm() = default;
     explicit AffineForm(int x) : centre_(x) {}
-    explicit AffineForm(double x) : centre_(number::wide::TwoWords<double>(x)) {}
+    explicit AffineForm(double x) : centre_(TwoWords<double>(x)) {}
     /// Input number i: x + step ηᵢ, and what x itself may be off by. `vectors` outlives every number that is made of
     /// it.
     AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
@@ -188,9 +188,13 @@ private:
     Vectors vectors_{};
 };
 
-template <std::size_t N>
-inline constexpr bool stands_for_exact<AffineForm<N>> = true;
+}  // namespace lostbits::number::wide
 
-static_assert(Number<AffineForm<4>>);
+namespace lostbits {
+
+template <std::size_t N>
+inline constexpr bool stands_for_exact<number::wide::AffineForm<N>> = true;
+
+static_assert(Number<number::wide::AffineForm<4>>);
 
 }  // namespace lostbits

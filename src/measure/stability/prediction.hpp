@@ -6,7 +6,9 @@
 
 #include "measure/blame/attribution.hpp"
 
-namespace lostbits::measure::blame {
+namespace lostbits::measure::stability {
+
+using blame::Attribution;
 
 /// Three runs of a tape in which each result that rounds is rounded up or down by the toss of a coin, and every
 /// decision is taken by the values that arise: CESTAC (La Porte and Vignes, 1974), as CADNA has it. The coins follow
@@ -30,4 +32,4 @@ struct RandomRuns {
 /// probabilistic rounding error analysis, 2019). Of a subject that is a number.
 double statistical_bound(const Tape& tape, const Attribution& attribution);
 
-}  // namespace lostbits::measure::blame
+}  // namespace lostbits::measure::stability

@@ -1,4 +1,4 @@
-#include "measure/blame/prediction.hpp"
+#include "measure/stability/prediction.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +9,10 @@
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
 
-namespace lostbits::measure::blame {
+namespace lostbits::measure::stability {
+
+using namespace blame;
+
 namespace {
 
 /// SplitMix64: a sequence for each seed, the same on every machine.
@@ -103,4 +106,4 @@ double statistical_bound(const Tape& tape, const Attribution& attribution) {
     return std::sqrt(squares);
 }
 
-}  // namespace lostbits::measure::blame
+}  // namespace lostbits::measure::stability
