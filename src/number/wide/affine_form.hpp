@@ -70,6 +70,9 @@ public:
         return x.linear(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
+    /// It stands for exact numbers, which have no neighbours.
+    friend AffineForm next_up(const AffineForm& x) { return x; }
+    friend AffineForm next_down(const AffineForm& x) { return x; }
     friend AffineForm abs(const AffineForm& x) { return select(x < AffineForm(0), -x, x); }
     friend AffineForm copysign(const AffineForm& a, const AffineForm& b) {
         const AffineForm size = abs(a);
@@ -188,13 +191,6 @@ private:
     Vectors vectors_{};
 };
 
+static_assert(Number<AffineForm<4>>);
+
 }  // namespace lostbits::number::wide
-
-namespace lostbits {
-
-template <std::size_t N>
-inline constexpr bool stands_for_exact<number::wide::AffineForm<N>> = true;
-
-static_assert(Number<number::wide::AffineForm<4>>);
-
-}  // namespace lostbits
