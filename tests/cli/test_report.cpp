@@ -120,15 +120,15 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
     const auto json = scratch.path() / "claims.csv";
     REQUIRE(run("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'").code == 0);
-    std::size_t held = 0, refuted = 0;
     const std::string csv = contents(json);
-    held = all_of(csv, "(,holds,)").size();
-    refuted = all_of(csv, "(,refuted,)").size();
+    const std::size_t held = all_of(csv, "(,holds,)").size(), refuted = all_of(csv, "(,refuted,)").size(),
+                      qualified = all_of(csv, "(,qualified,)").size();
     REQUIRE(held > 0);
     REQUIRE(refuted > 0);
     CHECK(all_of(page, R"(<b>(\d+)</b> hold<)") == std::vector{std::to_string(held)});
     CHECK(all_of(page, R"(<b>(\d+)</b> refuted<)") == std::vector{std::to_string(refuted)});
-    CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted);
+    CHECK(all_of(page, R"(<b>(\d+)</b> qualified<)").size() == (qualified > 0 ? 1 : 0));
+    CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted + qualified);
     // A claim about a form that the page does not show leads nowhere.
     const auto links =
         all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
