@@ -57,7 +57,7 @@ std::vector<NodeId> some_of(const Tape& made, int every) {
 
 }  // namespace
 
-TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "[shader-device]") {
+TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "[.][shader-device]") {
     for (const auto& [name, scene_name, forms] :
          {std::tuple("sphere", "rtg-fig-7-3-4100-oblique",
                      std::vector{"sphere.half_b", "sphere.unit_half_b", "sphere.kahan_discriminant"}),
