@@ -233,7 +233,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric + "\", which is not a metric; " +
                          scene::toml::did_you_mean(search.metric, names));
     }
-    if (metric->by_run())
+    if (metric->by_run)
         throw InputError(
             path.string() + ":1:1: search.metric is \"" + search.metric +
             "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");

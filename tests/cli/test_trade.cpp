@@ -167,7 +167,7 @@ TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
     };
     const Case cases[] = {{"-f bf16", 2, "only f32 and f64"},
                           {"-f f31", 2, "f32"},
-                          {"--shape torus", 2, "torus"},
+                          {"--shape teapot", 2, "teapot"},
                           {"-i box.signs", 4, "sphere.*"},
                           {"--shape box -i 'sphere.*'", 4, "box.*"},
                           {"-i sphere.unifed", 2, "sphere.unified"},

@@ -204,6 +204,7 @@ TEST_CASE("plugin: what does better on a ray is asked of libraries that are isol
     CHECK(isolated.code == 0);
     CHECK(lists(isolated, "odd.right"));
     CHECK(lists(isolated, "sphere.unified"));
+    CHECK(lists(isolated, "odd.far_first"));  // on other rays around it, it does better
     for (const std::string form : {"odd.crash", "odd.hangs", "odd.exits", "odd.refuses"}) {
         CHECK_FALSE(lists(isolated, form));
         CHECK(has(isolated.err, form));

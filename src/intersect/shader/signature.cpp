@@ -29,20 +29,22 @@ std::string variable_of(std::string_view key) { return "lb_" + std::string(key);
 
 constexpr std::string_view origin = "lb_origin", direction = "lb_direction", inverse = "(1.0 / lb_direction)";
 
-/// The point of a shape that has that name; null: none.
-const Key* point_named(const ShapeRow& row, const std::string& name) {
-    for (const Key& key : row.keys) {
-        const bool is = name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end();
-        if (is && !name.empty() && key.count() == 3) return &key;
-    }
-    return nullptr;
+bool is_named(const Key& key, const std::string& name) {
+    return !name.empty() && (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end());
+}
+
+/// The key of a shape that has that name and so many numbers; null: none.
+const Key* key_named(const ShapeRow& row, const std::string& name, std::size_t numbers) {
+    const auto key =
+        std::ranges::find_if(row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
+    return key == row.keys.end() ? nullptr : &*key;
 }
 
 /// What a name of a vec3 says of it, as an expression; empty: nothing. The keys of `shape` go before all else: a
 /// capsule has a `start`, and a triangle may have a `p0`.
 std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
     const std::string name = lower(named);
-    if (const Key* key = shape == nullptr ? nullptr : point_named(*shape, name)) return variable_of(key->name);
+    if (const Key* key = shape == nullptr ? nullptr : key_named(*shape, name, 3)) return variable_of(key->name);
     const auto has = [&name](const auto& parts) {
         return std::ranges::any_of(
             parts, [&](std::string_view part) { return !part.empty() && name.find(part) != std::string::npos; });
@@ -55,7 +57,7 @@ std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
     for (const auto& spelling : spellings)
         if (has(spelling.parts) || is(spelling.words)) return variable_of(spelling.key);
     for (const ShapeRow& row : shape_rows)
-        if (const Key* key = point_named(row, name)) return variable_of(key->name);
+        if (const Key* key = key_named(row, name, 3)) return variable_of(key->name);
     return {};
 }
 
@@ -132,6 +134,11 @@ private:
     /// A length of the solid, or where the ray begins or ends.
     bool take_number(const Parameter& p, std::size_t k) {
         const std::string name = lower(p.name);
+        // A torus has a `minor_radius`, which is no minimum.
+        if (std::ranges::any_of(shape_rows, [&](const ShapeRow& row) { return key_named(row, name, 1) != nullptr; })) {
+            lengths_.push_back(k);
+            return true;
+        }
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
         if (has("min") || has("start")) {
             arguments_[k] = "lb_tmin";
@@ -151,9 +158,7 @@ private:
         if (vectors_.size() < own || (whole_ && vectors_.size() > own)) return false;
         const auto is_parameter = [this](const Key& key) {
             return std::ranges::any_of(found_.function.parameters, [&key](const Parameter& p) {
-                const std::string name = lower(p.name);
-                return name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end() ||
-                       (key.count() == 3 && role_of(p.name) == variable_of(key.name));
+                return is_named(key, lower(p.name)) || (key.count() == 3 && role_of(p.name) == variable_of(key.name));
             });
         };
         const std::size_t points = whole_ ? 1 : vectors_.size() - own, lengths = whole_ ? 1 : lengths_.size();

@@ -28,7 +28,7 @@ std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics)
 /// What else a claim could have meant: columns of metrics that no claim about this subject names.
 void add_columns_of_the_others(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
-        if (m.by_run()) names.emplace_back("culprit_fraction");
+        if (m.by_run) names.emplace_back("culprit_fraction");
         else if (m.categories.empty())
             for (const metric::Statistic& statistic : metric::statistics)
                 names.push_back(map::column_name(m, statistic));

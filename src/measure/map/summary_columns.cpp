@@ -211,7 +211,7 @@ std::string column_name(const Metric& metric, const metric::Statistic& statistic
 Columns summary_columns(const std::vector<const Metric*>& metrics) {
     Columns columns = outcome_columns();
     for (std::size_t m = 0; m < metrics.size(); ++m) {
-        if (metrics[m]->by_run()) add_culprit(*metrics[m], m, columns);
+        if (metrics[m]->by_run) add_culprit(*metrics[m], m, columns);
         else if (!metrics[m]->categories.empty()) add_categories(*metrics[m], m, columns);
         else add_statistics(*metrics[m], m, columns);
         if (metrics[m]->name == "against") add_both_hit(m, columns);

@@ -165,7 +165,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
                                                 const blame::Setting& setting) {
     for (const Metric*& m : metrics) {
         if (is_of_operation(*m)) refuse_unknown_label(*m, forms, setting);
-        if (!m->by_run()) continue;
+        if (!m->by_run) continue;
         std::vector<std::string> operations;
         for (const Intersector* form : forms) {
             for (const std::string& operation : blame::operation_names(*form, setting)) add_once(operations, operation);
@@ -178,8 +178,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
                                                 const std::function<blame::SettingOf()>& setting) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run() || is_of_operation(*m); }))
-        return metrics;
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || is_of_operation(*m); })) return metrics;
     return for_forms(std::move(metrics), forms, setting().get());
 }
 

@@ -95,10 +95,9 @@ struct Metric {
     Over over = Over::agreed_hits;
     /// Of a metric that names one: its value is the place in this list.
     std::span<const std::string_view> categories = {};
+    bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them
     InColumns in_columns = InColumns::no;
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
-    /// The list depends on the forms of the run, and is empty until it is known (`MetricSet::for_forms`).
-    [[nodiscard]] bool by_run() const { return name == "culprit"; }
 };
 
 /// Every metric that needs no label, in the order of layers and columns.

@@ -88,8 +88,6 @@ public:
 private:
     enum class Of : unsigned char { nothing, length, direction };
     static constexpr int none = -5000;
-    /// The linear part first, row by row, then what is added.
-    static std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
     void vector(Of of, std::size_t count) {
         std::fill_n(&of_[end_], count, of);
         end_ += count;

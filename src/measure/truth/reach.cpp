@@ -157,8 +157,6 @@ public:
     }
 
 private:
-    /// The linear part first, row by row, then what is added.
-    static std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
     /// Of the world's lengths, directions, the solid's lengths under a matrix, its linear part.
     [[nodiscard]] std::size_t unit_place(std::size_t i) const {
         if (i >= 3 && i < 6) return 1;

@@ -1,6 +1,7 @@
 // How far a small error in every input can move the true answer, at a tangent too.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "measure/truth/certified.hpp"
@@ -13,6 +14,9 @@ namespace lostbits::measure::truth {
 /// least subnormal number), which leaves zeros what they are. `normwise`: each vector (origin, direction, each point of
 /// the solid) and each length v an error of length u|v|, u = 2^-p, in any direction: a 0 beside a 1 moves as far.
 enum class Perturbed : std::uint8_t { componentwise, normwise };
+
+/// Where the k-th perturbed number of a matrix stands in it: the linear part first, row by row, then what is added.
+inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
 /// A bound of |t' − t|, in units of t, for every problem within those errors whose answer is the same root: the near
 /// root or the far one, the same face. It is never too small; reach.cpp has the inequalities. `t` is the root, or where

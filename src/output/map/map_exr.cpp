@@ -119,7 +119,7 @@ ExrPart row_part(const MapExrRequest& request, const MapRow& row, const std::str
                                {"lostbits:truth", truth},
                                {"lostbits:outcomes", numbered(measure::answer::outcome_names, ", ")}});
     for (const Metric* m : request.layers) {
-        if (m->by_run() && !m->categories.empty())
+        if (m->by_run && !m->categories.empty())
             part.spec.attributes.emplace_back("lostbits:culprits", numbered(m->categories, "; "));
     }
     return part;

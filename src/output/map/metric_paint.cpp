@@ -104,7 +104,7 @@ bool MetricPaint::shares_with(const Metric& other) const {
 }
 
 Rgb8 MetricPaint::category_colour(std::size_t category) const {
-    if (metric_->by_run()) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
+    if (metric_->by_run) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
     if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
     if (metric_->over == Over::every || metric_->over == Over::blamed)
         return category == 0 ? no_culprit : image::distinct_colour(category - 1);
@@ -132,7 +132,7 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels, bool of_mesh)
         entries.push_back({hit_without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
         return entries;
     }
-    if (metric_->by_run()) {
+    if (metric_->by_run) {
         std::vector<LegendEntry> entries(
             most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
         for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
@@ -159,7 +159,7 @@ std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::siz
             entries.push_back({hit_without_value, image::outcome_colours[0], count_text(without, summary.rays)});
         return entries;
     }
-    if (metric_->by_run()) return culprit_legend(summary, m);
+    if (metric_->by_run) return culprit_legend(summary, m);
     std::vector<LegendEntry> entries;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
         const std::uint64_t n = summary.categories[m][c];
@@ -198,7 +198,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
 }
 
 std::string MetricPaint::note(bool several) const {
-    if (metric_->by_run())
+    if (metric_->by_run)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!scale_) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
@@ -225,7 +225,7 @@ std::string MetricPaint::quantile_note() const {
 }
 
 std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
-    if (metric_->by_run()) {
+    if (metric_->by_run) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
         const std::uint64_t blamed = measure::blame::rays_with_culprit(s.categories[m]);
@@ -277,7 +277,7 @@ std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
 }
 
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
-    if (metric_->by_run()) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
+    if (metric_->by_run) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
     if (metric_->over != Over::agreed_hits)
         return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both hit", metric_->unit, pixels);
     return fmt::format(

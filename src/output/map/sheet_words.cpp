@@ -31,7 +31,7 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
                                         std::span<const measure::map::MapRow> rows, const MetricPaint& paint,
                                         bool several) {
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
-                                               paint.metric().by_run() ? "" : "; percentages are of all of them"),
+                                               paint.metric().by_run ? "" : "; percentages are of all of them"),
                                    paint.note(several), paint.quantile_note(),
                                    rows.empty() ? "" : input_note(scene, rows)};
     if (!rows.empty())

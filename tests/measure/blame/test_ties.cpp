@@ -70,7 +70,7 @@ struct Seen {
 };
 
 /// The tape has the same culprit, and the same equals, in whatever order it stands.
-void demand_one_culprit(const Tape& tape, Random& random, Seen& seen) {
+void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& seen) {
     const Attribution a = measure::blame::attribute(tape);
     for (int k = 0; k < 3; ++k) {
         const Shuffled s = shuffle(tape, random);
@@ -78,7 +78,7 @@ void demand_one_culprit(const Tape& tape, Random& random, Seen& seen) {
         REQUIRE(b.subject == s.at(a.subject));
         REQUIRE(b.culprit == s.at(a.culprit));
         // Of a solver's thousands of operations adjoints are long sums, in another order off by their last place.
-        if (tape.size() < 1000) REQUIRE(b.equals == s.at(a.equals));
+        if (!is_solver) REQUIRE(b.equals == s.at(a.equals));
     }
     seen.ties += !a.equals.empty();
     seen.not_first += std::ranges::any_of(a.equals, [&](NodeId i) { return i < a.culprit; });
@@ -220,7 +220,7 @@ TEST_CASE("every form has the same culprit in every order of its tape", "[ties]"
                     Tape tape;
                     form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
                     INFO(form.info->name << " in " << name << ", " << far << " times as far, ray " << i);
-                    demand_one_culprit(tape, random, seen);
+                    demand_one_culprit(tape, form.shape == Shape::torus, random, seen);
                 }
             }
         }
@@ -245,7 +245,7 @@ TEST_CASE("so have the rays 4100 radii away", "[ties]") {
         const auto ask = [&](const Ray<double>& ray, const Solid<double>& at) {
             Tape tape;
             form.record(f32, ray, intersect::Target<double>(at), HUGE_VAL, tape);
-            demand_one_culprit(tape, random, seen);
+            demand_one_culprit(tape, false, random, seen);
         };
         for (std::size_t i = 0; i < picture.size(); i += 5) ask(picture[i], solid);
         for (const auto& family : families) {
