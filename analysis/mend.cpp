@@ -6,7 +6,6 @@
 #include <deque>
 #include <filesystem>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <regex>
 
@@ -50,44 +49,6 @@ measure::map::MapRow row_of(const MendOptions& o, const std::string& id, const c
         throw NothingSelected(
             fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, id));
     return {.form = forms.front(), .format = formats.front()};
-}
-
-/// All forms of the catalogue for the same solids and format.
-std::vector<measure::map::MapRow> catalogue_beside(const measure::map::MapRow& row) {
-    std::vector<measure::map::MapRow> rows;
-    for (const auto& form : intersect::table::catalogue())
-        if (form.shape == row.form->shape && form.exists_in(row.format)) rows.push_back({&form, row.format});
-    return rows;
-}
-
-/// These, the most accurate first.
-void add_catalogue(MendResult& result) {
-    const MendRequest& request = result.request;
-    measure::choice::ChoiceRequest all{
-        .scene = request.scene, .rows = catalogue_beside(request.row), .wish = request.wish};
-    all.limit = request.limit;
-    const auto worth = request.scene ? worth_of(all) : request.rays->worth;
-    std::vector<std::size_t> order(worth.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order,
-                             [&](auto a, auto b) { return measure::mend::is_more_accurate(worth[a], worth[b]); });
-    for (const std::size_t k : order) {
-        result.catalogue.push_back(all.rows[k]);
-        result.catalogue_worth.push_back(worth[k]);
-    }
-}
-
-/// How far each of the mended forms holds.
-void add_rooms(MendResult& result) {
-    const MendRequest& request = result.request;
-    measure::choice::ChoiceRequest asked{.scene = request.scene, .rays = request.rays, .wish = request.wish};
-    asked.limit = request.limit;
-    for (const auto& proposal : proposals_of(result)) {
-        const measure::tape::TapeForm form(*request.row.form, request.row.format, proposal.tape, "mended", "");
-        auto rooms = rooms_of(asked, {.form = &form.row(), .format = request.row.format});
-        if (proposal.rewritten) result.rewritten_rooms.push_back(std::move(rooms));
-        else result.rooms = std::move(rooms);
-    }
 }
 
 /// The form, what it was mended to, and the catalogue, timed in one run. Where nothing can be compiled, it says why.
@@ -149,7 +110,7 @@ public:
 
     /// The request is about these files from then on.
     void become_subject_of(MendRequest& request) {
-        rays_ = judged(request, catalogue_beside(request.row));
+        rays_ = judged(request, measure::mend::catalogue_beside(request.row));
         choice::note_rounded(rays_, common_.quiet);
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
@@ -222,9 +183,7 @@ Exit run(const MendOptions& o, const Common& common) {
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
     const measure::mend::Mended mended = mend(request);
-    MendResult result{.request = request, .mended = mended, .catalogue = {}, .catalogue_worth = {}};
-    add_catalogue(result);
-    add_rooms(result);
+    MendResult result = output::mend::result_of(request, mended);
     const std::string command = scene ? command_of(o) : common.typed.of(subject);
     if (o.price) add_prices(result, o, command);
     if (header) {

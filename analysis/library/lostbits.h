@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 3
+#define LOSTBITS_ABI 4
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -203,6 +203,15 @@ typedef struct lostbits_wish {
  * result where nothing meets it. */
 LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
                                  const lostbits_run* run, lostbits_result** result, lostbits_error* error);
+
+/* What to change in the one form and format that `choice` names, whose operations are known, so that it meets the wish
+ * on every pixel (docs/mend.md): operations in double, or with `two_words` in two numbers of the format, and other ways
+ * of writing it. Tables `mend` and `minimal`, as the files of `lostbits mend`; text 0 in words, text 1 the form to take
+ * as C++ where one meets the wish. LOSTBITS_NO with a result where nothing does. The wish names no tolerance; `at` NULL
+ * is "max". */
+LOSTBITS_API int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words,
+                               const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                               lostbits_error* error);
 
 /* ---- Results: tables of columns, and texts ---- */
 

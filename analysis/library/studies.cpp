@@ -1,15 +1,17 @@
-// Sweeps, explained rays, offsets and choices.
+// Sweeps, explained rays, offsets, choices and mended forms.
 #include <cmath>
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/library/handles.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/choice/candidates.hpp"
+#include "measure/mend/mend.hpp"
 #include "measure/offset/offsets.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/choice/choice_text.hpp"
+#include "output/mend/mend_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/rays/made_rows.hpp"
@@ -53,15 +55,21 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     return result;
 }
 
-std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
-    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+/// The only row; `what` is asked of one whose operations are known.
+const MapRow& the_one_row(const Choosing& chosen, const std::string& what) {
     if (chosen.rows.size() != 1)
-        throw InputError("explain looks at one ray in one form and format, and " + std::to_string(chosen.rows.size()) +
-                         " are chosen; name one of each");
+        throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
+                         " rows are chosen; name one form and one format");
     const MapRow& row = chosen.rows.front();
     if (!row.form->is_template())
         throw InputError("form " + std::string(row.form->info->name) +
                          ": its operations are not known; say them with lostbits_form_write");
+    return row;
+}
+
+std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
+    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    const MapRow& row = the_one_row(chosen, "explain looks at one ray in one form and format");
     const auto* const maker = scene::rays::maker_of(*row.form);
     const measure::answer::OneRay ray(maker ? with_rays(scene, *maker) : scene, x, y);
     const auto found = measure::blame::explain(*row.form, row.format, ray);
@@ -104,16 +112,44 @@ std::array<const char*, n> words_in(const std::array<std::string_view, n>& texts
     return words;
 }
 
-/// Whether anything meets the wish; the result says what.
-bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const lostbits_wish& wish, Choosing& chosen,
-                 CallRun& running) {
+measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
     if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits are from 0 to 53");
     if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays, from 0 to 1");
     if (std::isnan(wish.tolerance)) throw InputError("tolerance is not a number; it is a length, below 0 where any is");
+    measure::choice::Wish asked{
+        .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : usual)};
+    if (wish.tolerance >= 0) asked.tolerance = wish.tolerance;
+    return asked;
+}
+
+/// Whether anything meets the wish; the result says what.
+bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
+               bool two_words, Choosing& chosen, CallRun& running) {
+    if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
+    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    choice::refuse_placed({scene}, "mend");
+    const MapRow& row = the_one_row(chosen, "a form is mended in one format");
+    if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
+    choice::refuse_makers({row.form}, "mend");
+    measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
+    request.limit.stop = running.stop();
+    const auto mended = measure::mend::mend(request);
+    const output::mend::MendResult found = output::mend::result_of(request, mended);
+    auto forms = result.tables.emplace_back("mend", output::mend::form_columns()).writer();
+    output::mend::add_forms(forms, found);
+    auto minimal = result.tables.emplace_back("minimal", output::mend::minimal_columns()).writer();
+    output::mend::add_minimal(minimal, found);
+    result.texts.push_back(output::mend::in_words(found));
+    const bool is_better = output::mend::best_of(output::mend::proposals_of(found), wish) != nullptr;
+    if (is_better) result.texts.push_back(output::mend::emitted(found, "mended.hpp", "lostbits_mend"));
+    return mended.set || is_better;
+}
+
+/// Whether anything meets the wish; the result says what.
+bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
+                 Choosing& chosen, CallRun& running) {
     measure::choice::ChoiceRequest request;
-    request.wish = {
-        .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : "p99")};
-    if (wish.tolerance >= 0) request.wish.tolerance = wish.tolerance;
+    request.wish = wish;
     request.limit.stop = request.plan.stop = running.stop();
     request.scene = &scene;
     request.rows = choice::timed_on(scene.id, {chosen.rows, chosen.forms, true},
@@ -197,7 +233,22 @@ int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, cons
         Choosing chosen(choice);
         CallRun running(run);
         auto found = std::make_unique<lostbits_result>();
-        const bool meets = choose_into(*found, scene->scene, *wish, chosen, running);
+        const bool meets = choose_into(*found, scene->scene, wish_of(*wish, "p99"), chosen, running);
+        return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
+    });
+}
+
+int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words, const lostbits_choice* choice,
+                  const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(scene, "scene");
+        require(wish, "wish");
+        require(result, "result");
+        Choosing chosen(choice);
+        CallRun running(run);
+        auto found = std::make_unique<lostbits_result>();
+        const auto asked = wish_of(*wish, "max");
+        const bool meets = mend_into(*found, scene->scene, asked, two_words != 0, chosen, running);
         return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
     });
 }

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 3
+ABI = 4
 
 
 class Error(Exception):

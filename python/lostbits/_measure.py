@@ -1,4 +1,4 @@
-"""The questions: maps, judged rays, truths, sweeps, explained rays, offsets, choices."""
+"""The questions: maps, judged rays, truths, sweeps, explained rays, offsets, choices, mended forms."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _library as lib
 from ._arrays import Floats, Rays
 from ._forms import Asked, Form, Forms, Texts, texts
-from ._results import Choice, Explanation, Judgement, Map, Offsets, Sweep, Truths
+from ._results import Choice, Explanation, Judgement, Map, Mended, Offsets, Sweep, Truths
 from ._scene import Scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
@@ -211,3 +211,24 @@ def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: fl
     wish = lib.Wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at.encode())
     code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)
     return Choice(tables_of(result), texts_of(result)[0], code == 0)
+
+
+def mend(form: Form, scene: Union[Scene, str], bits: float, *, wrong: float = 0, at: str = "max", format: str = "f32",
+         two_words: bool = False, threads: int = 0, progress: bool = True) -> Mended:
+    """What to change in a form so that t keeps `bits` correct bits on `at` ("p99", "max") of the hits of a scene, and at
+    most a share `wrong` of the rays is decided wrongly: the fewest operations that must be done in float64 (with
+    two_words=True in two floats), and other ways of writing it.
+
+    `form`: a name, or an intersector of one's own, whose unchanged function is followed as in lb.explain. The result
+    prints what `lostbits mend` says; `.operations` are those that must be wider, each with its `line` in the function's
+    file; `.forms` a row for each form that came out and each of the catalogue; `.code` the one to take as C++, or None.
+    """
+    on, asked = scene_of(scene), Asked(form, format)
+    if len(asked.own) + len(asked.names) != 1:
+        raise lib.InputError("mend changes one form; name one")
+    asked.write_for(on.sample, always=True)
+    wish = lib.Wish(bits, -1, wrong, at.encode())
+    code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(wish), c.c_int(two_words), threads=threads,
+                              progress=progress)
+    tapes = asked.own[0].tapes if asked.own else {}
+    return Mended(tables_of(result), texts_of(result), code == 0, tapes.get(format))

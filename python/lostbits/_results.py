@@ -175,6 +175,29 @@ class Choice(Summarised):
         return self.text
 
 
+class Mended:
+    """What `mend` found. Printed, it is the text; `.meets` whether anything meets the wish; `.operations`, those that
+    must be wider, each with its `line` in the function's file (None where the form ships); `.forms` (`.frame`) what
+    came out beside the catalogue; `.code` the form to take as C++, None where the form itself is as good."""
+
+    def __init__(self, tables: dict[str, Table], texts: list[str], meets: bool, followed: Tape | None) -> None:
+        self.forms, self.text, self.meets = tables["mend"], texts[0], meets
+        self.code: str | None = texts[1] if len(texts) > 1 else None
+        lines = [] if followed is None else [line for _, line in _done(followed)]
+        minimal = tables["minimal"]
+        self.operations: list[dict[str, Any]] = [
+            {"operation": str(text), "line": lines[int(step) - 1] if lines else None}
+            for text, step in zip(minimal["operation"], minimal["step"])]
+
+    @property
+    def frame(self) -> Any:
+        """The forms as a pandas.DataFrame."""
+        return self.forms.frame
+
+    def __repr__(self) -> str:
+        return self.text
+
+
 class Explanation:
     """What `explain` found. Printed, it is the text; `.operations` are rows of the operations, `.culprit` what the one
     to blame computes, such as `dot(o - centre, d)`, `.line` where the function's file does it (None where there is
@@ -200,6 +223,11 @@ class Explanation:
         return self.text
 
 
+def _done(followed: Tape) -> list[tuple[str, Any]]:
+    """What was done, in order, and where."""
+    return [(op, line) for (op, _, _), line in zip(followed.ops, followed.lines) if op not in ("input", "constant")]
+
+
 def _put_lines(operations: list[dict[str, Any]], followed: Tape) -> None:
     """Where each operation was done. The tape has one more input, and constants in pieces of their own."""
     constant, rows = dict[str, bool](), list[dict[str, Any]]()
@@ -208,8 +236,7 @@ def _put_lines(operations: list[dict[str, Any]], followed: Tape) -> None:
         constant[row["name"]] = row["operation"] == "constant" or bool(operands) and all(operands)
         if row["operation"] not in ("input", "constant") and not constant[row["name"]]:
             rows.append(row)
-    done = [(op, line) for (op, _, _), line in zip(followed.ops, followed.lines) if op not in ("input", "constant")]
-    for row, (op, line) in zip(rows, done):
+    for row, (op, line) in zip(rows, _done(followed)):
         if row["operation"] != op:
             return  # a comparison of constants, behind which places are not known
         row["line"] = line

@@ -288,6 +288,7 @@ int client_asks_for_offsets_and_a_choice(void) {
     HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "distance_error", &column) && column.numbers[0] > 0 && column.numbers[0] <= 1e-4);
     lostbits_result_free(result);
+    HOLDS(lostbits_mend(scene, &wish, 0, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
     wish.tolerance = 0;
     HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_NO);
     HOLDS(strstr(lostbits_result_text(result, 0), "Nothing meets the wish") != NULL);

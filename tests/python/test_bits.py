@@ -178,6 +178,19 @@ class Bits(unittest.TestCase):
                 self.assertEqual(float(c.candidates[name][i]), float(files[key][name]), (key, name))
         self.assertIn(c.chosen, files)
 
+    def test_mend(self):
+        words = ["mend", "near-benign", "-i", "sphere.half_b", "--bits", "20", "--size", "48x48"]
+        text = run(*words, "-o", self.out).stdout
+        m = lb.mend("sphere.half_b", lb.scene("near-benign", size=(48, 48)), 20, progress=False)
+        self.assertTrue(m.meets)
+        self.assertTrue(text.startswith(str(m)))
+        folder = os.path.join(self.out, "near-benign")
+        self.hold_table(m.forms, rows_of(os.path.join(folder, "mend.csv")))
+        rows = rows_of(os.path.join(folder, "minimal.csv"))
+        self.assertGreater(len(rows), 3)
+        self.assertEqual([row["operation"] for row in rows], [row["operation"] for row in m.operations])
+        self.assertIn("struct Mended", m.code)
+
     def test_choose_by_length(self):
         run("choose", "near-benign", "--tolerance", "0.0001cm", "--unit", "m", "--at", "max", "--quick", "-i",
             "sphere.un*", "-o", self.out)

@@ -109,6 +109,30 @@ class Blame(unittest.TestCase):
             np.testing.assert_array_equal(m.pixels["with_masks", "f32"][metric],
                                           m.pixels["sphere.schoolbook", "f32"][metric])
 
+    def test_a_function_is_mended_as_the_form_is(self):
+        scene = lb.scene("rtg-fig-7-3-4100-oblique", size=(64, 64))
+        mine, theirs = (lb.mend(form, scene, 16, progress=False) for form in (schoolbook_in_order, "sphere.schoolbook"))
+        self.assertTrue(mine.meets)
+        kept = {form: list(zip(m.forms["kind"], m.forms["wrong"], m.forms["kept_bits"]))
+                for form, m in (("mine", mine), ("theirs", theirs))}
+        self.assertEqual(kept["mine"], kept["theirs"])
+        self.assertEqual(len(mine.operations), len(theirs.operations))
+        self.assertTrue(all(row["line"] is None for row in theirs.operations))
+
+    def test_operations_that_must_be_wider_have_their_lines(self):
+        m = lb.mend(with_masks, lb.scene("near-benign", size=(32, 32)), 20, progress=False)
+        code = with_masks.function.__code__
+        with open(code.co_filename, encoding="utf-8") as file:
+            source = file.read().split("\n")
+        self.assertGreater(len(m.operations), 3)
+        names = 0
+        for row in m.operations:
+            name = row["operation"].split(" = ")[0]
+            if name in ("a", "b", "c", "disc", "root"):  # as the function calls it, where it does
+                self.assertIn(f" {name} = ", source[row["line"] - 1])
+                names += 1
+        self.assertGreater(names, 1)
+
     def test_the_culprit_has_a_line_and_the_names_of_variables(self):
         e = lb.explain(with_masks, "rtg-fig-7-3-4100-oblique", (100, 90))
         names = {row["name"]: row for row in e.operations}

@@ -2,7 +2,7 @@
 # half spaces, at most 120 lines, and its line and its include in the list must be enough: the list of shapes, the names
 # of its numbers, a solid of plain numbers, the forms of the catalogue and the span over Ball must have it.
 #   CXX, ROOT (the repository), WORK (a folder), INCLUDES (what the headers need besides)
-#   PROGRAM: also build the whole program in the copy (with BUILD_WITH, for CMake), and try it
+#   PROGRAM: also build the whole program in the copy, with a file of metrics and its word in the list, and try both
 file(REMOVE_RECURSE ${WORK})
 foreach(layer number geometry shapes intersect)
     file(COPY ${ROOT}/src/${layer} DESTINATION ${WORK}/src)
@@ -79,6 +79,27 @@ foreach(part CMakeLists.txt LICENSE analysis cmake data docs plugins src/CMakeLi
         file(COPY ${ROOT}/${part} DESTINATION ${folder})
     endif()
 endforeach()
+file(WRITE ${WORK}/src/measure/metric/lateness.hpp [=[
+#pragma once
+#include "measure/metric/metrics.hpp"
+namespace lostbits::measure::metric {
+inline constexpr Metric metrics_of_lateness[] = {{.name = "lateness",
+                                                  .unit = "length",
+                                                  .layer = "recipe.lateness",
+                                                  .meaning = "t - RN(t*)",
+                                                  .needs = needs_rounded_truth,
+                                                  .ramp = Ramp::magnitude,
+                                                  .low = 0x1p-30,
+                                                  .high = 1,
+                                                  .value = [](const Sample& s) { return s.t - s.truth_rounded; }}};
+}
+]=])
+set(metrics ${WORK}/src/measure/metric/metrics.cpp)
+file(READ ${metrics} text)
+string(REPLACE "#include \"measure/metric/march.hpp\"\n"
+    "#include \"measure/metric/lateness.hpp\"\n#include \"measure/metric/march.hpp\"\n" text "${text}")
+string(REPLACE "metrics_of_rays);" "metrics_of_rays, metrics_of_lateness);" text "${text}")
+file(WRITE ${metrics} "${text}")
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0" -DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF
     -DLOSTBITS_BUILD_PLUGINS=OFF OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
@@ -115,6 +136,13 @@ endfunction()
 say("^0\n.*half_space\\.quotient" list intersectors)
 say("^0\n" map floor.toml -i half_space.* -f f32 -f f64 -o map)
 hold(map/floor/summary.csv "\nhalf_space\\.quotient,f32,256,199,57,0,0,0,0,")
+say("^0\n.*lateness" list metrics)
+say("^0\n" map floor.toml -i half_space.* -f f32 --metric lateness --pixels csv -o metric)
+hold(metric/floor/half_space.quotient.f32.csv ",lateness")
+hold(metric/floor/summary.csv "lateness_max")
+if(NOT EXISTS ${WORK}/metric/floor/half_space.quotient.f32.lateness.png)
+    message(SEND_ERROR "there is no picture of the metric")
+endif()
 say("^0\n" sweep lower.toml -i half_space.* -f f32 -o sweep)
 hold(sweep/lower/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o judge)
@@ -139,7 +167,7 @@ static const char* run(const lb_batch* b) {
     return NULL;
 }
 const lb_form* lostbits_forms(int abi, size_t* count) {
-    static const lb_form form = {.name = "outside.half_space", .shape = 10, .format = LB_F64, .roots = LB_FIRST,
+    static const lb_form form = {.name = "outside.half_space", .shape = 11, .format = LB_F64, .roots = LB_FIRST,
                                  .flags = LB_NO_END, .run = run};
     *count = 1;
     return abi == LOSTBITS_PLUGIN_ABI ? &form : NULL;

@@ -306,15 +306,16 @@ constexpr Metric table[] = {
      .over = Over::pairs},
 };
 
-constexpr auto all = [] {
-    std::array<Metric, std::size(table) + std::size(metrics_of_stability) + std::size(metrics_of_predictions) +
-                           std::size(metrics_of_marches) + std::size(metrics_of_rays)>
-        rows{};
+template <std::size_t... n>
+constexpr auto joined(const Metric (&... lists)[n]) {
+    std::array<Metric, (n + ...)> rows{};
     auto end = rows.begin();
-    const auto add = [&end](const auto& more) { end = std::ranges::copy(more, end).out; };
-    add(table), add(metrics_of_stability), add(metrics_of_predictions), add(metrics_of_marches), add(metrics_of_rays);
+    ((end = std::ranges::copy(lists, end).out), ...);
     return rows;
-}();
+}
+
+/// A file of metrics is a word here.
+constexpr auto all = joined(table, metrics_of_stability, metrics_of_predictions, metrics_of_marches, metrics_of_rays);
 
 }  // namespace
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "number/error.hpp"
 #include "output/choice/choice_text.hpp"
 #include "output/file/atomic_file.hpp"
@@ -16,38 +19,62 @@ using file::Column;
 using file::number_or_missing;
 using measure::mend::Worth;
 
+std::vector<Column> form_columns() {
+    return {
+        {"kind", "string", "",
+         "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; rewritten: the form "
+         "written another way; catalogue"},
+        {"form", "string", "", "form"},
+        {"format", "string", "", "of its inputs and answers"},
+        {"wider", "string", "", "what wider operations are done in; missing where none is"},
+        {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue"},
+        {"operations", "integer", "", "that round; missing for the catalogue"},
+        {"rules", "string", "", "that made it, in order; missing where it was not rewritten"},
+        {"rays", "integer", "", "whose truth is known"},
+        {"true_hits", "integer", "", "rays that truly hit"},
+        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
+        {"wrong_fraction", "number", "1", "wrong/rays"},
+        {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
+        {"meets", "boolean", "", "whether it meets the wish"},
+        {"apart_rays", "integer", "", "rays on which nothing was searched; missing where they were not asked"},
+        {"apart_wrong", "integer", "", "of these, decided wrongly"},
+        {"apart_kept_bits", "number", "bits", "kept on these"},
+        {"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled"},
+        {"time_ns", "number", "ns", "a ray and solid in packs, median"},
+        {"single_time_ns", "number", "ns", "a ray and solid, one by one, median"},
+        {"front", "boolean", "",
+         "whether nothing here is at least as accurate and as fast in packs, and better in one"}};
+}
+
+std::vector<Column> minimal_columns() {
+    return {
+        {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider"},
+        {"step", "integer", "",
+         "its place among the form's operations, from 1; those of constants alone are not counted"},
+        {"rays", "integer", "", "whose truth is known"},
+        {"wrong", "integer", "", "decided wrongly without it"},
+        {"kept_bits", "number", "bits", "kept without it"},
+        {"meets", "boolean", "", "whether the wish is met without it: 0, or the set would not be minimal"}};
+}
+
 namespace {
 
-const std::vector<Column> form_columns{
-    {"kind", "string", "",
-     "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; rewritten: the form "
-     "written another way; catalogue"},
-    {"form", "string", "", "form"},
-    {"format", "string", "", "of its inputs and answers"},
-    {"wider", "string", "", "what wider operations are done in; missing where none is"},
-    {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue"},
-    {"operations", "integer", "", "that round; missing for the catalogue"},
-    {"rules", "string", "", "that made it, in order; missing where it was not rewritten"},
-    {"rays", "integer", "", "whose truth is known"},
-    {"true_hits", "integer", "", "rays that truly hit"},
-    {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
-    {"wrong_fraction", "number", "1", "wrong/rays"},
-    {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
-    {"meets", "boolean", "", "whether it meets the wish"},
-    {"apart_rays", "integer", "", "rays on which nothing was searched; missing where they were not asked"},
-    {"apart_wrong", "integer", "", "of these, decided wrongly"},
-    {"apart_kept_bits", "number", "bits", "kept on these"},
-    {"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled"},
-    {"time_ns", "number", "ns", "a ray and solid in packs, median"},
-    {"single_time_ns", "number", "ns", "a ray and solid, one by one, median"},
-    {"front", "boolean", "", "whether nothing here is at least as accurate and as fast in packs, and better in one"}};
-
-const std::vector<Column> minimal_columns{
-    {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider"},
-    {"rays", "integer", "", "whose truth is known"},
-    {"wrong", "integer", "", "decided wrongly without it"},
-    {"kept_bits", "number", "bits", "kept without it"},
-    {"meets", "boolean", "", "whether the wish is met without it: 0, or the set would not be minimal"}};
+/// Of each node, its place among the operations on what is not constant.
+std::vector<int> steps_of(const Tape& tape) {
+    std::vector<int> steps;
+    std::vector<bool> constant;
+    int step = 0;
+    for (const TapeNode& n : tape.nodes) {
+        const auto operands = std::span(n.operands).first(is_given(n.op) ? 0 : row_of(n.op).operands);
+        constant.push_back(n.op == TapeOp::constant ||
+                           (!operands.empty() && std::ranges::all_of(operands, [&](NodeId i) {
+                               return static_cast<bool>(constant[static_cast<std::size_t>(i)]);
+                           })));
+        step += !is_given(n.op) && !constant.back();
+        steps.push_back(step);
+    }
+    return steps;
+}
 
 class Rows {
 public:
@@ -99,23 +126,36 @@ private:
 
 }  // namespace
 
-MendFiles::MendFiles(const std::filesystem::path& folder)
-    : folder_(folder), forms_(folder / "mend.csv", form_columns), minimal_(folder / "minimal.csv", minimal_columns) {}
-
-void MendFiles::finish(const MendResult& r) {
+void add_forms(file::CsvWriter& csv, const MendResult& r) {
     const auto& m = r.mended;
-    Rows rows(forms_, r);
+    Rows rows(csv, r);
     const bool wider = r.has_set();
     rows.of_form("own", 0, m.own, &m.own_apart);
     if (wider) rows.of_form("wider", m.set->operations.size(), m.set->worth, &m.apart_worth);
     rows.of_form("all_wider", m.operations, m.all, m.set ? nullptr : &m.apart_worth, false);
     for (const auto& one : m.rewriting.found) rows.of_rewritten(one);
     for (std::size_t k = 0; k < r.catalogue.size(); ++k) rows.of_catalogue(r.catalogue[k], r.catalogue_worth[k]);
-    for (std::size_t k = 0; wider && k < m.set->operations.size(); ++k) {
-        const Worth& w = m.set->without[k];
-        minimal_.row({operation_in_words(r, m.set->operations[k]), w.rays, w.wrong, number_or_missing(w.kept_bits),
-                      w.meets(r.request.wish)});
+}
+
+void add_minimal(file::CsvWriter& csv, const MendResult& r) {
+    if (!r.has_set()) return;
+    const auto& set = *r.mended.set;
+    const std::vector<int> steps = steps_of(r.mended.tape);
+    for (std::size_t k = 0; k < set.operations.size(); ++k) {
+        const Worth& w = set.without[k];
+        csv.row({operation_in_words(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])], w.rays,
+                 w.wrong, number_or_missing(w.kept_bits), w.meets(r.request.wish)});
     }
+}
+
+MendFiles::MendFiles(const std::filesystem::path& folder)
+    : folder_(folder),
+      forms_(folder / "mend.csv", form_columns()),
+      minimal_(folder / "minimal.csv", minimal_columns()) {}
+
+void MendFiles::finish(const MendResult& r) {
+    add_forms(forms_, r);
+    add_minimal(minimal_, r);
     forms_.close();
     minimal_.close();
     file::AtomicFile text(folder_ / "mend.txt");
@@ -123,8 +163,8 @@ void MendFiles::finish(const MendResult& r) {
     text.commit();
     file::write_datapackage(
         folder_ / "datapackage.json", fmt::format("Mended: {}", r.request.id()),
-        {{"mend.csv", "a form, the same with wider operations, or one of the catalogue", form_columns},
-         {"minimal.csv", "an operation that is done wider", minimal_columns}});
+        {{"mend.csv", "a form, the same with wider operations, or one of the catalogue", form_columns()},
+         {"minimal.csv", "an operation that is done wider", minimal_columns()}});
 }
 
 namespace {

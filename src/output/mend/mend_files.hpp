@@ -9,6 +9,12 @@
 
 namespace lostbits::output::mend {
 
+/// The columns and rows of mend.csv and of minimal.csv.
+std::vector<file::Column> form_columns();
+void add_forms(file::CsvWriter& csv, const MendResult& result);
+std::vector<file::Column> minimal_columns();
+void add_minimal(file::CsvWriter& csv, const MendResult& result);
+
 /// Opened before the work, named when it is whole.
 class MendFiles {
 public:

@@ -178,6 +178,20 @@ std::vector<std::string> changed_lines(const MendResult& r, const Tape& now) {
     return changed_lines(statements(r.mended.tape, form), statements(now, form, &r.mended.tape));
 }
 
+MendResult result_of(const measure::mend::MendRequest& request, const measure::mend::Mended& mended) {
+    MendResult r{.request = request, .mended = mended, .catalogue = {}, .catalogue_worth = {}};
+    for (const auto& [row, worth] : ranked_catalogue(request)) {
+        r.catalogue.push_back(row);
+        r.catalogue_worth.push_back(worth);
+    }
+    for (const Proposal& proposal : proposals_of(r)) {
+        auto rooms = rooms_of_tape(request, proposal.tape);
+        if (proposal.rewritten) r.rewritten_rooms.push_back(std::move(rooms));
+        else r.rooms = std::move(rooms);
+    }
+    return r;
+}
+
 std::vector<Proposal> proposals_of(const MendResult& r) {
     std::vector<Proposal> all;
     const auto& m = r.mended;

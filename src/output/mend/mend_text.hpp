@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/choice/room.hpp"
+#include "measure/mend/beside.hpp"
 #include "measure/mend/mend.hpp"
 #include "measure/mend/price.hpp"
 
@@ -25,6 +25,9 @@ struct MendResult {
 
     [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
 };
+
+/// What was found, the catalogue beside it and how far all of it holds; without prices.
+MendResult result_of(const measure::mend::MendRequest& request, const measure::mend::Mended& mended);
 
 /// A form that came out: the set, or a way of writing it.
 struct Proposal {
