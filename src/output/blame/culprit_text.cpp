@@ -154,9 +154,9 @@ std::string counterfactual_sentence(const Explanation& x) {
         return fmt::format("With {0} alone exact the form {1}{2}; with {0} alone rounded it {3}.", what,
                            mended.hit == x.hit ? "still " : "", decides(mended.hit), decides(alone.hit));
     }
-    const auto off = [&](std::string_view what, const measure::blame::Counterfactual& c) {
+    const auto off = [&](std::string_view cause, const measure::blame::Counterfactual& c) {
         if (!c.hit) return std::string("the form misses");
-        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", what, std::fabs(c.error / words.ulp()))
+        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / words.ulp()))
                                       : "t is not finite";
     };
     return fmt::format("With {0} alone exact, {1}; with {0} alone rounded, {2}.", what, off("rounding", mended),

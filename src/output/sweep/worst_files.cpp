@@ -44,7 +44,7 @@ std::vector<file::Column> worst_columns(const WorstRequest& request) {
         {"truth_hex", "string", "t", "the same, exactly"}};
     for (const char* name : ray_names)
         columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
-    for (const auto name : number_names(request.search->shape))
+    for (const auto& name : number_names(request.search->shape))
         columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
     columns.push_back({"explain", "string", "", "the command that explains the worst ray: these numbers again"});
     return columns;
