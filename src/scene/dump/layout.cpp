@@ -172,7 +172,7 @@ void Layout::find_slots(const Complain& complain) {
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
-        if (const auto near = toml::closest(columns_[c].name, missing))
+        if (const auto near = toml::slip_of(columns_[c].name, missing))
             complain(c, fmt::format("\"{}\" is not a column we know, and \"{}\" is missing; did you mean \"{}\"? A "
                                     "column of your own is kept under a name that is further off",
                                     columns_[c].name, *near, *near));

@@ -54,35 +54,59 @@ int edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
-    std::optional<std::string> best;
-    int fewest = most_edits(word.size()) + 1;
-    const auto consider = [&](std::string_view part, const std::string& candidate) {
+namespace {
+
+/// The candidate, or the part of one, that takes fewest edits so far.
+class Fewest {
+public:
+    explicit Fewest(std::string_view word) : edits(most_edits(word.size()) + 1), word_(word) {}
+    void consider(std::string_view part, const std::string& candidate) {
         // Each edit changes the length by one at most; a name of a megabyte is near to nothing, and that is known at
         // once.
-        const std::size_t longer = std::max(word.size(), part.size()), shorter = std::min(word.size(), part.size());
-        if (longer - shorter >= static_cast<std::size_t>(fewest)) return;
-        const int edits = edit_distance(word, part);
-        if (edits >= fewest) return;
-        fewest = edits;
+        const std::size_t longer = std::max(word_.size(), part.size()), shorter = std::min(word_.size(), part.size());
+        if (longer - shorter >= static_cast<std::size_t>(edits)) return;
+        const int needed = edit_distance(word_, part);
+        if (needed >= edits) return;
+        edits = needed;
         best = candidate;
-    };
-    for (const std::string& candidate : candidates) consider(candidate, candidate);
+    }
+
+    int edits;
+    std::optional<std::string> best = {};
+
+private:
+    std::string_view word_;
+};
+
+Fewest fewest_edits(std::string_view word, const std::vector<std::string>& candidates) {
+    Fewest fewest(word);
+    for (const std::string& candidate : candidates) fewest.consider(candidate, candidate);
+    return fewest;
+}
+
+}  // namespace
+
+std::optional<std::string> slip_of(std::string_view word, const std::vector<std::string>& candidates) {
+    return fewest_edits(word, candidates).best;
+}
+
+std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
+    Fewest fewest = fewest_edits(word, candidates);
     // A name that was not ended, or that ends otherwise: `sphere-dist`, `ulps`.
-    if (fewest > 1 && word.size() >= 3) {
+    if (fewest.edits > 1 && word.size() >= 3) {
         const std::string_view begin = word.substr(0, std::max<std::size_t>(3, word.size() - 1));
         for (const std::string_view start : {word, begin})
             if (auto one = only_one(candidates, [&](const std::string& c) { return c.starts_with(start); })) return one;
     }
     // Where no whole name is near, the last part of one will do: `unified` is `sphere.unified`.
-    if (best || word.find_first_of("./") != std::string_view::npos) return best;
+    if (fewest.best || word.find_first_of("./") != std::string_view::npos) return fewest.best;
     for (const std::string& candidate : candidates) {
         const auto dot = candidate.find_last_of("./");
         const std::string_view part = std::string_view(candidate).substr(dot == std::string::npos ? 0 : dot + 1);
-        if (part.size() > 2) consider(part, candidate);
+        if (part.size() > 2) fewest.consider(part, candidate);
     }
-    if (!best) best = only_one(candidates, [&](const std::string& c) { return is_left_of(c, word); });  // `ouput`: out
-    return best;
+    if (fewest.best) return fewest.best;
+    return only_one(candidates, [&](const std::string& c) { return is_left_of(c, word); });  // `ouput`: out
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
