@@ -61,8 +61,8 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 template <class T>
 inline constexpr bool stands_for_exact = false;
 
-/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Sums that
-/// cancel their own errors exactly say nothing there, and forms leave them out.
+/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Of sums that
+/// leave nothing out they are told as a whole (number/call.hpp).
 template <class T>
 inline constexpr bool tells_of_operations = false;
 

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
+#include "measure/answer/call.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
+#include "number/tape.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -66,5 +69,13 @@ struct DeepExact {
 private:
     static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
 };
+
+/// What a call of a tape gives without rounding, where `value(operand)` are its arguments.
+template <class Exact, class Value>
+std::optional<typename Exact::Number> called(const Tape& tape, NodeId call, const Value& value) {
+    std::vector<typename Exact::Number> arguments;
+    for (const NodeId operand : tape.operands_of(call)) arguments.push_back(value(operand));
+    return answer::without_rounding(tape.call_at(call).of, std::span<const typename Exact::Number>(arguments));
+}
 
 }  // namespace lostbits::measure::blame

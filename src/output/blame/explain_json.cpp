@@ -26,11 +26,7 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
     const TapeNode& n = x.tape[i];
     const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
     Json operands = Json::array();
-    if (!is_given(n.op)) {
-        for (const NodeId operand : n.operands) {
-            if (operand != no_node) operands.push_back(text.name(operand));
-        }
-    }
+    for (const NodeId operand : x.tape.operands_of(i)) operands.push_back(text.name(operand));
     Json j{{"name", text.name(i)},
            {"operation", std::string(name_of(n.op))},
            {"operands", operands},
