@@ -19,6 +19,7 @@ using test::has;
 using test::run;
 using test::Scratch;
 using test::setting_of;
+using test::settled_exactly;
 
 namespace {
 
@@ -97,11 +98,6 @@ TEST_CASE("JSON holds every operation, and contributions that sum to the error")
 namespace {
 
 /// Whether what a C program says of the computed and of the recorded t is the same, letter by letter.
-/// From a point of the sphere; through an edge of the box and of the triangle.
-constexpr std::array settled_exactly{"--sphere=0,0,0,5 --ray=3,4,0,-1,0,0 -i sphere.filtered",
-                                     "--box=-1,-1,-1,1,1,1 --ray=-2,0,0,1,1,0 -i box.filtered",
-                                     "--triangle=0,0,0,1,0,0,0,1,0 --ray=0.5,0.5,3,0,0,-1 -i triangle.filtered"};
-
 bool says_the_same_twice(const std::string& said) {
     const auto line = [&](const std::string& word) {
         const auto at = said.find(word);
@@ -170,30 +166,6 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
         INFO(name);
         CHECK(has(docs.substr(from, to - from), "`" + name + "`") == (narrow.count(name) > 0));
     }
-}
-
-TEST_CASE("a form that settles a ray exactly is explained by what ran, and its exact step is a call") {
-    for (const std::string asked : settled_exactly) {
-        INFO(asked);
-        const auto j = nlohmann::json::parse(run("explain " + asked + " -f f32 --json -q").out);
-        CHECK(j["outcome"] == "agree_hit");
-        CHECK(j["lost_bits"] == 0);
-        CHECK(j["culprit"] == nullptr);
-        CHECK(j["attribution"]["exact_hit"] == true);
-        std::size_t calls = 0;
-        for (const auto& operation : j["operations"]) {
-            if (operation["operation"] != "call") continue;
-            ++calls;
-            CHECK(operation["expression"] == "exactly(ray, solid)");
-            CHECK(operation["operands"].size() + (has(asked, "box") ? 0 : 1) == j["inputs"].size());
-        }
-        CHECK(calls > 0);
-        CHECK(has(run("explain " + asked + " -f f32 --c").out, "a call, which sums without rounding"));
-        const auto core = run("explain " + asked + " -f f32 --fpcore");
-        CHECK(core.code == (has(asked, "box") ? 0 : 2));  // whose t no exact step computes
-        if (core.code == 2) CHECK(has(core.err, "by a call that sums without rounding"));
-    }
-    CHECK(has(run(std::string("explain ") + settled_exactly[0] + " -f f32").out, "t = 0"));
 }
 
 TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {

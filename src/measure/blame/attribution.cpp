@@ -216,35 +216,16 @@ private:
         }
     }
 
-    /// The difference quotients of a call are those of one argument after the other, each taken from its exact to its
-    /// computed value, so that they leave no remainder either; of an argument that is exact, the derivative.
     void through_call(NodeId i) {
         const auto arguments = tape_.operands_of(i);
         for (const NodeId k : arguments) of(k).live = true;
         if constexpr (std::same_as<Exact, DeepExact>) {
             std::vector<Number> from, to;
             for (const NodeId k : arguments) from.push_back(exact(k)), to.push_back(Number(computed(k)));
-            const auto value = [&](const std::vector<Number>& at) {
-                return answer::without_rounding(tape_.call_at(i).of, std::span<const Number>(at));
-            };
-            const auto quotient = [&](std::vector<Number> at, std::size_t k, const Number& there) {
-                const auto before = value(at);
-                const Number moved = there - at[k];
-                at[k] = there;
-                const auto after = value(at);
-                const double q = before && after && moved != 0 ? Exact::nearest((*after - *before) / moved) : 0;
-                return std::isfinite(q) ? q : 0;
-            };
-            const auto derivative = [&](std::size_t k) {
-                return quotient(to, k, to[k] == 0 ? Number(0x1p-600) : Number(to[k] * Number(1 + 0x1p-50)));
-            };
+            const CallSlopes slopes(tape_.call_at(i).of, std::move(from), to);
             for (std::size_t k = 0; k < arguments.size(); ++k) {
-                OperationError& argument = of(arguments[k]);
-                const bool moves = from[k] != to[k];
-                const double slope = depth_.full || !moves ? derivative(k) : 0;
-                argument.adjoint += of(i).adjoint * (moves ? quotient(from, k, to[k]) : slope);
-                argument.derivative += of(i).derivative * slope;
-                from[k] = to[k];
+                of(arguments[k]).adjoint += of(i).adjoint * slopes.quotients[k];
+                of(arguments[k]).derivative += of(i).derivative * slopes.derivatives[k];
             }
         } else {
             failed_ |= std::ranges::any_of(arguments, [this](NodeId k) { return tape_[k].op != TapeOp::input; });
