@@ -307,12 +307,14 @@ constexpr Metric table[] = {
 };
 
 constexpr auto all = [] {
-    std::array<Metric, std::size(table) + std::size(metrics_of_stability) + std::size(metrics_of_predictions) +
-                           std::size(metrics_of_marches) + std::size(metrics_of_rays)>
+    std::array<Metric, std::size(table) + std::size(metrics_of_t) + std::size(metrics_of_stability) +
+                           std::size(metrics_of_predictions) + std::size(metrics_of_marches) +
+                           std::size(metrics_of_rays)>
         rows{};
     auto end = rows.begin();
     const auto add = [&end](const auto& more) { end = std::ranges::copy(more, end).out; };
-    add(table), add(metrics_of_stability), add(metrics_of_predictions), add(metrics_of_marches), add(metrics_of_rays);
+    add(table), add(metrics_of_t), add(metrics_of_stability), add(metrics_of_predictions), add(metrics_of_marches),
+        add(metrics_of_rays);
     return rows;
 }();
 
