@@ -4,7 +4,6 @@
 #include <limits>
 #include <span>
 
-#include "number/call.hpp"
 #include "number/concept.hpp"
 
 namespace lostbits {

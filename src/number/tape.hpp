@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "number/call.hpp"
+#include "number/concept.hpp"
 #include "number/format.hpp"
 
 namespace lostbits {

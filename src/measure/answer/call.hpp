@@ -5,7 +5,7 @@
 #include <span>
 
 #include "number/ball.hpp"
-#include "number/call.hpp"
+#include "number/concept.hpp"
 #include "number/real.hpp"
 
 namespace lostbits::measure::answer {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <span>
 
-#include "number/call.hpp"
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::number::wide {

@@ -202,30 +202,22 @@ Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>
         to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)}, untold(slabs),
                              {{tmin, tmax}, untold(found.limit)}, {{none < none, none < none}, in_range.value()});
     const Vec<T>&o = ray.origin, &d = ray.direction;
-    const auto corner = [&](int axis, bool high) -> const T& {
+    const auto plane = [&](int axis, const auto& back) {
         const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
-        return (copysign(P(1), untold(d[axis])) < none) == high ? planes.bmin : planes.bmax;
+        return select(back(d[axis]), planes.bmax, planes.bmin);
     };
-    const std::array<T, 13> of{o.x,
-                               o.y,
-                               o.z,
-                               d.x,
-                               d.y,
-                               d.z,
-                               corner(0, false),
-                               corner(1, false),
-                               corner(2, false),
-                               corner(0, true),
-                               corner(1, true),
-                               corner(2, true),
-                               found.limit};
+    const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };
+    const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };
+    const std::array<T, 13> of{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,        low(0),
+                               low(1), low(2), high(0), high(1), high(2), found.limit};
     const Part<T> part("the exact step");
     const auto told = [&of](CallAnswer answer, const P& value) {
         return told_of_call<T>({"box.filtered", answer}, of, value);
     };
-    const mask_t<T> hit = told(CallAnswer::decision, P(end.hit ? 1 : -1)) > T(0);
+    const mask_t<T> hit = told(CallAnswer::decision, select(end.hit, P(1), P(-1))) > T(0);
     const auto same = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
-    if (in_range.value() || (same(end.near, tmin) && same(end.far, tmax))) return entered<T>(hit, found.segment);
+    if (any_of(in_range.value() || (same(end.near, tmin) && same(end.far, tmax))))
+        return entered<T>(hit, found.segment);
     return entered<T>(hit, {told(CallAnswer::near, end.near), told(CallAnswer::far, end.far)});
 }
 
