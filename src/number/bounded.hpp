@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 
 #include "number/concept.hpp"
 
@@ -134,6 +135,14 @@ public:
     friend BoundedMask operator<=(const Bounded& a, const Bounded& b) { return {a.value_ <= b.value_, apart(a, b)}; }
     friend BoundedMask operator>(const Bounded& a, const Bounded& b) { return b < a; }
     friend BoundedMask operator>=(const Bounded& a, const Bounded& b) { return b <= a; }
+
+    /// What a call gave, which does not say how it depends on its arguments: known where they are exact.
+    friend Bounded called(const Call& of, std::span<const Bounded> arguments, F value) {
+        for (const Bounded& a : arguments)
+            if (a.error_ != 0) return unknown(value);
+        if (of.answer == CallAnswer::decision) return {value, 0};
+        return abs(value) < infinity ? Bounded(value, outward(16 * u * size_of(value))) : unknown(value);
+    }
 
     /// The same number in a wider or a narrower format.
     template <class To>

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <string_view>
 
 namespace lostbits {
@@ -61,10 +62,22 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 template <class T>
 inline constexpr bool stands_for_exact = false;
 
-/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Sums that
-/// cancel their own errors exactly say nothing there, and forms leave them out.
+/// True for numbers that say something of each operation: its place on a tape, a bound on its rounding. Of sums that
+/// leave nothing out they are told as a whole: of a `Call`.
 template <class T>
 inline constexpr bool tells_of_operations = false;
+
+/// What of an answer a call gives: the decision as 1 or −1, t (−1 of a miss), or the line parameter of one of the two
+/// intersections.
+enum class CallAnswer : std::uint8_t { decision, t, near, far };
+
+/// The form of this name without rounding, its answer rounded to the format: good to 16u of itself, and a decision
+/// right. Its arguments are the numbers of a ray, those of a solid in the order of its keys, and, of the shapes that
+/// are told, where the ray ends.
+struct Call {
+    std::string_view form;
+    CallAnswer answer;
+};
 
 template <class T>
 requires stands_for_exact<T> T next_up(const T& x) { return x; }

@@ -18,7 +18,7 @@ public:
     using Gradient = std::array<F, N>;
 
     Dual() : Dual(0) {}
-    explicit Dual(int x) : value_(x), gradient_(constant()) {}
+    explicit Dual(int x) : value_(F(x)), gradient_(constant()) {}
     explicit Dual(const F& x) requires(!std::same_as<F, int>) : value_(x), gradient_(constant()) {}
     Dual(const F& x, const Gradient& gradient) : value_(x), gradient_(gradient) {}
 

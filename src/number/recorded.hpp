@@ -114,6 +114,15 @@ public:
         return made(TapeOp::select, mask.value() ? a.value_ : b.value_, mask.node(), a.node_, b.node_);
     }
 
+    /// What a call on numbers of the tape gave.
+    friend Recorded called(const Call& of, std::span<const Recorded> arguments, const F& value) {
+        Tape* const tape = Tape::current();
+        if (!tape) return Recorded(value, no_node);
+        std::vector<NodeId> nodes;
+        for (const Recorded& a : arguments) nodes.push_back(a.node_);
+        return Recorded(value, tape->add_call(of, format(), as_double(value), std::move(nodes)));
+    }
+
     /// The same number in another format.
     template <class To>
     [[nodiscard]] Recorded<To> converted() const {

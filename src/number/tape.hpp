@@ -2,23 +2,28 @@
 // it. Recorded writes it; what comes after (exact values, adjoints, C, FPCore, LaTeX) are walks of it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "number/concept.hpp"
 #include "number/format.hpp"
 
 namespace lostbits {
 
 /// What an operation makes of its operands. What must be known of an operation follows from its kind.
 enum class OperationKind : std::uint8_t {
-    given,       ///< an input, or an integer of the formula's text: its operands are not nodes
-    rounded,     ///< a number computed from numbers and rounded to the format
-    exact,       ///< a number computed from one of the format without rounding
-    moved,       ///< a number taken to another one: a neighbour, or the nearest of another format
-    sign,        ///< a number with the sign of another
-    choice,      ///< one of two numbers
+    given,    ///< an input, or an integer of the formula's text: its operands are not nodes
+    rounded,  ///< a number computed from numbers and rounded to the format
+    exact,    ///< a number computed from one of the format without rounding
+    called,  ///< a number that is computed from many as a whole, without rounding on the way: they are in `Tape::calls`
+    moved,   ///< a number taken to another one: a neighbour, or the nearest of another format
+    sign,    ///< a number with the sign of another
+    choice,  ///< one of two numbers
     comparison,  ///< a decision about two numbers; the value of a decision is 1 or 0
     logic        ///< a decision made from decisions
 };
@@ -26,7 +31,8 @@ enum class OperationKind : std::uint8_t {
 /// All operations of a tape: name, kind, number of operands. The one list of them: everything else that is known of an
 /// operation is its struct in measure/blame/operations.hpp, and a row without its struct does not compile.
 ///
-/// `constant` is an integer of the formula's text, `convert` the way to or from a wider format, `any` what a loop asks.
+/// `constant` is an integer of the formula's text, `call` what a form does as a whole, `convert` the way to or from a
+/// wider format, `any` what a loop asks.
 // clang-format off
 #define LOSTBITS_TAPE_OPERATIONS(row)  \
     row(input,         given,      0)  \
@@ -37,6 +43,7 @@ enum class OperationKind : std::uint8_t {
     row(div,           rounded,    2)  \
     row(sqrt,          rounded,    1)  \
     row(fma,           rounded,    3)  \
+    row(call,          called,     0)  \
     row(neg,           exact,      1)  \
     row(abs,           exact,      1)  \
     row(copysign,      sign,       2)  \
@@ -95,6 +102,13 @@ struct TapeNode {
     std::string_view label = {};  ///< as `named` gave it; a literal of the source
 };
 
+/// What a `call` on the tape is of, and what it is given.
+struct TapeCall {
+    NodeId node;
+    Call of;
+    std::vector<NodeId> arguments;
+};
+
 /// `hit` is the decision of the form, the others numbers; as in `Hit`.
 struct TapeOutputs {
     NodeId hit = no_node, t = no_node, near = no_node, far = no_node;
@@ -109,6 +123,7 @@ class Tape {
 public:
     std::vector<TapeNode> nodes;
     std::vector<FloatFormat> formats;
+    std::vector<TapeCall> calls;
     TapeOutputs outputs;
     /// For a form that marches: the length of the tape after each sample of the field.
     std::vector<std::size_t> samples;
@@ -121,11 +136,19 @@ public:
     [[nodiscard]] TapeNode& operator[](NodeId i) { return nodes[static_cast<std::size_t>(i)]; }
     [[nodiscard]] const FloatFormat& format_of(NodeId i) const { return formats[(*this)[i].format]; }
     [[nodiscard]] NodeId size() const { return static_cast<NodeId>(nodes.size()); }
+    [[nodiscard]] const TapeCall& call_at(NodeId i) const { return *std::ranges::find(calls, i, &TapeCall::node); }
+    /// The nodes that a node is computed from: none of what is given, all arguments of a call.
+    [[nodiscard]] std::span<const NodeId> operands_of(NodeId i) const {
+        const TapeNode& n = (*this)[i];
+        if (n.op == TapeOp::call) return call_at(i).arguments;
+        return std::span(n.operands).first(row_of(n.op).operands);
+    }
 
     /// Keeps the memory: a map records a million tapes one after the other.
     void clear() {
         nodes.clear();
         formats.clear();
+        calls.clear();
         samples.clear();
         outputs = {};
         inputs_ = 0;
@@ -134,6 +157,11 @@ public:
         nodes.push_back(
             {op, place_of(format), {of.a, of.b, of.c}, value, is_operation(op) ? part : std::string_view()});
         return size() - 1;
+    }
+    NodeId add_call(const Call& of, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
+        const NodeId node = add(TapeOp::call, format, value);
+        calls.push_back({node, of, std::move(arguments)});
+        return node;
     }
     NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 

@@ -1,6 +1,7 @@
 // For each shape a pixel of a scene that it is in, which is hit.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "shapes/solid.hpp"
@@ -22,6 +23,12 @@ inline std::string setting_of(Shape shape) {
     if (shape == Shape::torus) return "torus-near --pixel 96,100";
     return "sdf-sphere --pixel 100,100";
 }
+
+/// Rays that `FORM.filtered` settles by its exact step: from a point of the sphere; through an edge of the box and of
+/// the triangle.
+inline constexpr std::array settled_exactly{"--sphere=0,0,0,5 --ray=3,4,0,-1,0,0 -i sphere.filtered",
+                                            "--box=-1,-1,-1,1,1,1 --ray=-2,0,0,1,1,0 -i box.filtered",
+                                            "--triangle=0,0,0,1,0,0,0,1,0 --ray=0.5,0.5,3,0,0,-1 -i triangle.filtered"};
 
 inline std::string scene_of(Shape shape) {
     const std::string setting = setting_of(shape);

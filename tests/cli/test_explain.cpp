@@ -19,6 +19,7 @@ using test::has;
 using test::run;
 using test::Scratch;
 using test::setting_of;
+using test::settled_exactly;
 
 namespace {
 
@@ -125,6 +126,8 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
         for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
     }
+    for (const char* filtered : settled_exactly)
+        for (const char* format : {"f32", "f64", "p52"}) asked.emplace_back(filtered, format);
     std::multiset<std::string> refused;
     for (const auto& [what, format] : asked) {
         const auto r = run("explain " + what + " -f " + format + " --c");

@@ -7,12 +7,14 @@
 
 #include "catch.hpp"
 #include "program.hpp"
+#include "setting_of.hpp"
 
 namespace test_explain_ray {
 
 using lostbits::test::has;
 using lostbits::test::run;
 using lostbits::test::Scratch;
+using lostbits::test::settled_exactly;
 
 namespace {
 
@@ -259,6 +261,30 @@ TEST_CASE("a claim about all wrong decisions names the first of them, as explain
     REQUIRE(command != std::string::npos);
     const std::string words = r.out.substr(command + 21, r.out.find('\n', command) - command - 21);
     CHECK(has(run(words).out, "false miss"));
+}
+
+TEST_CASE("a form that settles a ray exactly is explained by what ran, and its exact step is a call") {
+    for (const std::string asked : settled_exactly) {
+        INFO(asked);
+        const auto j = Json::parse(run("explain " + asked + " -f f32 --json -q").out);
+        CHECK(j["outcome"] == "agree_hit");
+        CHECK(j["lost_bits"] == 0);
+        CHECK(j["culprit"] == nullptr);
+        CHECK(j["attribution"]["exact_hit"] == true);
+        std::size_t calls = 0;
+        for (const auto& operation : j["operations"]) {
+            if (operation["operation"] != "call") continue;
+            ++calls;
+            CHECK(operation["expression"] == "exactly(ray, solid)");
+            CHECK(operation["operands"].size() + (has(asked, "box") ? 0 : 1) == j["inputs"].size());
+        }
+        CHECK(calls > 0);
+        CHECK(has(run("explain " + asked + " -f f32 --c").out, "a call, which sums without rounding"));
+        const auto core = run("explain " + asked + " -f f32 --fpcore");
+        CHECK(core.code == (has(asked, "box") ? 0 : 2));  // whose t no exact step computes
+        if (core.code == 2) CHECK(has(core.err, "by a call that sums without rounding"));
+    }
+    CHECK(has(run(std::string("explain ") + settled_exactly[0] + " -f f32").out, "t = 0"));
 }
 
 }  // namespace test_explain_ray

@@ -1,8 +1,10 @@
 // Rays that break filters and bounds: every family in which a decision or t hangs on a last bit, seeded.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "number/random.hpp"
@@ -133,5 +135,29 @@ private:
 
     Random random_;
 };
+
+/// The same situation at another scale, lengths and directions by powers of two from all that the format has: squares
+/// and products under- and overflow on the way, and numbers of the ray and the solid themselves are subnormal.
+template <class S>
+HostileRay at_any_scale(HostileRay x, Random& random) {
+    constexpr int reach = std::numeric_limits<S>::max_exponent + 20;
+    const int of_lengths = static_cast<int>(random.between(-reach, reach)),
+              of_direction = static_cast<int>(random.between(-reach, reach));
+    const auto scaled = [](double v, int k) {
+        constexpr double most = std::numeric_limits<S>::max();
+        return static_cast<double>(static_cast<S>(std::clamp(std::ldexp(v, k), -most, most)));
+    };
+    for (int k = 0; k < 3; ++k) {
+        x.ray.origin[k] = scaled(x.ray.origin[k], of_lengths);
+        x.ray.direction[k] = scaled(x.ray.direction[k], of_direction);
+    }
+    x.solid = transformed(x.solid, [&](double v) { return scaled(v, of_lengths); });
+    for_each_key(x.solid.shape, [&x](const Key& key, std::size_t first) {
+        for (std::size_t k = first; key.limit == Key::Limit::positive && k < first + key.count(); ++k)
+            if (x.solid.numbers[k] == 0) x.solid.numbers[k] = std::numeric_limits<S>::denorm_min();
+    });
+    if (x.ray.direction == Vec<double>(0, 0, 0)) x.ray.direction.x = std::numeric_limits<S>::denorm_min();
+    return x;
+}
 
 }  // namespace lostbits::test

@@ -18,7 +18,6 @@ namespace lostbits::test {
 namespace {
 
 using intersect::BoundedAnswer;
-using intersect::Way;
 using intersect::table::Intersector;
 
 struct Tally {
@@ -42,7 +41,7 @@ bool is_farther(double t, double error, const Interval& from) {
 }
 
 template <class S>
-void check_ray(const Intersector& form, const HostileRay& x, Tally& tally, bool any_scale) {
+void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const Format format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
     const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL);
     ++tally.asked;
@@ -58,13 +57,7 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally, bool 
     if constexpr (sizeof(S) == 4) form.native32(rays, intersect::Target<S>(solid), hits);
     else form.native64(rays, intersect::Target<S>(solid), hits);
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
-    // Exact sums say nothing of single operations, and the forms that end in them end before, over `Bounded`: in
-    // double-double, which has the same bits at the end but for the t of spheres of doubles and for triangles.
-    // And where numbers of the format over- or underflow, those forms find t again in wider arithmetic.
-    const auto way = form.way ? form.way(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL) : Way::own;
-    const bool narrower = form.shape == Shape::triangle || (form.shape == Shape::sphere && sizeof(S) == 8);
-    const bool ends_otherwise = (narrower && way == Way::exact) || (any_scale && way != Way::own);
-    tally.other_bits += !ends_otherwise && (own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan));
+    tally.other_bits += own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan);
 
     const Hit<Interval> exact = without_rounding(form, x);
     tally.proved += own->proved;
@@ -76,30 +69,6 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally, bool 
     if (!(own->error < HUGE_VAL)) return;
     ++tally.finite;
     tally.below += is_farther(own->t, own->error, exact.t);
-}
-
-/// The same situation at another scale, lengths and directions by powers of two from all that the format has: squares
-/// and products under- and overflow on the way, and numbers of the ray and the solid themselves are subnormal.
-template <class S>
-HostileRay at_any_scale(HostileRay x, Random& random) {
-    constexpr int reach = std::numeric_limits<S>::max_exponent + 20;
-    const int of_lengths = static_cast<int>(random.between(-reach, reach)),
-              of_direction = static_cast<int>(random.between(-reach, reach));
-    const auto scaled = [](double v, int k) {
-        constexpr double most = std::numeric_limits<S>::max();
-        return static_cast<double>(static_cast<S>(std::clamp(std::ldexp(v, k), -most, most)));
-    };
-    for (int k = 0; k < 3; ++k) {
-        x.ray.origin[k] = scaled(x.ray.origin[k], of_lengths);
-        x.ray.direction[k] = scaled(x.ray.direction[k], of_direction);
-    }
-    x.solid = transformed(x.solid, [&](double v) { return scaled(v, of_lengths); });
-    for_each_key(x.solid.shape, [&x](const Key& key, std::size_t first) {
-        for (std::size_t k = first; key.limit == Key::Limit::positive && k < first + key.count(); ++k)
-            if (x.solid.numbers[k] == 0) x.solid.numbers[k] = std::numeric_limits<S>::denorm_min();
-    });
-    if (x.ray.direction == Vec<double>(0, 0, 0)) x.ray.direction.x = std::numeric_limits<S>::denorm_min();
-    return x;
 }
 
 template <class S>
@@ -120,8 +89,7 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
             if (form.info->direction == intersect::Direction::unit)
                 x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);
             // At any scale the ends of an axis may meet, and a normal vanish.
-            if (as_box || form.shape == Shape::sphere || !broken_limit(x.solid))
-                check_ray<S>(form, x, tally, any_scale);
+            if (as_box || form.shape == Shape::sphere || !broken_limit(x.solid)) check_ray<S>(form, x, tally);
         }
     });
 }

@@ -231,7 +231,7 @@ void require_sense(const WrittenFormula& f) {
     const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
     for (std::size_t i = 0; i < f.operations.size(); ++i) {
         const WrittenOperation& w = f.operations[i];
-        if (w.op == TapeOp::convert || w.op == TapeOp::any)
+        if (w.op == TapeOp::convert || w.op == TapeOp::any || w.op == TapeOp::call)
             fail(i, "is not one that a list may have: all of its numbers are of one format, and it has no loops");
         if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
             fail(i, "has number " + std::to_string(w.operands[0]) + "; inputs are from 0 to " +

@@ -119,6 +119,14 @@ TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, Tape& to
             there = inputs[static_cast<std::size_t>(n.operands[0])];
             continue;
         }
+        if (n.op == TapeOp::call) {
+            const TapeCall& call = form.call_at(i);
+            std::vector<NodeId> arguments;
+            for (const NodeId k : call.arguments) arguments.push_back(moved(k));
+            there = to.add_call(call.of, form.format_of(i), n.value, std::move(arguments));
+            to[there].label = n.label;
+            continue;
+        }
         const bool given = is_given(n.op);
         const auto operand = [&](std::size_t k) { return given ? n.operands[k] : moved(n.operands[k]); };
         there = to.add(n.op, form.format_of(i), n.value, {operand(0), operand(1), operand(2)});

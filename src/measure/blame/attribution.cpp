@@ -86,8 +86,7 @@ private:
         e.error = Exact::difference(n.value, exact(i));
         if (!e.turned) e.rounding = rounding_of(tape_, i);
         e.cancelled = cancellation(tape_, i);
-        for (const NodeId operand : n.operands)
-            e.carried |= n.op != TapeOp::constant && operand != no_node && of(operand).error != 0;
+        for (const NodeId operand : tape_.operands_of(i)) e.carried |= of(operand).error != 0;
         if (depth_.full) e.local_bits = local_bits(i);
     }
 
@@ -100,12 +99,20 @@ private:
                 exact(i) =
                     without_rounding<Exact>(n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
                 break;
+            case OperationKind::called: call(i); break;
             case OperationKind::moved: exact(i) = exact(n.operands[0]); break;
             case OperationKind::sign: sign(i); break;
             case OperationKind::choice: choose(i); break;
             case OperationKind::comparison:
             case OperationKind::logic: break;
         }
+    }
+
+    /// A decision that is open even so is the call's own.
+    void call(NodeId i) {
+        const auto value = called<Exact>(tape_, i, [this](NodeId k) { return exact(k); });
+        failed_ |= !value;
+        exact(i) = value ? *value : Exact::lift(computed(i));
     }
 
     void decide(NodeId i) {
@@ -156,6 +163,8 @@ private:
                         x[k] = Exact::round_to(exact(n.operands[k]), tape_.format_of(n.operands[k]));
                     return bits_off(i, result_of(n.op, x, tape_.format_of(i)));
                 }
+                case OperationKind::called:
+                    return bits_off(i, of(i).carried ? Exact::round_to(exact(i), tape_.format_of(i)) : computed(i));
                 case OperationKind::given:
                 case OperationKind::exact:  // a rounded operand is off by half an ulp, which is no bit
                 case OperationKind::moved:  // what it adds, it adds on purpose
@@ -185,6 +194,7 @@ private:
         const TapeNode& n = tape_[i];
         const OperationError& e = of(i);
         if (!e.live || is_given(n.op)) return;
+        if (n.op == TapeOp::call) return through_call(i);
         failed_ |= !is_decision(n.op) && !Exact::is_good(exact(i), n.value);
         const NodeId taken = side_taken(tape_, i);
         if (e.turned && taken != no_node && is_cut(taken)) return;
@@ -203,6 +213,22 @@ private:
             operand.live = true;
             operand.adjoint += e.adjoint * *difference[k];
             if (depth_.full) operand.derivative += e.derivative * *derivative[k];
+        }
+    }
+
+    void through_call(NodeId i) {
+        const auto arguments = tape_.operands_of(i);
+        for (const NodeId k : arguments) of(k).live = true;
+        if constexpr (std::same_as<Exact, DeepExact>) {
+            std::vector<Number> from, to;
+            for (const NodeId k : arguments) from.push_back(exact(k)), to.push_back(Number(computed(k)));
+            const CallSlopes slopes(tape_.call_at(i).of, std::move(from), to);
+            for (std::size_t k = 0; k < arguments.size(); ++k) {
+                of(arguments[k]).adjoint += of(i).adjoint * slopes.quotients[k];
+                of(arguments[k]).derivative += of(i).derivative * slopes.derivatives[k];
+            }
+        } else {
+            failed_ |= std::ranges::any_of(arguments, [this](NodeId k) { return tape_[k].op != TapeOp::input; });
         }
     }
 

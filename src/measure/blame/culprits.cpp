@@ -36,10 +36,9 @@ std::vector<std::string_view> steps_of(const Tape& tape) {
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
         if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
-        if (is_given(n.op)) continue;
         // Users come later on the tape; the earliest of them is seen last and keeps its word.
-        for (const NodeId operand : n.operands) {
-            if (operand != no_node && tape[operand].label.empty() && !is_decision(n.op))
+        for (const NodeId operand : tape.operands_of(i)) {
+            if (tape[operand].label.empty() && !is_decision(n.op))
                 step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
         }
     }

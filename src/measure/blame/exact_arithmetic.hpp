@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
+#include "measure/answer/call.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
+#include "number/tape.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -65,6 +68,43 @@ struct DeepExact {
 
 private:
     static bool same(const Number& a, const Number& b) { return sum(a, -b) == 0; }
+};
+
+/// What a call of a tape gives without rounding, where `value(operand)` are its arguments.
+template <class Exact, class Value>
+std::optional<typename Exact::Number> called(const Tape& tape, NodeId call, const Value& value) {
+    std::vector<typename Exact::Number> arguments;
+    for (const NodeId operand : tape.operands_of(call)) arguments.push_back(value(operand));
+    return answer::without_rounding(tape.call_at(call).of, std::span<const typename Exact::Number>(arguments));
+}
+
+/// How errors of its arguments go through a call. The quotients are those of one argument after the other, each taken
+/// from its exact to its computed value, so that they leave no remainder; of an argument that is exact, the derivative.
+struct CallSlopes {
+    using Number = DeepExact::Number;
+    std::vector<double> quotients, derivatives;
+
+    CallSlopes(const Call& call, std::vector<Number> at, const std::vector<Number>& computed) {
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            const Number& x = computed[k];
+            derivatives.push_back(quotient(call, computed, k, x == 0 ? Number(0x1p-600) : Number(x * near_one)));
+            quotients.push_back(at[k] == x ? derivatives.back() : quotient(call, at, k, x));
+            at[k] = x;
+        }
+    }
+
+private:
+    /// A step so short that what the second order leaves is nothing in a double.
+    static inline const Number near_one = Number(1) + ldexp(Number(1), -600);
+
+    static double quotient(const Call& call, std::vector<Number> at, std::size_t k, const Number& there) {
+        const auto before = answer::without_rounding(call, std::span<const Number>(at));
+        const Number moved = there - at[k];
+        at[k] = there;
+        const auto after = answer::without_rounding(call, std::span<const Number>(at));
+        const double q = before && after && moved != 0 ? DeepExact::nearest((*after - *before) / moved) : 0;
+        return std::isfinite(q) ? q : 0;
+    }
 };
 
 }  // namespace lostbits::measure::blame

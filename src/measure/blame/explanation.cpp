@@ -168,10 +168,9 @@ NodeId Explanation::amplifier(NodeId from) const {
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution.of[static_cast<std::size_t>(i)];
-        if (!e.live || is_given(tape[i].op)) continue;  // whose operands are no places on the tape
-        for (const NodeId operand : tape[i].operands) {
-            if (operand != no_node && reached[static_cast<std::size_t>(operand)])
-                reached[static_cast<std::size_t>(i)] = true;
+        if (!e.live) continue;
+        for (const NodeId operand : tape.operands_of(i)) {
+            if (reached[static_cast<std::size_t>(operand)]) reached[static_cast<std::size_t>(i)] = true;
         }
         if (reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
             most = i;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operations.hpp"
 #include "number/real.hpp"
 
@@ -51,6 +52,7 @@ bool can_err(TapeOp op) {
     switch (kind_of(op)) {
         case OperationKind::given: return op == TapeOp::constant;
         case OperationKind::rounded:
+        case OperationKind::called:
         case OperationKind::moved:
         case OperationKind::sign:
         case OperationKind::choice: return true;
@@ -76,6 +78,11 @@ double rounding_of(const Tape& tape, NodeId i) {
         case OperationKind::rounded:
             return with<OperationKind::rounded>(n.op, [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
         case OperationKind::moved: return n.value - x[0];
+        case OperationKind::called: {
+            const auto exact =
+                called<DeepExact>(tape, i, [&](NodeId operand) { return DeepExact::lift(tape[operand].value); });
+            return exact ? DeepExact::difference(n.value, *exact) : 0;
+        }
         case OperationKind::given:
         case OperationKind::exact:
         case OperationKind::sign:
@@ -116,6 +123,7 @@ double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f
         case OperationKind::exact: return with<OperationKind::exact>(op, computed);
         case OperationKind::moved: return with<OperationKind::moved>(op, computed);
         case OperationKind::sign: return with<OperationKind::sign>(op, computed);
+        case OperationKind::called:
         case OperationKind::given:
         case OperationKind::choice:
         case OperationKind::comparison:
@@ -140,6 +148,7 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId t
             q[static_cast<std::size_t>(std::ranges::find(n.operands, taken) - n.operands.begin())] = 1;
             return q;
         }
+        case OperationKind::called:
         case OperationKind::given:
         case OperationKind::logic: return {};
     }

@@ -26,11 +26,12 @@ int cancellation(const Tape& tape, NodeId i);
 /// The ulp of the format at x, of any sign: 2^(max(⌊log2|x|⌋, emin) − p + 1); the smallest for 0, infinity and NaN.
 double ulp_at(double x, const FloatFormat& format);
 
-/// What the operation gives for numbers of the format, correctly rounded to it. Not of inputs, choices and decisions.
+/// What the operation gives for numbers of the format, correctly rounded to it. Not of inputs, calls, choices and
+/// decisions.
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format);
 
 /// The difference quotients of `OperationError`, or the derivatives where the steps are none. Of a choice, which has
-/// none by itself, 1 for the side that it took.
+/// none by itself, 1 for the side that it took. Not of calls.
 Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken);
 
 }  // namespace lostbits::measure::blame

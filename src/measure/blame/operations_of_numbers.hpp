@@ -172,6 +172,16 @@ struct Operation<TapeOp::fma> {
 };
 
 template <>
+struct Operation<TapeOp::call> {
+    /// C has no such function, but its answer; FPCore of it would be another program (output/blame).
+    static constexpr OperationText text{.binds = 4,
+                                        .plain = "exactly(ray, solid)",
+                                        .latex = "\\operatorname{exactly}(\\text{ray}, \\text{solid})",
+                                        .c = "$v",
+                                        .fpcore = ""};
+};
+
+template <>
 struct Operation<TapeOp::neg> {
     static constexpr OperationText text{
         .binds = 3, .plain = "-$1:3", .pretty = "−$1:3", .c = "-$1", .fpcore = "(- $1)"};

@@ -25,11 +25,8 @@ public:
     Run(const Run& most, const Run& one, NodeId operation) : Run(most) {
         std::vector<bool> moved(values_.size());
         for (NodeId i = operation; i < tape_.size(); ++i) {
-            const auto is_moved = [&](NodeId operand) {
-                return operand != no_node && moved[static_cast<std::size_t>(operand)];
-            };
-            const TapeNode& n = tape_[i];
-            if (i != operation && (is_given(n.op) || std::ranges::none_of(n.operands, is_moved))) continue;
+            const auto is_moved = [&](NodeId operand) { return moved[static_cast<std::size_t>(operand)]; };
+            if (i != operation && std::ranges::none_of(tape_.operands_of(i), is_moved)) continue;
             moved[static_cast<std::size_t>(i)] = true;
             values_[static_cast<std::size_t>(i)] = result(i, i == operation ? one : *this);
         }
@@ -58,6 +55,7 @@ private:
                 const Number exact = without_rounding(n);
                 return as.rounds_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
             }
+            case OperationKind::called: return called(i, as);
             case OperationKind::exact: return without_rounding(n);
             case OperationKind::moved: return as.rounds_(i) ? moved(i) : value(n.operands[0]);
             case OperationKind::sign: {
@@ -73,6 +71,15 @@ private:
     [[nodiscard]] Number without_rounding(const TapeNode& n) const {
         return blame::without_rounding<DeepExact>(n,
                                                   [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
+    }
+    /// Of the arguments on the tape, what is there: a call may be some units in the last place off.
+    [[nodiscard]] Number called(NodeId i, const Run& as) const {
+        const bool same =
+            std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });
+        if (same && as.rounds_(i)) return Number(tape_[i].value);
+        const auto exact = blame::called<DeepExact>(tape_, i, [&](NodeId k) { return value(k); });
+        if (!exact) return Number(tape_[i].value);
+        return as.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
     }
     /// Of what is no number of its format, that of the nearest.
     [[nodiscard]] Number moved(NodeId i) const {

@@ -14,6 +14,7 @@ template <class F>
 void for_each_source(const Tape& tape, NodeId i, const F& f) {
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
+    if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
     const Quotients passes = quotients_of(n, {}, side_taken(tape, i));
     for (std::size_t k = 0; k < passes.size(); ++k) {
         if (passes[k]) f(n.operands[k]);

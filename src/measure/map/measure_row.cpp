@@ -225,6 +225,7 @@ private:
                 .ray = &ray,
                 .march = march.empty() ? nullptr : &march[i],
                 .convention = row_.convention(),
+                .direction = row_.form->info->direction,
                 .range = result_.inputs->rays_for(*row_.form->info).range(i),
                 .outcome = result_.outcomes[i]};
     }

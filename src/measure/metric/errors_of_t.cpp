@@ -5,6 +5,9 @@
 #include <cstdint>
 
 #include "measure/bits/log2.hpp"
+#include "measure/stability/derivatives.hpp"
+#include "measure/stability/root.hpp"
+#include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
 
@@ -55,6 +58,48 @@ double rounding_error(const Sample& s) {
     if (!s.self) return missing;
     if (std::isinf(s.t)) return truth::may_round_to(*s.self, s.t, s.format->shape) ? 0 : s.t;
     return in_ulps(s, truth::exactly(s.t), *s.self);
+}
+
+double error_at_zero(const Sample& s) {
+    if (!s.truth->is_zero() || !s.solid) return missing;
+    if (s.t == 0) return 0;
+    double most = 0;
+    const auto see = [&most](double x) { most = std::max(most, std::fabs(x)); };
+    for (int axis = 0; axis < 3; ++axis) see(s.ray->origin[axis]);
+    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+        for (std::size_t k = first; k < first + key.count(); ++k)
+            if (key.kind != Key::Kind::direction && !s.solid->placed) see(s.solid->numbers[k]);
+    });
+    return std::ldexp(distance_error(s) / most, s.format->shape.precision);
+}
+
+double root(const Sample& s) {
+    if (!s.solid || s.march) return missing;
+    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // crossings so near to each other are one to the format
+    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 1 : 0;
+}
+
+double derivative_error(const Sample& s) {
+    if (!s.blame || s.march || !s.solid || s.solid->placed) return missing;
+    if (s.blame->attribution->subject != s.blame->tape->outputs.t) return missing;
+    const std::vector<double> exact = truth::gradient(*s.ray, *s.solid, s.convention, s.range);
+    if (exact.empty()) return missing;
+    const std::vector<double> own = stability::forward_derivatives(*s.blame->tape);
+    double worst = 0;
+    const auto see = [&](std::size_t first, std::size_t count) {
+        double size = 0, off = 0;
+        for (std::size_t k = first; k < first + count; ++k) {
+            size = std::max(size, std::fabs(exact[k]));
+            off = std::isnan(own[k]) ? HUGE_VAL : std::max(off, std::fabs(own[k] - exact[k]));
+        }
+        worst = std::max(worst, off == 0 ? 0 : off / size);
+    };
+    see(0, 3);
+    if (s.direction != intersect::Direction::unit) see(3, 3);
+    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+        if (key.kind != Key::Kind::direction) see(6 + first, key.count());
+    });
+    return std::ldexp(worst, s.format->shape.precision);
 }
 
 }  // namespace lostbits::measure::metric

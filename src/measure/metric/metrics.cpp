@@ -315,7 +315,8 @@ constexpr auto joined(const Metric (&... lists)[n]) {
 }
 
 /// A file of metrics is a word here.
-constexpr auto all = joined(table, metrics_of_stability, metrics_of_predictions, metrics_of_marches, metrics_of_rays);
+constexpr auto all =
+    joined(table, metrics_of_t, metrics_of_stability, metrics_of_predictions, metrics_of_marches, metrics_of_rays);
 
 }  // namespace
 

@@ -43,6 +43,7 @@ struct Sample {
     const Ray<Real>* true_ray = nullptr;                    ///< before any format rounded or made it
     const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< of a camera whose rays each format makes
     intersect::Convention convention = {};                  ///< of the form
+    intersect::Direction direction = {};                    ///< that it asks for
     Range<double> range = {};                               ///< what of the ray counts
     answer::Outcome outcome = answer::Outcome::agree_miss;
     std::string_view label = {};  ///< of the metric that is being measured

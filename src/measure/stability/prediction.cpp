@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
 
@@ -56,13 +57,17 @@ double value_of(const Tape& tape, NodeId i) {
     if (is_given(n.op)) return n.value;
     if (is_decision(n.op)) return holds(n.op, values) ? 1 : 0;
     if (kind_of(n.op) == OperationKind::choice) return tape[side_taken(n, values)].value;
+    if (n.op == TapeOp::call) {
+        const auto exact = called<DeepExact>(tape, i, [&](NodeId k) { return DeepExact::lift(tape[k].value); });
+        return exact ? DeepExact::round_to(*exact, tape.format_of(i)) : n.value;
+    }
     std::array<double, 3> x{};
     for (std::size_t k = 0; k < row_of(n.op).operands; ++k) x[k] = values.of(k);
     return result_of(n.op, x, tape.format_of(i));
 }
 
 /// Outward rounding by hand, `next_up`, is no rounding: it is meant.
-bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::convert; }
+bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::call || op == TapeOp::convert; }
 
 void run_at_random(Tape& tape, Coins& coins) {
     for (NodeId i = 0; i < tape.size(); ++i) {

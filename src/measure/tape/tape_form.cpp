@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "intersect/hull/behind.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::tape {
@@ -102,6 +103,10 @@ Tape tape_of(const Intersector& form, const Format& format) {
     if (!is_solid(form.shape))
         throw InputError(name + ": it marches, and every ray does other operations; name a form of a solid");
     if (form.is_set()) throw InputError(name + ": these are several forms; name one");
+    if (intersect::hull::innermost(form).way)
+        throw InputError(name +
+                         ": it filters, and decides by itself how far to go with each ray; name a form that does the "
+                         "same to all");
     if (!form.record)
         throw InputError(name +
                          ": its operations are not seen, since it is compiled elsewhere; written as a form they are "

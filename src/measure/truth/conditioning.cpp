@@ -1,8 +1,10 @@
 #include "measure/truth/conditioning.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -70,56 +72,95 @@ std::optional<double> close_enough(const Interval& k) {
     return mpfr_get_d(k.lower(), MPFR_RNDN);
 }
 
-/// κ at one precision; nothing where it is too low. The solid is of that shape.
-template <class E, std::size_t N, template <class> class Of>
-std::optional<double> condition_in(const Given& given, Convention convention, const Range<double>& of_ray) {
+/// What `Asked` makes of t and its derivatives at one precision; nothing where that is too low. The solid is of that
+/// shape.
+template <class Asked, class E, std::size_t N, template <class> class Of>
+std::optional<typename Asked::Answer> asked_in(const Given& given, Convention convention, const Range<double>& of_ray) {
     const Problem<E, N> problem(given);
     const auto range = range_over<Dual<E, N>, E>(of_ray);
     const auto span = span_of<Of>(problem.ray, problem.solid);
     const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
-    if (found.hit.is_no()) return missing;
+    if (found.hit.is_no()) return Asked::none();
     if (!found.hit.is_yes()) return std::nullopt;
     const bool at_double_root = may_touch_before<std::remove_const_t<decltype(span)>> && found.touching;
-    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
-        return std::numeric_limits<double>::infinity();
-    E sum(0);
-    for (std::size_t i = 0; i < problem.x.size(); ++i) sum = sum + abs(problem.x[i] * found.t.derivative(i));
-    return close_enough(sum / found.t.value());
+    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())) return Asked::endless();
+    return Asked::of(found.t, problem.x);
 }
 
+struct OfCondition {
+    using Answer = double;
+    static double none() { return missing; }
+    static double endless() { return std::numeric_limits<double>::infinity(); }
+    template <class T, class E>
+    static std::optional<double> of(const T& t, const std::vector<E>& x) {
+        E sum(0);
+        for (std::size_t i = 0; i < x.size(); ++i) sum = sum + abs(x[i] * t.derivative(i));
+        return close_enough(sum / t.value());
+    }
+};
+
+double middle_of(const Ball& x) { return x.hi(); }
+double middle_of(const Interval& x) { return mpfr_get_d(x.lower(), MPFR_RNDN); }
+double width_of(const Ball& x) { return x.is_bounded() ? x.radius() : HUGE_VAL; }
+double width_of(const Interval& x) {
+    return x.is_bounded() ? mpfr_get_d(x.upper(), MPFR_RNDU) - mpfr_get_d(x.lower(), MPFR_RNDD) : HUGE_VAL;
+}
+
+struct OfGradient {
+    using Answer = std::vector<double>;
+    static Answer none() { return {}; }
+    static Answer endless() { return {}; }
+    template <class T, class E>
+    static std::optional<Answer> of(const T& t, const std::vector<E>& x) {
+        Answer all;
+        double largest = 0, width = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            all.push_back(middle_of(t.derivative(i)));
+            largest = std::max(largest, std::fabs(all.back()));
+            width = std::max(width, width_of(t.derivative(i)));
+        }
+        const bool near = std::isfinite(largest) && width <= 0x1p-40 * largest;
+        return near ? std::optional(std::move(all)) : std::nullopt;
+    }
+};
+
 /// Intervals are asked seldom, so that one function serves solids with and without a matrix.
-template <template <class> class Of>
-double find_condition(const Given& given, Convention convention, const Range<double>& range) {
+template <class Asked, template <class> class Of>
+typename Asked::Answer find_in(const Given& given, Convention convention, const Range<double>& range) {
     constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
-    const auto quick = given.placed ? condition_in<Ball, under_matrix, Of>(given, convention, range)
-                                    : condition_in<Ball, N, Of>(given, convention, range);
+    const auto quick = given.placed ? asked_in<Asked, Ball, under_matrix, Of>(given, convention, range)
+                                    : asked_in<Asked, Ball, N, Of>(given, convention, range);
     if (quick) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto k = condition_in<Interval, under_matrix, Of>(given, convention, range)) return *k;
+        if (const auto found = asked_in<Asked, Interval, under_matrix, Of>(given, convention, range)) return *found;
     }
     // What no precision settles is a division by a root that is exactly zero: a tangent.
-    return std::numeric_limits<double>::infinity();
+    return Asked::endless();
 }
 
-template <class S>
-double condition_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
+template <class Asked, class S>
+typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
     convention.touching = intersect::Touching::hit;
     const Given given(ray, solid);
     return visit_shape(solid,
-                       [&]<template <class> class Of>() { return find_condition<Of>(given, convention, range); });
+                       [&]<template <class> class Of>() { return find_in<Asked, Of>(given, convention, range); });
 }
 
 }  // namespace
 
 double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention,
                  const Range<double>& range) {
-    return condition_of(ray, solid, convention, range);
+    return answer_of<OfCondition>(ray, solid, convention, range);
 }
 double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention, const Range<double>& range) {
-    return condition_of(ray, solid, convention, range);
+    return answer_of<OfCondition>(ray, solid, convention, range);
+}
+std::vector<double> gradient(const Ray<double>& ray, const Solid<double>& solid, Convention convention,
+                             const Range<double>& range) {
+    return answer_of<OfGradient>(ray, solid, convention, range);
 }
 
 }  // namespace lostbits::measure::truth

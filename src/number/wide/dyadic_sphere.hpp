@@ -8,7 +8,7 @@
 namespace lostbits::number::wide {
 
 /// The decision and t of doubles of any size, by h = f·d, c = f·f − r², a = d·d and D = h² − ac with f = o − c. `in`
-/// are origin, direction, centre and radius; `out` becomes 1 or −1 for a hit or a miss, and t.
+/// are origin, direction, centre and radius; `out` becomes 1 or −1 for a hit or a miss, and t or −1.
 template <class For>
 [[gnu::noinline]] static void meet_sphere(const std::array<double, 10>& in, std::array<double, 2>& out) {
     using D = Dyadic<For>;
@@ -20,8 +20,8 @@ template <class For>
         a = a + d * d;
         c = c + f * f;
     }
-    out = {-1, 0};
-    if (c.sign() == 0) out[0] = 1;
+    out = {-1, -1};
+    if (c.sign() == 0) out = {1, 0};
     if (c.sign() == 0 || a.sign() == 0 || (c.sign() > 0 && h.sign() >= 0)) return;
     const D disc = h * h - a * c;
     if (disc.sign() < 0) return;

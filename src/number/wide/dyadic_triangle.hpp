@@ -20,7 +20,7 @@ Dyadic<For> triple_product(const std::array<Dyadic<For>, 3>& x, const std::array
 }
 
 /// The decision and t of doubles of any size, by the formula of `Triangle::span`. `in` are origin, direction and the
-/// vertices; `out` becomes 1 or −1 for a hit or a miss, and t.
+/// vertices; `out` becomes 1 or −1 for a hit or a miss, and t or −1.
 template <class For>
 [[gnu::noinline]] static void meet_triangle(const std::array<double, 15>& in, std::array<double, 2>& out) {
     using D = Dyadic<For>;
@@ -34,7 +34,7 @@ template <class For>
         p[i] = D(in[9 + i]) - at;
         q[i] = D(in[12 + i]) - at;
     }
-    out = {-1, 0};
+    out = {-1, -1};
     const D m = triple_product(d, p, q), k = triple_product(a, p, q);
     const int side = m.sign();
     const auto beside = [&](const D& x) { return x.sign() == -side; };

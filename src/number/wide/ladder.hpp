@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <span>
 
 #include "number/wide/two_words.hpp"
 
@@ -54,6 +55,12 @@ template <class T, class Mask>
 mask_t<T> taken_for_granted(const Mask& mask) {
     if constexpr (tells_of_operations<T>) return T(mask ? 1 : 0) > T(0);
     else return mask;
+}
+
+/// What numbers that tell of operations are told of a step that no operation of theirs did: `value` is what it gave.
+template <class T, std::size_t n>
+T told_of_call(const Call& of, const std::array<T, n>& arguments, const decltype(untold(std::declval<T>()))& value) {
+    return called(of, std::span<const T>(arguments), value);
 }
 
 /// The least normal number of T: below it a product is off by up to u times this, whatever its own size.

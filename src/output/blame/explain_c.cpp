@@ -50,9 +50,10 @@ private:
     std::string line(NodeId i) {
         const TapeNode& n = x_.tape[i];
         if (!is_decision(n.op) && slice_.is_constant(i)) return "";
-        const std::string comment = n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
-                                        ? ""
-                                        : fmt::format("  /* {} */", text_.definition(i));
+        const std::string comment =
+            n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
+                ? ""
+                : fmt::format("  /* {}{} */", text_.definition(i), n.op == TapeOp::call ? call : "");
         const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
         return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), value(i), comment);
     }
@@ -67,6 +68,7 @@ private:
         const std::string value = measure::blame::filled(
             is_rounded && wide_ ? text.c_wide : text.c.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
             [&](char letter) -> std::string {
+                if (letter == 'v') return literal(n.value, is_double(i));
                 if (letter == 't') return is_double(i) ? "double" : "float";
                 return is_double(i) ? "" : "f";
             });
@@ -160,6 +162,8 @@ private:
         return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded,
                                   x_.hit ? "" : "!", text_.identifier(hit));
     }
+
+    static constexpr std::string_view call = ": a call, which sums without rounding; this is what it gave";
 
     const Explanation& x_;
     measure::blame::TapeText text_;

@@ -4,6 +4,7 @@
 
 #include "measure/blame/operations.hpp"
 #include "measure/blame/tape_text.hpp"
+#include "number/error.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/tape_slice.hpp"
 #include "output/file/number_text.hpp"
@@ -68,6 +69,11 @@ private:
     }
     [[nodiscard]] std::string written(NodeId i) const {
         const TapeNode& n = x_.tape[i];
+        if (n.op == TapeOp::call)
+            throw InputError(fmt::format(
+                "--fpcore: {} settles this ray by a call that sums without rounding, and FPCore has operations of "
+                "formats alone; --json and --c say what the call gave",
+                x_.form->info->name));
         const FloatFormat& f = x_.tape.format_of(i);
         return measure::blame::filled(
             measure::blame::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },

@@ -5,6 +5,7 @@
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_text.hpp"
+#include "output/blame/verdict_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -26,11 +27,7 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
     const TapeNode& n = x.tape[i];
     const measure::blame::OperationError& e = x.attribution.of[static_cast<std::size_t>(i)];
     Json operands = Json::array();
-    if (!is_given(n.op)) {
-        for (const NodeId operand : n.operands) {
-            if (operand != no_node) operands.push_back(text.name(operand));
-        }
-    }
+    for (const NodeId operand : x.tape.operands_of(i)) operands.push_back(text.name(operand));
     Json j{{"name", text.name(i)},
            {"operation", std::string(name_of(n.op))},
            {"operands", operands},
@@ -87,6 +84,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
     j["ulp_error"] = if_any(x.standing.ulps);
     j["lost_bits"] = if_any(x.standing.lost);
+    j["wrong_root"] = is_wrong_root(x);
     j["condition"] = if_any(x.condition);
     j["inherent_bits"] = if_any(x.inherent);
     j["verdict"] = verdict(x);

@@ -1,6 +1,7 @@
 // The part of a tape that some of its values depend on.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "number/tape.hpp"
@@ -16,20 +17,17 @@ struct TapeSlice {
         : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
         for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {
-            if (!needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
-            for (const NodeId operand : tape[i].operands) {
-                if (operand == no_node) continue;
+            if (!needed[static_cast<std::size_t>(i)]) continue;
+            for (const NodeId operand : tape.operands_of(i)) {
                 needed[static_cast<std::size_t>(operand)] = true;
                 ++uses[static_cast<std::size_t>(operand)];
             }
         }
         for (NodeId i = 0; i < tape.size(); ++i) {
-            bool all = tape[i].op != TapeOp::input;
-            if (!is_given(tape[i].op)) {
-                for (const NodeId operand : tape[i].operands)
-                    all = all && (operand == no_node || constant[static_cast<std::size_t>(operand)]);
-            }
-            constant[static_cast<std::size_t>(i)] = all;
+            constant[static_cast<std::size_t>(i)] =
+                tape[i].op != TapeOp::input && std::ranges::all_of(tape.operands_of(i), [this](NodeId operand) {
+                    return constant[static_cast<std::size_t>(operand)];
+                });
         }
     }
     [[nodiscard]] bool needs(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }

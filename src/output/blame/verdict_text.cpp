@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "intersect/hull/behind.hpp"
 #include "measure/blame/neighbours.hpp"
+#include "measure/stability/root.hpp"
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
@@ -57,9 +59,10 @@ std::string outcome_sentence(const Explanation& x) {
         case Outcome::wrong_neighbour:  // of a whole mesh; what is explained is an answer of one solid
         case Outcome::agree_hit: break;
     }
-    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
+    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}",
                        file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)),
-                       x.standing.ulps, x.standing.lost, x.format.shape.precision);
+                       x.standing.ulps, x.standing.lost, x.format.shape.precision,
+                       is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
 }
 
 /// The form hits another solid than the ray: which, what it says of the right one, and how to look at that.
@@ -228,6 +231,16 @@ std::string better_sentence(const Explanation& x) {
 }
 
 }  // namespace
+
+bool is_wrong_root(const Explanation& x) {
+    const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;
+    if (!far_off || !x.true_t || !is_solid(x.form->shape) || x.missed) return false;
+    Solid<double> solid(x.shape);
+    if (x.inputs.size() != 6 + solid.used().size() + 1) return false;  // under a matrix
+    const auto vec = [&x](std::size_t k) { return Vec<double>(x.inputs[k], x.inputs[k + 1], x.inputs[k + 2]); };
+    std::ranges::copy(std::span(x.inputs).subspan(6, solid.used().size()), solid.numbers.begin());
+    return measure::stability::is_wrong_root({vec(0), vec(3)}, solid, measure::truth::exactly(*x.true_t), x.standing.t);
+}
 
 bool names_culprit(const Explanation& x) {
     const measure::blame::Attribution& a = x.attribution;

@@ -28,6 +28,9 @@ bool names_culprit(const measure::blame::Explanation& x);
 /// it.
 bool rounding_explains(const measure::blame::Explanation& x);
 
+/// Whether the answer is another crossing of the solid that the ray truly meets.
+bool is_wrong_root(const measure::blame::Explanation& x);
+
 /// The sentences that stand first. `march` where the form marches.
 std::string verdict_text(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
 

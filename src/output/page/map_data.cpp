@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "intersect/hull/behind.hpp"
 #include "measure/truth/reach.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
@@ -243,7 +244,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 /// rounding.
 bool is_taped(const MapRow& row, const MapRequest& request) {
     return !request.scene->camera.rays && !scene::rays::maker_of(*row.form) && is_solid(row.form->shape) &&
-           row.form->is_template() && row.form->way == nullptr && !row.form->is_set();
+           row.form->is_template() && !intersect::hull::innermost(*row.form).way && !row.form->is_set();
 }
 
 const char* coding_name(const Format& format) {

@@ -17,6 +17,7 @@ struct Setting {
     Ray<double> ray;
     std::vector<Solid<double>> solids;
     intersect::MarchConstants<double> march{};
+    double tmax = HUGE_VAL;  ///< of the shapes that are told
 
     [[nodiscard]] intersect::Target<double> target(const intersect::table::Intersector& form) const {
         return form.shape == Shape::sdf ? intersect::Target<double>(solids, march)
@@ -75,12 +76,13 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
 inline Hit<double> plain(const intersect::table::Intersector& form, const Format& format, const Setting& s) {
     const auto run = [&]<class S>(const auto& kernel) {
         const auto narrow = [](double x) { return static_cast<S>(x); };
-        std::array<S, 10> x{narrow(s.ray.origin.x),    narrow(s.ray.origin.y),    narrow(s.ray.origin.z),
+        std::array<S, 11> x{narrow(s.ray.origin.x),    narrow(s.ray.origin.y),    narrow(s.ray.origin.z),
                             narrow(s.ray.direction.x), narrow(s.ray.direction.y), narrow(s.ray.direction.z)};
+        x[10] = narrow(s.tmax);
         std::uint8_t hit = 0;
         const auto one = [&](std::size_t i) { return std::span<S>(&x[i], 1); };
         const intersect::LiftedTarget<S> target(s.target(form), narrow);
-        kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5)}, target.get(),
+        kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5), one(10)}, target.get(),
                intersect::table::HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
         return Hit<double>{hit != 0, x[6], x[7], x[8]};
     };

@@ -51,6 +51,7 @@ const operationRules = {
         }
     },
     fma: { addends: (a, b, c) => [a * b, c], quotients: (a, b) => [middle(b), middle(a), 1] },
+    call: {},  // of forms that filter, which have no tape here
     neg: { computed: (a) => -a, exact: negated, quotients: () => [-1] },
     abs: { computed: Math.abs, exact: magnitude, quotients: (a) => [ofSize(a)] },
     copysign: {

@@ -32,10 +32,7 @@ struct FilteredSlabs {
         } else {
             T way(0);
             clip_by_signs(ray, box, tmin, tmax,
-                          [&]([[maybe_unused]] int axis, const T& /*inv*/, [[maybe_unused]] const T& dmax) {
-                              if constexpr (!tells_of_operations<T>)  // which end in double-double, wherever they are
-                                  way = way + dmax;
-                          });
+                          [&](int /*axis*/, const T& /*inv*/, const T& dmax) { way = way + dmax; });
             const filtered::Decided<T> cheap = filtered::by_bound<T>(tmin, tmax, way);
             if (!any_of(!cheap.proved)) return entered<T>(cheap.hit, {tmin, tmax});
             return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, cheap, watch);

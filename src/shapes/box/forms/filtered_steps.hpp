@@ -33,17 +33,17 @@ struct Decided : SlabDecision<T> {
 /// to 6.1u of themselves, or to the distance of subnormal numbers.
 template <Number T>
 Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
-    const T slack = T(16) * unit_roundoff<T>();
-    // Numbers that tell of operations end in double-double, in range or not.
-    T least(0);
-    mask_t<T> in_range = T(0) <= T(0);
-    if constexpr (!tells_of_operations<T>) {
-        least = number::wide::least_normal<T>();
-        in_range = way < T(1) / T(0);
+    if constexpr (tells_of_operations<T>) {
+        using number::wide::untold, number::wide::taken_for_granted;
+        const auto plain = by_bound(untold(tmin), untold(tmax), untold(way));
+        return {{taken_for_granted<T>(plain.proved), tmin <= tmax}, taken_for_granted<T>(plain.in_range)};
+    } else {
+        const T slack = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
+        const mask_t<T> in_range = way < T(1) / T(0);
+        const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) - least;
+        const mask_t<T> missed = in_range && tmin > tmax * (T(1) + slack) + least;
+        return {{hit || missed, hit}, in_range};
     }
-    const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) - least;
-    const mask_t<T> missed = in_range && tmin > tmax * (T(1) + slack) + least;
-    return {{hit || missed, hit}, in_range};
 }
 
 template <Number T, class B>
@@ -76,6 +76,11 @@ T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
 /// are doubles. Of floats all are.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+    if constexpr (tells_of_operations<T>) {
+        using number::wide::untold;
+        return number::wide::taken_for_granted<T>(
+            fits<decltype(untold(limit))>({untold(ray.origin), untold(ray.direction)}, untold(slabs), untold(limit)));
+    }
     mask_t<T> all = T(0) <= T(0);
     if constexpr (number::wide::has_whole_range<T>) {
         using B = number::wide::OneWord<T>;
@@ -167,49 +172,82 @@ Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Fou
     return entered<T>(all[0] > T(0), {select(good, own.tmin, all[1]), select(good, own.tmax, all[2])});
 }
 
+/// What `known` leaves open, without rounding, and t in the whole range where `known` does not say that what was found
+/// is good.
+template <Number T>
+Hit<T> to_the_last_digit(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
+                         const Decided<T>& before) {
+    using B = number::wide::OneWord<T>;
+    SlabDecision<T> known = before;
+    const mask_t<T> fit = fits(ray, slabs, found.limit);
+    if (any_of(!known.proved && fit)) {
+        const Ways<B> ways = ways_of<T>(ray, slabs, found.limit);
+        SlabDecision<T> products = by_products<T>(ways);
+        products.proved = products.proved && fit;
+        known = joined(known, products);
+        if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
+    }
+    if constexpr (number::wide::has_whole_range<T>)
+        if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known, before.in_range);
+    return entered<T>(known.hit, found.segment);
+}
+
+/// The same for numbers that tell of operations, of which it has none: a call.
+template <Number T>
+Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found, const mask_t<T>& in_range) {
+    using number::wide::told_of_call, number::wide::untold;
+    using P = decltype(untold(found.limit));
+    const P none(0), tmin = untold(found.segment.tmin), tmax = untold(found.segment.tmax);
+    const Hit<P> end =
+        to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)}, untold(slabs),
+                             {{tmin, tmax}, untold(found.limit)}, {{none < none, none < none}, in_range.value()});
+    const Vec<T>&o = ray.origin, &d = ray.direction;
+    const auto plane = [&](int axis, const auto& back) {
+        const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
+        return select(back(d[axis]), planes.bmax, planes.bmin);
+    };
+    const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };
+    const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };
+    const std::array<T, 13> of{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,        low(0),
+                               low(1), low(2), high(0), high(1), high(2), found.limit};
+    const Part<T> part("the exact step");
+    const auto told = [&of](CallAnswer answer, const P& value) {
+        return told_of_call<T>({"box.filtered", answer}, of, value);
+    };
+    const mask_t<T> hit = told(CallAnswer::decision, select(end.hit, P(1), P(-1))) > T(0);
+    const auto same = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
+    if (any_of(in_range.value() || (same(end.near, tmin) && same(end.far, tmax))))
+        return entered<T>(hit, found.segment);
+    return entered<T>(hit, {told(CallAnswer::near, end.near), told(CallAnswer::far, end.far)});
+}
+
 /// What `cheap` leaves open by the planes themselves: in the wider arithmetic of one word where there is one, then
-/// exactly; over numbers that tell of operations in double-double.
+/// without rounding.
 template <Number T, class Watch>
 Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, const Decided<T>& cheap, Watch& watch) {
-    using B = number::wide::OneWord<T>;
     const Part<T> part("by planes");
-    if constexpr (tells_of_operations<T>) {
-        watch(Way::two_words);
-        using W = number::wide::TwoWords<B>;
-        return entered<T>(joined(cheap, widely<W, T>(ray, slabs, found.limit)).hit, found.segment);
-    } else {
-        Decided<T> first = cheap;
-        if (any_of(!cheap.in_range)) {
-            const Decided<T> again = by_bound<T>(found.segment.tmin, found.segment.tmax, longest_way(ray, slabs));
-            first = {joined(cheap, again), cheap.in_range || again.in_range};
-            if (!any_of(!first.proved)) return entered<T>(first.hit, found.segment);
-        }
-        SlabDecision<T> known = first;
-        const mask_t<T> fit = fits(ray, slabs, found.limit);
-        if constexpr (number::wide::has_wider_word<T>) {
-            watch(Way::wider);
-            SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
-            wide.proved = wide.proved && fit;
-            known = joined(known, wide);
-            if (any_of(!first.in_range)) {
-                const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
-                found.segment = {select(first.in_range, found.segment.tmin, other.tmin),
-                                 select(first.in_range, found.segment.tmax, other.tmax)};
-            }
-            if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
-        }
-        watch(Way::exact);
-        if (any_of(!known.proved && fit)) {
-            const Ways<B> ways = ways_of<T>(ray, slabs, found.limit);
-            SlabDecision<T> products = by_products<T>(ways);
-            products.proved = products.proved && fit;
-            known = joined(known, products);
-            if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
-        }
-        if constexpr (number::wide::has_whole_range<T>)
-            if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known, first.in_range);
-        return entered<T>(known.hit, found.segment);
+    Decided<T> known = cheap;
+    if (any_of(!cheap.in_range)) {
+        const Decided<T> again = by_bound<T>(found.segment.tmin, found.segment.tmax, longest_way(ray, slabs));
+        known = {joined(cheap, again), cheap.in_range || again.in_range};
+        if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
     }
+    if constexpr (number::wide::has_wider_word<T>) {
+        using B = number::wide::OneWord<T>;
+        watch(Way::wider);
+        SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
+        wide.proved = wide.proved && fits(ray, slabs, found.limit);
+        known = {joined(known, wide), known.in_range};
+        if (any_of(!known.in_range)) {
+            const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
+            found.segment = {select(known.in_range, found.segment.tmin, other.tmin),
+                             select(known.in_range, found.segment.tmax, other.tmax)};
+        }
+        if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
+    }
+    watch(Way::exact);
+    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, slabs, found, known.in_range);
+    else return to_the_last_digit<T>(ray, slabs, found, known);
 }
 
 /// The same as a function of its own, by value: the loops over packs keep their registers to themselves.

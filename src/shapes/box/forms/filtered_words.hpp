@@ -14,9 +14,11 @@ template <Number T>
 struct SlabDecision {
     mask_t<T> proved, hit;
 
-    /// `first` where it is proved, `second` where not.
+    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
+    /// the second because the first proved nothing.
     friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
-        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
+        if constexpr (tells_of_operations<T>) return second;
+        else return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
     }
 };
 
@@ -25,6 +27,16 @@ template <Number T>
 struct OrderedSlabs {
     std::array<Planes<T>, 3> of;
 };
+
+/// The same as plain numbers.
+template <Number T>
+auto untold(const OrderedSlabs<T>& slabs) {
+    using P = decltype(number::wide::untold(slabs.of[0].bmin));
+    const auto planes = [](const Planes<T>& of) {
+        return Planes<P>{number::wide::untold(of.bmin), number::wide::untold(of.bmax)};
+    };
+    return OrderedSlabs<P>{{planes(slabs.of[0]), planes(slabs.of[1]), planes(slabs.of[2])}};
+}
 
 /// Beyond every t that floats or numbers in the range of `fits` can have.
 template <Number W>

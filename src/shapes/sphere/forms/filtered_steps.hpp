@@ -17,10 +17,13 @@ struct Settled {
     mask_t<T> proved, hit;
     T t;
 
-    /// `first` where it is proved, `second` where not.
+    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
+    /// the second because the first proved nothing.
     friend Settled joined(const Settled& first, const Settled& second) {
-        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
-                select(first.proved, first.t, second.t)};
+        if constexpr (tells_of_operations<T>) return second;
+        else
+            return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
+                    select(first.proved, first.t, second.t)};
     }
 };
 
@@ -222,19 +225,6 @@ Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
-/// The end over numbers that tell of operations: `exactly`, with terms as good as double-double makes them.
-template <class W, Number T>
-Settled<T> in_words(const Ray<T>& ray, const Sphere<T>& sphere) {
-    using number::wide::taken_back, number::wide::taken_to;
-    using B = number::wide::OneWord<T>;
-    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
-    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
-    const W a = square(d), r2 = square(taken_to<W>(sphere.radius));
-    const W disc = a * r2 - square(cross(f, d)), h = dot(f, d), c = square(f) - r2;
-    const Settled<B> found = of_terms<B>(h.hi, c.hi, a.hi, disc.hi);
-    return {found.proved, found.hit, taken_back<T>(found.t)};
-}
-
 /// Whether every number is 0 or within 2^-160 and 2^160: products of four, and those of their last places, are then
 /// doubles. Of floats they are. And whether one is infinite or NaN, of which sums of any size know no more.
 template <Number T>
@@ -284,27 +274,47 @@ Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Sett
     return {T(0) <= T(0), all[0] > T(0), all[1]};
 }
 
-/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
-/// double-double is the end, and `in_words` answers what it leaves open.
+/// What `known` leaves open, without rounding.
+template <Number T>
+Settled<T> to_the_last_digit(const Ray<T>& ray, const Sphere<T>& sphere, Settled<T> known) {
+    const mask_t<T> fit = fits(ray, sphere);
+    if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ray, sphere, fit));
+    if constexpr (number::wide::has_whole_range<T>)
+        if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
+    return known;
+}
+
+/// The same for numbers that tell of operations, of which it has none: a call.
+template <Number T>
+Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
+    using number::wide::untold, number::wide::told_of_call;
+    using P = decltype(untold(sphere.radius));
+    const P none(0);
+    const Settled<P> found =
+        to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)},
+                             {untold(sphere.centre), untold(sphere.radius)}, {none < none, none < none, none});
+    const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
+    const std::array<T, 10> of{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
+    const Part<T> part("the exact step");
+    const T decision = told_of_call<T>({"sphere.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
+    return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
+            told_of_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};
+}
+
+/// What `soft` leaves open in double-double, and what that leaves open without rounding.
 template <Number T, class Watch>
 Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
-    using B = number::wide::OneWord<T>;
-    using W = number::wide::TwoWords<B>;
+    using W = number::wide::TwoWords<number::wide::OneWord<T>>;
     watch(Way::two_words);
-    const Part<T> part("in two words");
-    const Settled<T> wide = joined(soft, widely<W, T>(ray, sphere));
+    const auto in_two_words = [&] {
+        const Part<T> part("in two words");
+        return joined(soft, widely<W, T>(ray, sphere));
+    };
+    const Settled<T> wide = in_two_words();
     if (!any_of(!wide.proved)) return wide;
     watch(Way::exact);
-    if constexpr (tells_of_operations<T>) {
-        return joined(wide, in_words<W, T>(ray, sphere));
-    } else {
-        const mask_t<T> fit = fits(ray, sphere);
-        Settled<T> known = wide;
-        if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, sphere, fit));
-        if constexpr (number::wide::has_whole_range<T>)
-            if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
-        return known;
-    }
+    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, sphere);
+    else return to_the_last_digit<T>(ray, sphere, wide);
 }
 
 /// The same as a function of its own, by value: the loops over packs keep their registers to themselves.

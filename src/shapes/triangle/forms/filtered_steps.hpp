@@ -17,10 +17,13 @@ struct TriangleDecision {
     mask_t<T> proved, hit;
     T t;
 
-    /// `first` where it is proved, `second` where not.
+    /// `first` where it is proved, `second` where not. A number that tells of operations is of one ray, which asked for
+    /// the second because the first proved nothing.
     friend TriangleDecision joined(const TriangleDecision& first, const TriangleDecision& second) {
-        return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
-                select(first.proved, first.t, second.t)};
+        if constexpr (tells_of_operations<T>) return second;
+        else
+            return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
+                    select(first.proved, first.t, second.t)};
     }
 };
 
@@ -253,27 +256,47 @@ TriangleDecision<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangl
     return {T(0) <= T(0), all[0] > T(0), all[1]};
 }
 
-/// What `soft` leaves open in double-double, and what that leaves open exactly; over numbers that tell of operations
-/// double-double is the end.
+/// What `known` leaves open, without rounding.
+template <Number T>
+TriangleDecision<T> to_the_last_digit(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known) {
+    const mask_t<T> fit = fits(ray, triangle);
+    if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ray, triangle, fit));
+    if constexpr (number::wide::has_whole_range<T>)
+        if (any_of(!known.proved)) return in_every_range<T>(ray, triangle, known);
+    return known;
+}
+
+/// The same for numbers that tell of operations, of which it has none: a call.
+template <Number T>
+TriangleDecision<T> in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
+    using number::wide::untold, number::wide::told_of_call;
+    using P = decltype(untold(ray.origin.x));
+    const P none(0);
+    const TriangleDecision<P> found = to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)},
+                                                           {untold(triangle.a), untold(triangle.b), untold(triangle.c)},
+                                                           {none < none, none < none, none});
+    const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
+    const std::array<T, 15> of{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
+    const Part<T> part("the exact step");
+    const T decision = told_of_call<T>({"triangle.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
+    return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
+            told_of_call<T>({"triangle.filtered", CallAnswer::t}, of, found.t)};
+}
+
+/// What `soft` leaves open in double-double, and what that leaves open without rounding.
 template <Number T, class Watch>
 TriangleDecision<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& soft,
                            Watch& watch) {
     watch(Way::two_words);
-    const Part<T> part("in two words");
-    const TriangleDecision<T> wide =
-        joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
+    const auto in_two_words = [&] {
+        const Part<T> part("in two words");
+        return joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
+    };
+    const TriangleDecision<T> wide = in_two_words();
     if (!any_of(!wide.proved)) return wide;
     watch(Way::exact);
-    if constexpr (tells_of_operations<T>) {
-        return wide;
-    } else {
-        const mask_t<T> fit = fits(ray, triangle);
-        TriangleDecision<T> known = wide;
-        if (any_of(!wide.proved && fit)) known = joined(wide, exactly<T>(ray, triangle, fit));
-        if constexpr (number::wide::has_whole_range<T>)
-            if (any_of(!known.proved)) return in_every_range<T>(ray, triangle, known);
-        return known;
-    }
+    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, triangle);
+    else return to_the_last_digit<T>(ray, triangle, wide);
 }
 
 /// The same as a function of its own, by value: the loops over packs keep their registers to themselves.

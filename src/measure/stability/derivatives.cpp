@@ -1,0 +1,66 @@
+#include "measure/stability/derivatives.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "measure/blame/operation_error.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::measure::stability {
+namespace {
+
+/// The tangents of all nodes along one input.
+class Tangents {
+public:
+    Tangents(const Tape& tape, NodeId input) : tape_(tape), of_(tape.nodes.size()) {
+        of_[static_cast<std::size_t>(input)] = 1;
+        for (NodeId i = input + 1; i < tape.size(); ++i) of_[static_cast<std::size_t>(i)] = of(i);
+    }
+    [[nodiscard]] double at(NodeId i) const { return of_[static_cast<std::size_t>(i)]; }
+
+private:
+    [[nodiscard]] double of(NodeId i) const {
+        const TapeNode& n = tape_[i];
+        const FloatFormat& f = tape_.format_of(i);
+        const auto x = [&](std::size_t k) { return tape_[n.operands[k]].value; };
+        const auto dx = [&](std::size_t k) { return at(n.operands[k]); };
+        const auto product = [&] {
+            return rounding::add(rounding::mul(dx(0), x(1), f), rounding::mul(x(0), dx(1), f), f);
+        };
+        switch (n.op) {
+            case TapeOp::input:
+            case TapeOp::constant: return 0;
+            case TapeOp::add: return rounding::add(dx(0), dx(1), f);
+            case TapeOp::sub: return rounding::add(dx(0), -dx(1), f);
+            case TapeOp::mul: return product();
+            case TapeOp::div: return rounding::div(rounding::add(dx(0), -rounding::mul(n.value, dx(1), f), f), x(1), f);
+            case TapeOp::sqrt: return rounding::div(dx(0), rounding::add(n.value, n.value, f), f);
+            case TapeOp::fma: return rounding::add(product(), dx(2), f);
+            case TapeOp::neg: return -dx(0);
+            case TapeOp::abs:
+            case TapeOp::copysign: return std::signbit(n.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
+            case TapeOp::min:
+            case TapeOp::max:
+            case TapeOp::select: return at(blame::side_taken(tape_, i));
+            case TapeOp::next_up:
+            case TapeOp::next_down: return dx(0);
+            case TapeOp::convert: return rounding::to_format(dx(0), 0, f);
+            case TapeOp::call: return std::numeric_limits<double>::quiet_NaN();
+            default: return 0;  // decisions have none
+        }
+    }
+
+    const Tape& tape_;
+    std::vector<double> of_;
+};
+
+}  // namespace
+
+std::vector<double> forward_derivatives(const Tape& tape) {
+    std::vector<double> all;
+    for (NodeId i = 0; i < tape.size(); ++i)
+        if (tape[i].op == TapeOp::input) all.push_back(Tangents(tape, i).at(tape.outputs.t));
+    return all;
+}
+
+}  // namespace lostbits::measure::stability

@@ -1,0 +1,112 @@
+// The tape of a form that filters is of what ran, its exact step one operation: the same bits on rays that break
+// filters, at every scale, and without rounding the same answer.
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/hostile_rays.hpp"
+#include "measure/blame/attribution.hpp"
+#include "measure/blame/operation_error.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "number/oracle.hpp"
+
+namespace lostbits::test::test_filtered_tapes {
+namespace {
+
+using intersect::Way;
+using intersect::table::Intersector;
+
+struct Tally {
+    std::atomic<std::uint64_t> asked = 0, exact = 0, shared_out = 0, hits = 0;
+    std::atomic<std::uint64_t> other_bits = 0, other_way = 0, turned = 0, inexact = 0, of_constants = 0;
+};
+
+/// Of a box the triangle of three corners, on whose edges the rays through its own edges and corners lie.
+HostileRay at_triangle(const HostileRay& x) {
+    const Box<double> box = x.solid.box();
+    const Vec<double> third(box.lo.x, box.hi.y, box.lo.z);
+    return {x.ray, Triangle<double>{box.lo, box.hi, third}};
+}
+
+HostileRay in_format(const HostileRay& x, const FloatFormat& format) {
+    const auto rounded = [&](double v) { return rounding::to_format(v, 0, format); };
+    const auto vec = [&](const Vec<double>& v) { return Vec<double>(rounded(v.x), rounded(v.y), rounded(v.z)); };
+    return {{vec(x.ray.origin), vec(x.ray.direction)}, transformed(x.solid, rounded), rounded(x.tmax)};
+}
+
+/// Without rounding the exact step gives the decision that it gave, and a t that is 16u from its own at most.
+void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& tally) {
+    const measure::blame::Attribution found = measure::blame::attribute(tape, {.full = true});
+    ++tally.shared_out;
+    tally.turned += found.exact_hit != hit;
+    if (found.culprit != no_node) tally.of_constants += tape[found.culprit].op == TapeOp::constant;
+    if (!hit) return;
+    ++tally.hits;
+    const double t = tape[tape.outputs.t].value, off = found.of[static_cast<std::size_t>(tape.outputs.t)].error;
+    const double allowed =
+        16 * std::ldexp(std::fabs(t), -format.shape.precision) + measure::blame::ulp_at(0, format.shape);
+    tally.inexact += std::isfinite(t) && !(std::fabs(off) <= allowed);
+}
+
+void check_ray(const Intersector& form, const Format& format, const HostileRay& x, bool share_out, Tally& tally) {
+    const Setting s{.ray = x.ray, .solids = {x.solid}, .tmax = x.tmax};
+    const Hit<double> want = plain(form, format, s);
+    Tape tape;
+    form.record(format, s.ray, s.target(form), s.tmax, tape);
+    const auto [hit, t, near, far] = tape.outputs;
+    ++tally.asked;
+    tally.other_bits += (tape[hit].value != 0) != want.hit || !same_number(tape[t].value, want.t) ||
+                        !same_number(tape[near].value, want.near) || !same_number(tape[far].value, want.far);
+    const bool exact = form.way(format, s.ray, s.target(form), s.tmax) == Way::exact;
+    tally.exact += exact;
+    tally.other_way += exact == tape.calls.empty();
+    if (exact && share_out) check_exact_step(tape, format, want.hit, tally);
+}
+
+template <class S>
+void check_form(const Intersector& form, const Format& format, std::uint64_t rays, bool any_scale) {
+    Tally tally;
+    constexpr std::uint64_t block = 512;
+    tbb::parallel_for(std::uint64_t{0}, rays / block, [&](std::uint64_t b) {
+        HostileRays<S> draw(2031 << 20 | b);
+        Random scales(b);
+        for (std::uint64_t i = 0; i < block; ++i) {
+            HostileRay x = form.shape == Shape::sphere ? draw.sphere((b + i) % sphere_families.size())
+                                                       : draw.box((b + i) % box_families.size());
+            if (form.shape == Shape::triangle) x = at_triangle(x);
+            if (any_scale) x = at_any_scale<S>(x, scales);
+            check_ray(form, format, in_format(x, format.shape), i % 32 == 0, tally);
+        }
+    });
+    INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.asked
+                         << " rays, " << tally.exact << " settled exactly, " << tally.shared_out << " shared out, "
+                         << tally.hits << " of them hits");
+    CHECK(tally.other_bits == 0);
+    CHECK(tally.other_way == 0);
+    CHECK(tally.turned == 0);
+    CHECK(tally.inexact == 0);
+    CHECK(tally.of_constants == 0);
+    CHECK(tally.exact > tally.asked / 128);
+    CHECK(tally.hits > 0);
+}
+
+}  // namespace
+
+TEST_CASE("the tape of a form that filters is of what ran, its exact step one operation", "[attribution]") {
+    std::size_t forms = 0;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        if (!form.way) continue;
+        ++forms;
+        for (const bool any_scale : {false, true}) {
+            check_form<float>(form, *find_format("f32"), draws(1 << 18), any_scale);
+            check_form<double>(form, *find_format("f64"), draws(1 << 18), any_scale);
+            check_form<float>(form, *find_format("p20"), draws(1 << 15), any_scale);
+        }
+    }
+    CHECK(forms == 3);
+}
+
+}  // namespace lostbits::test::test_filtered_tapes
