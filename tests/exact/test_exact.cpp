@@ -99,6 +99,7 @@ TEST_CASE("exact: the tube", "[exact]") { hold(shapes[6]); }
 TEST_CASE("exact: the cone", "[exact]") { hold(shapes[7]); }
 TEST_CASE("exact: the disc", "[exact]") { hold(shapes[8]); }
 TEST_CASE("exact: the plane", "[exact]") { hold(shapes[9]); }
+TEST_CASE("exact: the torus", "[exact]") { hold(shapes[10]); }
 
 TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a side of a cone", "[exact]") {
     // Once answered with a miss: a t² + 2 h t + c has a = 0.
