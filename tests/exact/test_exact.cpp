@@ -113,6 +113,19 @@ TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a 
     }
 }
 
+TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by 2^-1074 of t", "[exact]") {
+    // Once the root beside it, of the mirror image: a < 0, and 2 is between the roots.
+    const std::vector<Problem> problems{
+        {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .solid = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
+    std::vector<Answer> answers;
+    for (const Way way : {Way::doubles, Way::one_by_one}) {
+        ask("cone", way, problems, answers);
+        CHECK(answers.front().hit);
+        CHECK(answers.front().low > 0);
+        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
+    }
+}
+
 TEST_CASE("exact: an answer that is a little wrong is told from the right one, quickly and exactly", "[exact]") {
     Chance chance(5);
     std::vector<Problem> problems(2000);
