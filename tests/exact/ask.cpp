@@ -32,11 +32,20 @@ double rounded(const truth::Truth& found, const Given& given, const FloatFormat&
     return truth::round_truth(found, given.ray, given.solid, format, truth::Length::parameter, {}, given.range);
 }
 
-Answer answer_of(const truth::Truth& found, const Given& given) {
+/// What is known to 2^-33 is no double yet, and would be found again for each ray to be one.
+Answer answer_of(const truth::Truth& found, const Given& given,
+                 truth::Tightness tightness = truth::Tightness::certified) {
     if (found.decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
     if (!found.is_hit()) return {};
     const truth::Certified& t = found.t;
-    return {true, t.hi, t.lo, t.bound, t.exponent, rounded(found, given, binary32), rounded(found, given, binary64)};
+    const bool is_double = tightness == truth::Tightness::certified;
+    return {true,
+            t.hi,
+            t.lo,
+            t.bound,
+            t.exponent,
+            rounded(found, given, binary32),
+            is_double ? rounded(found, given, binary64) : NAN};
 }
 
 /// A column a number, as the shape of S has it.
@@ -74,15 +83,13 @@ void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Proble
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Given one(shape, problems[i]);
         if (alone != found.alone.end() && alone->first == i) {
-            answers[i] = answer_of((alone++)->second, one);
+            answers[i] = answer_of((alone++)->second, one, tightness);
             continue;
         }
         truth::Truth t;
         t.decision = found.decision[i];
         if (t.is_hit()) t.t = truth::certified(found.hi[i], found.lo[i], found.bound[i]);
-        answers[i] = answer_of(t, one);
-        // What is known to 2^-33 is no double yet.
-        if (tightness == truth::Tightness::ulps_of_binary32) answers[i].as_double = NAN;
+        answers[i] = answer_of(t, one, tightness);
     }
 }
 

@@ -17,12 +17,6 @@ Enclosed scaled(double x, std::int64_t e, const Enclosed&) {
 }
 Whole scaled(double x, std::int64_t e, const Whole&) { return Whole(x).scaled(e); }
 
-/// The sign of t − x, which a root and a fraction are asked alike.
-template <class E>
-int side(const Place<E>& t, const E& x) {
-    return order(t, place(x));
-}
-
 /// Half way from a number of a format, `least` its least and `largest` its largest one, to the one before and after it.
 /// Nothing lies before 0, and beyond the largest the next would be as far away as the one before.
 template <class E>
@@ -48,27 +42,27 @@ constexpr F infinite = std::numeric_limits<F>::infinity();
 
 /// Whether a number of the format F is t ≥ 0 rounded to nearest, ties to even.
 template <class F, class E>
-bool is_rounded(double rounded, const Place<E>& t) {
+bool is_rounded(double rounded, const First<E>& t) {
     const F x = static_cast<F>(rounded), largest = std::numeric_limits<F>::max();
     if (static_cast<double>(x) != rounded || !(rounded >= 0)) return false;
     const F down = std::nextafter(std::isinf(x) ? largest : x, F(0)), up = std::nextafter(x, infinite<F>);
     const Midpoints<E> middle(rounded, static_cast<double>(down), static_cast<double>(up),
                               static_cast<double>(largest));
     const bool is_even = (std::bit_cast<Bits<F>>(x) & 1) == 0;
-    const int from = x == 0 ? 1 : side(t, middle.before), to = std::isinf(x) ? -1 : side(t, middle.after);
+    const int from = x == 0 ? 1 : t.side(middle.before), to = std::isinf(x) ? -1 : t.side(middle.after);
     return (from > 0 || (from == 0 && is_even)) && (to < 0 || (to == 0 && is_even));
 }
 
 template <class E>
 Fault fault_of(const First<E>& right, const Answer& a, double tightness, double slack) {
-    if (right.has_value() != a.hit) return Fault::decision;
+    if (right.is_hit() != a.hit) return Fault::decision;
     if (!a.hit) return Fault::none;
     if (!(a.bound >= 0) || !(a.bound <= tightness * std::fabs(a.high))) return Fault::tightness;
     const E middle = scaled(a.high, a.exponent, E()) + scaled(a.low, a.exponent, E());
     const E bound = scaled(std::max(a.bound, slack * std::fabs(a.high)), a.exponent, E());
-    if (side(*right, middle - bound) < 0 || side(*right, middle + bound) > 0) return Fault::length;
-    if (!std::isnan(a.as_float) && !is_rounded<float>(a.as_float, *right)) return Fault::rounded_to_float;
-    if (!std::isnan(a.as_double) && !is_rounded<double>(a.as_double, *right)) return Fault::rounded_to_double;
+    if (right.side(middle - bound) < 0 || right.side(middle + bound) > 0) return Fault::length;
+    if (!std::isnan(a.as_float) && !is_rounded<float>(a.as_float, right)) return Fault::rounded_to_float;
+    if (!std::isnan(a.as_double) && !is_rounded<double>(a.as_double, right)) return Fault::rounded_to_double;
     return Fault::none;
 }
 

@@ -3,8 +3,9 @@
 
 #include <optional>
 #include <stdexcept>
+#include <variant>
 
-#include "exact/roots.hpp"
+#include "exact/sturm.hpp"
 
 namespace lostbits::exact {
 
@@ -72,11 +73,13 @@ struct Counted {
     std::optional<Place<E>> to;
     bool open_from, open_to;
 
-    [[nodiscard]] bool has_begun(const Place<E>& t) const {
+    template <class P>
+    [[nodiscard]] bool has_begun(const P& t) const {
         const int since = order(t, from);
         return since > 0 || (since == 0 && !open_from);
     }
-    [[nodiscard]] bool has(const Place<E>& t) const {
+    template <class P>
+    [[nodiscard]] bool has(const P& t) const {
         if (!has_begun(t)) return false;
         if (!to) return true;
         const int until = order(t, *to);
@@ -86,7 +89,22 @@ struct Counted {
 
 /// The first t that counts; nothing: a miss.
 template <class E>
-using First = std::optional<Place<E>>;
+class First {
+public:
+    First(std::nullopt_t) {}                   // NOLINT(google-explicit-constructor)
+    First(const Place<E>& t) : at_(t) {}       // NOLINT(google-explicit-constructor)
+    First(RootOf<E> t) : at_(std::move(t)) {}  // NOLINT(google-explicit-constructor)
+    [[nodiscard]] bool is_hit() const { return at_.index() != 0; }
+    /// The sign of t − x, which a root and a fraction are asked alike; of a hit.
+    [[nodiscard]] int side(const E& x) const {
+        const Place<E> there = place(x);
+        if (const auto* root = std::get_if<RootOf<E>>(&at_)) return order(*root, there);
+        return order(std::get<Place<E>>(at_), there);
+    }
+
+private:
+    std::variant<std::monostate, Place<E>, RootOf<E>> at_;
+};
 
 /// The first of the ends that counts: the surface of a solid that the line goes through.
 template <class E>

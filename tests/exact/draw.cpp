@@ -26,7 +26,7 @@ std::uint64_t Chance::bits() {
 namespace {
 
 /// What the numbers of a solid are: (p)oints of three numbers, (d)irections, (r)adii > 0, (n)o less than 0, (i)nner <
-/// the one before, (h)igh corners.
+/// the one before and no less than 0, (m)inor < the one before and > 0, (h)igh corners.
 std::string_view layout_of(std::string_view shape) {
     if (shape == "sphere") return "pr";
     if (shape == "box") return "ph";
@@ -35,6 +35,7 @@ std::string_view layout_of(std::string_view shape) {
     if (shape == "cone") return "pprn";
     if (shape == "disc") return "pdri";
     if (shape == "plane") return "pd";
+    if (shape == "torus") return "pdrm";
     return "ppr";
 }
 bool is_triple(char c) { return c == 'p' || c == 'd' || c == 'h'; }
@@ -73,9 +74,9 @@ bool is_proper(std::string_view layout, const Problem& p) {
     if (p.tmax == p.tmin && (p.open_tmin || p.open_tmax)) return false;
     std::size_t k = 0;
     for (const char c : layout) {
-        if (c == 'r' && !(p.solid[k] > 0)) return false;
+        if ((c == 'r' || c == 'm') && !(p.solid[k] > 0)) return false;
         if (c == 'n' && !(p.solid[k] >= 0)) return false;
-        if (c == 'i' && !(p.solid[k] >= 0 && p.solid[k] < p.solid[k - 1])) return false;
+        if ((c == 'i' || c == 'm') && !(p.solid[k] >= 0 && p.solid[k] < p.solid[k - 1])) return false;
         if (c == 'd' && is_zero(p, k)) return false;
         for (std::size_t i = k; c == 'h' && i < k + 3; ++i)
             if (p.solid[i] < p.solid[i - 3]) return false;
@@ -98,7 +99,7 @@ void draw_solid(std::string_view layout, Problem& p, const Draw& draw) {
         for (const std::size_t end = k + (is_triple(c) ? 3 : 1); k < end; ++k) {
             p.solid[k] = draw(c);
             if (c == 'h' && p.solid[k] < p.solid[k - 3]) std::swap(p.solid[k], p.solid[k - 3]);
-            if (c == 'i' && p.solid[k] > p.solid[k - 1]) std::swap(p.solid[k], p.solid[k - 1]);
+            if ((c == 'i' || c == 'm') && p.solid[k] > p.solid[k - 1]) std::swap(p.solid[k], p.solid[k - 1]);
         }
 }
 
@@ -113,7 +114,7 @@ void aim_at(std::string_view layout, const Problem& p, Chance& chance, double (&
         if (layout == "pr") target[i] += 1.1 * chance.part() * p.solid[3];
         else if (layout == "prrr") target[i] += 1.1 * chance.part() * p.solid[3 + i];
         else if (layout.ends_with('r') || layout.ends_with('n')) target[i] += 1.2 * chance.part() * p.solid[6];
-        else if (layout == "pdri") target[i] += 1.2 * chance.part() * p.solid[6];
+        else if (layout.starts_with("pdr")) target[i] += 1.2 * chance.part() * p.solid[6];
     }
 }
 
@@ -125,6 +126,10 @@ Problem random_problem(std::string_view layout, Ends ends, Chance& chance) {
         const double x = size * chance.part();
         return stored<S>(c == 'p' || c == 'h' ? 4 * x : c == 'd' ? x : std::fabs(x));
     });
+    if (const int thin = 1 + chance.below(40); layout == "pdrm" && chance.below(2) == 0) {  // a wire, or hardly a hole
+        const double of_major = chance.below(2) == 0 ? std::ldexp(1, -thin) : 1 - std::ldexp(1, -thin);
+        p.solid[7] = stored<S>(p.solid[6] * of_major);
+    }
     double target[3];
     aim_at(layout, p, chance, target);
     const double away = chance.below(4) == 0 ? 0.5 : std::ldexp(1, chance.below(15));
@@ -182,7 +187,7 @@ Problem made_problem(std::string_view layout, Ends ends, Chance& chance) {
     const bool aligned = chance.below(2) == 0;  // the second point is the first moved along an axis
     const std::size_t axis = static_cast<std::size_t>(chance.below(3));
     draw_solid(layout, p, [&](char c) {
-        return c == 'r' ? whole(1) : c == 'n' || c == 'i' ? whole(0) : whole(-reach);
+        return c == 'r' || c == 'm' ? whole(1) : c == 'n' || c == 'i' ? whole(0) : whole(-reach);
     });
     for (std::size_t i = 0; aligned && i < 3; ++i) {
         if (i == axis) continue;
@@ -193,14 +198,16 @@ Problem made_problem(std::string_view layout, Ends ends, Chance& chance) {
     const double away = static_cast<double>(chance.below(6) - 1);
     const std::size_t from =
         layout.starts_with("pp") || layout == "ph" ? 3 * static_cast<std::size_t>(chance.below(2)) : 0;
-    const double radius = layout.starts_with("pp") || layout == "pdri" ? p.solid[6] : p.solid[3];
+    const double radius = p.solid[layout.starts_with("pp") || layout.starts_with("pdr") ? 6 : 3];
     const bool aimed = chance.below(4) != 0, on_edge = chance.below(3) == 0;
     for (std::size_t i = 0; i < 3; ++i) {
         double at = p.solid[from + i];
         if (layout == "ph" && chance.below(2) == 0) at = p.solid[3 - from + i];  // a corner, or on an edge or a face
         else if (on_edge && layout == "ppp") at = p.solid[6 + i];
         else if (layout != "ph" && layout != "ppp") {
-            const double r = layout == "prrr" ? p.solid[3 + i] : radius;
+            double r = layout == "prrr" ? p.solid[3 + i] : radius;
+            if (layout == "pdrm" && chance.below(2) == 0)  // the top, the hole, and all of it
+                r = chance.below(2) == 0 ? p.solid[7] : r + (chance.below(2) == 0 ? p.solid[7] : -p.solid[7]);
             at += r * static_cast<double>(chance.below(3) - 1);
         }
         p.ray[i] = aimed ? at - away * p.ray[i + 3] : whole(-reach);

@@ -32,6 +32,9 @@ inline Place<Whole> fraction(const Whole& n, const Whole& m) {
 /// n itself.
 inline Place<Enclosed> place(const Enclosed& n) { return {n}; }
 inline Place<Whole> place(const Whole& n) { return {n, Whole(), Whole(1), 0}; }
+/// The number that is there, of a place made of one.
+inline const Enclosed& number_of(const Place<Enclosed>& a) { return a.value; }
+inline const Whole& number_of(const Place<Whole>& a) { return a.p; }
 
 /// a t² + 2 h t + c, a > 0, and q = h² − a c ≥ 0.
 template <class E>

@@ -184,13 +184,42 @@ First<E> meet_plane(const Asked<E>& q) {
     return only(fraction(dot(q.point(0) - q.o, n), m), q.counted);
 }
 
+/// A number near the place where a line is nearest to the origin of f, as which it is computed with there.
+inline Enclosed nearest(const Enclosed& fd, const Enclosed& d2) {
+    const double t = -fd.high / d2.high;
+    return Enclosed(std::isfinite(t) ? t : 0);
+}
+inline Whole nearest(const Whole&, const Whole&) { return Whole(); }
+
+/// With p from the centre, R and r the radii and n the axis, the part of p across n has the length ρ, n² ρ² = n² p² −
+/// (n·p)², and (ρ − R)² + (p² − ρ²) = r²: (p² + R² − r²)² = 4 R² ρ².
+template <class E>
+First<E> meet_torus(const Asked<E>& q) {
+    const E &major = q.n[6], &minor = q.n[7];
+    const Vector<E> f = q.o - q.point(0), n = q.point(3);
+    const E a = dot(q.d, q.d), origin = nearest(dot(f, q.d), a), two(2);
+    const Vector<E> p = f + origin * q.d;
+    const E n2 = dot(n, n), b = dot(p, q.d), c = dot(p, p), np = dot(n, p), nd = dot(n, q.d);
+    const E e = c + (major + minor) * (major - minor), b2 = two * b, k = two * major * (two * major);
+    const Sturm<E> sturm(
+        {{n2 * (e * e) - k * (n2 * c - np * np), two * (n2 * (e * b2) - k * (n2 * b - np * nd)),
+          n2 * (b2 * b2 + two * (e * a)) - k * (n2 * a - nd * nd), two * (n2 * (b2 * a)), n2 * (a * a)},
+         4},
+        origin);
+    const E& from = number_of(q.counted.from);
+    const int before = sturm.up_to(from), index = before + (sturm.is_root(from) && !q.counted.open_from ? 0 : 1);
+    if (index > sturm.all()) return std::nullopt;
+    RootOf<E> first{sturm, index};
+    return q.counted.has(first) ? First<E>(std::move(first)) : std::nullopt;
+}
+
 /// A shape as it is asked about here.
 struct Shaped {
     std::string_view name;
     First<Enclosed> (*quickly)(const Asked<Enclosed>&);
     First<Whole> (*exactly)(const Asked<Whole>&);
 };
-inline constexpr std::array<Shaped, 10> shapes{{{"sphere", meet_sphere, meet_sphere},
+inline constexpr std::array<Shaped, 11> shapes{{{"sphere", meet_sphere, meet_sphere},
                                                 {"box", meet_box, meet_box},
                                                 {"triangle", meet_triangle, meet_triangle},
                                                 {"ellipsoid", meet_ellipsoid, meet_ellipsoid},
@@ -199,6 +228,7 @@ inline constexpr std::array<Shaped, 10> shapes{{{"sphere", meet_sphere, meet_sph
                                                 {"tube", meet_tube, meet_tube},
                                                 {"cone", meet_cone, meet_cone},
                                                 {"disc", meet_disc, meet_disc},
-                                                {"plane", meet_plane, meet_plane}}};
+                                                {"plane", meet_plane, meet_plane},
+                                                {"torus", meet_torus, meet_torus}}};
 
 }  // namespace lostbits::exact

@@ -53,9 +53,15 @@ std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& 
 
 /// Whether a root of a quadratic lies above m > 0, at it or below. With P(t) = a t² + 2 h t + c, the near root is above
 /// m where P(m) > 0 and a m + h < 0, the far root where P(m) < 0 or a m + h < 0. Of a distance m the same with m/√b for
-/// m, b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b.
+/// m, b = d·d, and times b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where a < 0 (a line steeper than a cone)
+/// what is entered is the larger root, where P falls: the far one of −P.
 template <class E>
 std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E& m, Length length) {
+    const auto bends = sign<E>(s.a);
+    if (!bends) return std::nullopt;
+    if (*bends < 0)
+        return side_of_root<E>({-s.h, -s.c, -s.a, s.q, s.d2}, at == Crossing::near ? Crossing::far : Crossing::near, m,
+                               length);
     const bool parameter = length == Length::parameter;
     const auto p = parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
                              : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
