@@ -41,7 +41,7 @@ double projected(const Sample& s) {
 
 /// Of the clipping of slabs alone, which is the box's.
 template <class F>
-double padding_in(const Ray<F>& ray, const Box<F>& box) {
+double padding_in(const Ray<F>& ray, const Hull<F>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();
     intersect::box::clip_by_signs<F>(ray, box, tmin, tmax);
     if (!(tmin > tmax)) return 0;
@@ -87,7 +87,7 @@ double padding(const Sample& s) {
     return of(*s.ray, s.solid->box());
 }
 
-double padding(const Ray<float>& ray, const Box<float>& box) { return padding_in(ray, box); }
+double padding(const Ray<float>& ray, const Hull<float>& box) { return padding_in(ray, box); }
 
 double bound(const Sample& s) {
     if (!s.bounded) return missing;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "measure/metric/metrics.hpp"
+#include "shapes/hull.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -13,7 +14,7 @@ double projected_error(const Sample& s);
 /// others. Behind a box it is that of the box, whatever the solid.
 double padding(const Sample& s);
 /// The same of the slabs of one box, in binary32, whether or not the ray hits it.
-double padding(const Ray<float>& ray, const Box<float>& box);
+double padding(const Ray<float>& ray, const Hull<float>& box);
 
 /// The form's own bound on the rounding error of t, in ulps of the format at t*; infinite where it knows nothing.
 double bound(const Sample& s);

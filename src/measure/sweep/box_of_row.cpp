@@ -9,12 +9,15 @@ double BoxOfRow::padding(const AxisColumns& columns, std::size_t i) {
     return metric::padding(columns.ray_for(row_, i), *same_);
 }
 
-Box<float> BoxOfRow::box_around(const Solid<float>& solid) const {
-    if (behind_.form == nullptr) return solid.box();
-    static const Format binary32_format = *find_format("f32");
-    const Hull<double> box =
-        behind_.way->in(binary32_format, transformed(solid, [](float x) { return static_cast<double>(x); }));
-    return transformed(Solid<double>(box), [](double x) { return static_cast<float>(x); }).box();
+Hull<float> BoxOfRow::box_around(const Solid<float>& solid) const {
+    if (behind_.form == nullptr) return hull_of(solid);
+    static const Format in_binary32 = *find_format("f32");
+    const auto [lo, hi] =
+        behind_.way->in(in_binary32, transformed(solid, [](float x) { return static_cast<double>(x); }));
+    const auto narrow = [](const Vec<double>& v) {
+        return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
+    };
+    return {narrow(lo), narrow(hi)};
 }
 
 }  // namespace lostbits::measure::sweep

@@ -18,11 +18,11 @@ public:
     [[nodiscard]] double padding(const AxisColumns& columns, std::size_t i);
 
 private:
-    [[nodiscard]] Box<float> box_around(const Solid<float>& solid) const;
+    [[nodiscard]] Hull<float> box_around(const Solid<float>& solid) const;
 
     const map::MapRow& row_;
     intersect::hull::HullParts behind_;
-    std::optional<Box<float>> same_;  ///< where the axis leaves the solid as it is
+    std::optional<Hull<float>> same_;  ///< where the axis leaves the solid as it is
 };
 
 }  // namespace lostbits::measure::sweep
