@@ -57,7 +57,7 @@ public:
         quiet.progress = [](std::uint64_t) {};
         const auto worth = worth_of(quiet);
         for (std::size_t r = 0; r < asked_.rows.size(); ++r)
-            if (!worth[r].meets(asked_.wish)) mend_one(asked_.rows[r]);
+            if (!worth[r].meets(asked_.wish) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
     }
 
     std::vector<measure::mend::Written> written = {};

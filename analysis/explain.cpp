@@ -40,11 +40,6 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
                                      choice::formats_of(form), form.native32 ? "f32" : "f64"));
-    if (intersect::hull::has_box(form) && (o.json || o.fpcore || o.latex || o.c))
-        throw InputError(fmt::format(
-            "-i {}: the operations of a form behind a box are not written down; name the form or the box alone, such "
-            "as -i {}",
-            o.form, intersect::hull::innermost(form).info->name));
     if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
             "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "

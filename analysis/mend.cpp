@@ -45,15 +45,22 @@ measure::map::MapRow row_of(const MendOptions& o, const std::string& id, const c
         throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
                                      choice::formats_of(*forms.front())));
     choice::refuse_makers(forms, "mend");
-    if (!meets(forms.front()->shapes()))
+    const auto* form = forms.front();
+    if (meets(form->shapes().placed()) && is_solid(form->shape) && !form->is_placed)
+        form = &intersect::space::through(intersect::space::usual_space(), *form);
+    if (!meets(form->shapes()))
         throw NothingSelected(
             fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are", o.form, id));
-    return {.form = forms.front(), .format = formats.front()};
+    return {.form = form, .format = formats.front()};
 }
 
 /// The form, what it was mended to, and the catalogue, timed in one run. Where nothing can be compiled, it says why.
 void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
     const MendRequest& request = result.request;
+    if (request.row.form->is_placed) {
+        result.no_price = "what is compiled of a form in a file is given no matrix";
+        return;
+    }
     std::vector<measure::mend::Written> written;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
@@ -98,12 +105,7 @@ void require_code_name(const std::filesystem::path& path) {
 /// Files of rays, all of which rows can be judged on, as often as is asked.
 class RayFiles {
 public:
-    RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {
-        if (opened_.shapes.are_placed())
-            throw InputError(opened_.id +
-                             ": solids of these rays stand under matrices, which mend does not look through; use "
-                             "`lostbits judge`, or write them where they stand");
-    }
+    RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {}
     [[nodiscard]] const std::string& id() const { return opened_.id; }
     [[nodiscard]] const std::string& words() const { return opened_.words; }
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
@@ -145,7 +147,7 @@ scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& d
     choice::SceneChoice named = o.changes;
     named.names = o.subjects;
     scene::file::Scene scene = choice::load_one_scene(named, data);
-    choice::refuse_placed({scene}, "mend");
+    choice::refuse_made_rays({scene}, "mend");
     return scene;
 }
 
@@ -168,6 +170,11 @@ Exit run(const MendOptions& o, const Common& common) {
                         .two_words = o.wider == "two-words"};
     if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
         throw InputError("--emit " + o.emit + ": a shader computes in floats; mend the form in f32, or write .hpp");
+    if (!o.emit.empty() && request.row.form->is_placed)
+        throw InputError("--emit " + o.emit +
+                         ": a form in a file is given a solid and no matrix; leave out --emit, or mend the form alone, "
+                         "-i " +
+                         std::string(intersect::hull::innermost(*request.row.form).info->name));
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
     request.limit.stop = common.stop;
     const choice::ThreadLimit limit(common.threads);

@@ -32,14 +32,14 @@ struct RenderOptions {
 
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
-    choice::refuse_placed(scenes, "render");
+    choice::refuse_made_rays(scenes, "render");
     for (const Scene& scene : scenes) {
         if (scene.flake)
             throw InputError(
                 fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
                             "`lostbits map`",
                             scene.path.string()));
-        if (!scene.meets(scene::file::rendered_shape))
+        if (!scene.meets(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))
             throw InputError(
                 fmt::format("{}: render draws {}, and scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
                             row_of(scene::file::rendered_shape).plural, scene.id,
@@ -99,15 +99,17 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
     const auto forms = choice::select_forms(choice::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
-    const auto rows = choice::fitting(choice::cross(forms, choice::select_formats(o.formats)),
-                                      [](Shapes forms) { return forms == scene::file::rendered_shape; });
-    if (rows.empty())
+    auto all = choice::cross(forms, choice::select_formats(o.formats));
+    std::erase_if(all, [](const auto& row) { return row.form->shape != scene::file::rendered_shape; });
+    if (all.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
-    choice::refuse_makers(rows, "render");
+    choice::refuse_makers(all, "render");
+    auto scenes = renderable(choice::load_scenes(o.scenes, choice::data_folder(common.data)));
+    const auto rows = choice::drop_unfitting(
+        scenes, {all, o.forms, common.quiet}, [](const Scene& s, Shapes shapes) { return s.meets(shapes); },
+        [](const Scene& s) { return "scene " + s.id; });
     choice::note_unmeasured(o.forms, rows, common.quiet);
-    const auto scenes = renderable(choice::load_scenes(o.scenes, choice::data_folder(common.data)));
-    choice::refuse_made_rays(scenes, "render");
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
@@ -115,9 +117,9 @@ Exit run(const RenderOptions& o, const Common& common) {
     for (const auto& scene : scenes) {
         requests.push_back({.scene = &scene,
                             .stages = stages_of(scene, o, common.quiet),
-                            .rows = rows,
+                            .rows = choice::fitting(rows, [&](Shapes shapes) { return scene.meets(shapes); }),
                             .limit = {.stop = common.stop}});
-        units += scene.pixels() * rows.size();
+        units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
     for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);

@@ -191,7 +191,7 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                fmt::format("no solid of {} stands under a matrix, so that no step leads into its space", what));
     keep_where([](const MapRow& row) { return intersect::hull::has_box(*row.form); },
-               [](const Metric* m) { return m->name == "lost_to"; },
+               [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("no form in {} is behind a box, as FORM^BOX is", what));
     keep_where([](const MapRow& row) { return !is_solid(row.form->shape); },
                [](const Metric* m) { return m->over == Over::marches; },

@@ -133,7 +133,5 @@ void refuse_makers(const std::vector<measure::map::MapRow>& rows, const char* co
 
 /// InputError for a scene whose rays each format makes, of a command that rounds them.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
-/// The same, and for a scene with solids under matrices: of a command that asks about solids where their numbers say.
-void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command);
 
 }  // namespace lostbits::analysis::choice

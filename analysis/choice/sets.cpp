@@ -273,16 +273,6 @@ void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char*
                             command, scene.id, command));
 }
 
-void refuse_placed(const std::vector<scene::file::Scene>& scenes, const char* command) {
-    refuse_made_rays(scenes, command);
-    for (const scene::file::Scene& scene : scenes)
-        if (scene.is_placed())
-            throw InputError(
-                fmt::format("{}: {}: solids of this scene stand under matrices, which it does not look "
-                            "through; use `lostbits map`, or write them where they stand",
-                            command, scene.id));
-}
-
 std::vector<MapRow> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
     if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);

@@ -127,7 +127,9 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
                bool two_words, Choosing& chosen, CallRun& running) {
     if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    choice::refuse_placed({scene}, "mend");
+    if (scene.shapes().are_placed())
+        throw InputError("the solids of scene " + scene.id +
+                         " stand under matrices; `lostbits mend` looks through those");
     const MapRow& row = the_one_row(chosen, "a form is mended in one format");
     if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
     choice::refuse_makers({row.form}, "mend");

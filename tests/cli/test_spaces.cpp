@@ -97,12 +97,6 @@ TEST_CASE("what is wrong with a matrix or a space is said, and nothing is writte
         CHECK(has(r.err, message));
     }
     CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
-    for (const char* command : {"render instance-far.sphere", "mend instance-far.sphere -i sphere.unified --bits 16"}) {
-        const auto r = run(command + out);
-        CAPTURE(command, r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, "under matrices"));
-    }
     CHECK(has(run("explain --sphere=0,0,0,1@1,2,3 --ray=0,0,9,0,0,-1 -i sphere.unified").err, "is not a matrix"));
     CHECK(has(run("explain --sphere=0,0,0,1@1,0,0,0,0,1,0,0,0,0,0,0 --ray=0,0,9,0,0,-1 -i sphere.unified").err,
               "singular"));

@@ -7,7 +7,9 @@
 
 #include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/table/joined_tapes.hpp"
 #include "intersect/table/made_rows.hpp"
+#include "intersect/table/recording.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
 
@@ -90,6 +92,54 @@ void ask_rounded(void* own, const FloatFormat& format, const RayBatch<double>& r
         hits);
 }
 
+/// Without rounding a hit lies in the box.
+Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) { return of(own).form->ball(ray, target); }
+Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
+    return of(own).form->interval(ray, target);
+}
+
+/// The box as it is asked first, then the form. `inside(row, target, tape)` records one of them.
+template <class Inside>
+void record_with(const HullParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
+                 double tmax, Tape& tape, const Inside& inside) {
+    tape.clear();
+    const bool every_loop = tape.every_loop;
+    const auto input = [&](double x) { return tape.add_input(format.shape, x); };
+    std::vector<NodeId> of_form, of_box;
+    for (const Vec<double>& v : {ray.origin, ray.direction})
+        for (int k = 0; k < 3; ++k) of_form.push_back(input(v[k]));
+    of_box = of_form;
+    const Solid<double> solid = target.solids.front(), box = box_around(row, format, solid);
+    for (const double x : solid.used()) of_form.push_back(input(x));
+    if (solid.placed)
+        for (const double x : solid.placed->matrix) of_form.push_back(input(x));
+    of_form.push_back(input(tmax));
+    for (const double x : box.used()) of_box.push_back(input(x));
+    of_box.push_back(of_form.back());
+    const auto part = [&](const Intersector& form, const Target<double>& at, const std::vector<NodeId>& inputs) {
+        Tape own;
+        own.every_loop = every_loop;
+        inside(form, at, own);
+        return table::append(own, inputs, tape);
+    };
+    const TapeOutputs culled = part(*row.box, Target<double>(box), of_box);
+    TapeOutputs answer = part(*row.form, target, of_form);
+    const bool hit = tape[culled.hit].value != 0 && tape[answer.hit].value != 0;
+    answer.hit = tape.add(TapeOp::both, format.shape, hit ? 1 : 0, {culled.hit, answer.hit});
+    tape.outputs = answer;
+}
+void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+            Tape& tape) {
+    record_with(of(own), format, ray, target, tmax, tape,
+                [&](const Intersector& form, const Target<double>& at, Tape& there) {
+                    form.record(format, ray, at, tmax, there);
+                });
+}
+void record_all(void* own, const Target<double>& target, Tape& tape) {
+    record_with(of(own), *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape,
+                [](const Intersector& form, const Target<double>& at, Tape& there) { form.record_all(at, there); });
+}
+
 std::string text(auto... parts) {
     std::string all;
     ((all += parts), ...);
@@ -110,6 +160,10 @@ void fill(Rows::Made& made) {
     if (parts.form->native32 && parts.box->native32) made.row.native32 = {ask32, &made};
     if (parts.form->native64 && parts.box->native64) made.row.native64 = {ask64, &made};
     if (parts.form->rounded && parts.box->rounded) made.row.rounded = {ask_rounded, &made};
+    if (parts.form->ball) made.row.ball = {ball, &made};
+    if (parts.form->interval) made.row.interval = {interval, &made};
+    if (parts.form->record && parts.box->record) made.row.record = {record, &made};
+    if (parts.form->record_all && parts.box->record_all) made.row.record_all = {record_all, &made};
     made.row.is_placed = parts.form->is_placed;
 }
 
@@ -145,6 +199,23 @@ bool has_box(const Intersector& row) {
 const Intersector& within_boxes(const Intersector& row) {
     const HullParts made = made_of(row);
     return made.form != nullptr && row.is_placed ? within_boxes(*made.form) : row;
+}
+
+std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
+    std::vector<std::string> names = table::input_names(row, target);
+    const Intersector* now = &row;
+    for (bool in_world = !target.solids.empty() && target.solids.front().placed;;) {
+        if (const HullParts made = made_of(*now); made.form != nullptr) {
+            for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
+                names.push_back(text(in_world ? "world_box." : "box.", number));
+            now = made.form;
+        } else if (const auto placed = space::made_of(*now); placed.form != nullptr) {
+            in_world = false;
+            now = placed.form;
+        } else {
+            return names;
+        }
+    }
 }
 
 const Intersector& innermost(const Intersector& row) {

@@ -2,6 +2,9 @@
 // hierarchy asks.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "intersect/hull/hulls.hpp"
 #include "intersect/table/table.hpp"
 
@@ -11,8 +14,8 @@ namespace lostbits::intersect::hull {
 /// the solid and the other one the box around it, both in the format and with the ray's end; t is the form's. The usual
 /// way is not named. `through(space, behind(…))` has its box in the space of the solid, `behind(…, through(…))` in the
 /// world. What ends the ray is its own end alone: no hit found before is. Made once and kept, as enrolled rows
-/// are. It has no tape and no enclosures: without rounding it is the form. InputError for what has no box around it,
-/// and for what is no form of boxes.
+/// are. Its tape has the operations of the box, whose numbers are inputs as they are stored, and those of the form;
+/// without rounding it is the form. InputError for what has no box around it, and for what is no form of boxes.
 const table::Intersector& behind(const HullWay& way, const table::Intersector& box, const table::Intersector& form);
 
 /// What a row was made of.
@@ -28,6 +31,9 @@ bool has_box(const table::Intersector& row);
 
 /// A row for solids under matrices without its boxes in the world: one that `space::through` made.
 const table::Intersector& within_boxes(const table::Intersector& row);
+
+/// What the inputs on a row's tape are called: those of the form, then the numbers of each box from the outside in.
+std::vector<std::string> names_on_tape(const table::Intersector& row, const Target<double>& target);
 
 /// The form itself, behind all boxes and spaces.
 const table::Intersector& innermost(const table::Intersector& row);

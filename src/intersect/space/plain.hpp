@@ -9,7 +9,9 @@ struct PlainSpace : SameT {
     static constexpr SpaceInfo info{
         .name = "plain",
         .title = "adjugate over determinant; M^-1 o and M^-1 d, t kept",
-        .source = "the DirectX Raytracing specification, ObjectRayOrigin and ObjectRayDirection",
+        .source =
+            "the DirectX Raytracing specification, Primitive/object space system values: ObjectRayOrigin, "
+            "ObjectRayDirection, WorldToObject3x4",
     };
 
     template <Number T>

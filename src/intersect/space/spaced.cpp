@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/joined_tapes.hpp"
 #include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 
@@ -106,35 +107,6 @@ Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interva
         ray, target);
 }
 
-/// The operations of a form's own tape behind those of another, its inputs being what stands there.
-TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, Tape& to) {
-    std::vector<NodeId> place(form.nodes.size());
-    const auto moved = [&place](NodeId node) {
-        return node == no_node ? no_node : place[static_cast<std::size_t>(node)];
-    };
-    for (NodeId i = 0; i < form.size(); ++i) {
-        const TapeNode& n = form[i];
-        NodeId& there = place[static_cast<std::size_t>(i)];
-        if (n.op == TapeOp::input) {
-            there = inputs[static_cast<std::size_t>(n.operands[0])];
-            continue;
-        }
-        if (n.op == TapeOp::call) {
-            const TapeCall& call = form.call_at(i);
-            std::vector<NodeId> arguments;
-            for (const NodeId k : call.arguments) arguments.push_back(moved(k));
-            there = to.add_call(call.of, form.format_of(i), n.value, std::move(arguments));
-            to[there].label = n.label;
-            continue;
-        }
-        const bool given = is_given(n.op);
-        const auto operand = [&](std::size_t k) { return given ? n.operands[k] : moved(n.operands[k]); };
-        there = to.add(n.op, form.format_of(i), n.value, {operand(0), operand(1), operand(2)});
-        to[there].label = n.label;
-    }
-    return {moved(form.outputs.hit), moved(form.outputs.t), moved(form.outputs.near), moved(form.outputs.far)};
-}
-
 /// `inside(ray, target, tmax, tape)` records the form in the space of the solid.
 template <class Inside>
 void record_with(const Made& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid, double tmax,
@@ -183,9 +155,10 @@ void record_with(const Made& row, const Format& format, const Ray<double>& ray, 
         }
         const auto& r = object.ray;
         Tape own;
+        own.every_loop = tape.every_loop;
         inside(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
                Target<double>(there), limit, own);
-        return append(own, inputs, tape);
+        return table::append(own, inputs, tape);
     });
 }
 

@@ -1,8 +1,13 @@
 #include "measure/answer/levels.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "intersect/space/spaced.hpp"
 #include "measure/answer/asked.hpp"
+#include "measure/truth/missing.hpp"
 #include "measure/truth/truth.hpp"
+#include "number/rounded.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::measure::answer {
@@ -70,6 +75,29 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
             return found;
         }
     }
+}
+
+/// Tests of boxes grow with the end of the ray: k is doubled until the row hits, and then halved in between.
+double end_margin(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
+                  const Range<double>& range) {
+    const auto t = ask_one(row, format, ray, solid, range.tmax);
+    if (!t || !std::isfinite(*t)) return truth::missing;
+    const double ulp = std::ldexp(1, static_cast<int>(ulp_exponent(format.shape, *t == 0 ? -100000 : std::ilogb(*t))));
+    const auto is_found = [&](double k) {
+        const double end = rounding::to_format(*t + k * ulp, 0, format.shape);
+        return ask_one(row, format, ray, solid, std::min(end, range.tmax)).has_value();
+    };
+    if (is_found(0)) return 0;
+    double lost = 0, found = 1;
+    for (; !is_found(found); found *= 2) {
+        if (found > std::ldexp(1, format.shape.precision)) return HUGE_VAL;
+        lost = found;
+    }
+    while (found - lost > 1) {
+        const double between = std::floor((lost + found) / 2);
+        (is_found(between) ? found : lost) = between;
+    }
+    return found;
 }
 
 }  // namespace lostbits::measure::answer

@@ -34,4 +34,10 @@ struct Levels {
 Levels levels_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
                  const Solid<double>& solid, const Range<double>& range);
 
+/// By how many ulps of t another hit, found before, must lie behind this one for it to be found still: the least k for
+/// which the row hits where the ray ends at t + k ulp(t), t being its own answer. 0: one at the same t. Infinite where
+/// no k up to 2^p is enough; missing where the row misses at the range's own end.
+double end_margin(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
+                  const Solid<double>& solid, const Range<double>& range);
+
 }  // namespace lostbits::measure::answer

@@ -33,6 +33,10 @@ public:
         [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
+    /// The operations that make the ray of a camera's pixel; nothing where a format rounds it.
+    [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(const Format& format) const {
+        return band_->recorded_ray(index_, format);
+    }
     /// Whether a form gets the ray and the solids as they were given: its format rounds none of their numbers.
     [[nodiscard]] bool keeps(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
     [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {

@@ -5,11 +5,12 @@
 #include <numeric>
 #include <optional>
 
-#include "intersect/table/recording.hpp"
+#include "intersect/hull/behind.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::blame {
 
@@ -55,11 +56,30 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
 
 }  // namespace
 
-SettingOf::SettingOf(const scene::file::Scene& scene) : solids_(scene::rays::shared_solids(scene)) {
+SettingOf::SettingOf(const scene::file::Scene& scene)
+    : solids_(scene::rays::shared_solids(scene)), scene_(std::shared_ptr<void>(), &scene) {
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
 }
 
 namespace {
+
+/// A ray of the setting's camera in binary32, where formats make its rays.
+std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const Setting& setting) {
+    const auto* const maker = scene::rays::maker_of(form);
+    if (setting.scene == nullptr || !(maker || setting.scene->camera.rays)) return std::nullopt;
+    const scene::rays::MadeRays rays(maker ? with_rays(*setting.scene, *maker) : *setting.scene);
+    return rays.record(*find_format("f32"), {0, 0});
+}
+
+/// All operations of a form, behind those that make its rays; what the inputs are called.
+std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
+                                    Tape& tape) {
+    form.record_all(target, tape);
+    auto made = some_ray(form, setting);
+    const bool is_led = made && form.info->direction != intersect::Direction::unit;
+    if (is_led) made->put_before(tape);
+    return names_of_inputs(form, target, is_led ? &*made : nullptr);
+}
 
 /// What `names` says of each form of a set, each once.
 template <class Names>
@@ -80,8 +100,7 @@ std::vector<std::string> operation_names(const Intersector& form, const Setting&
     const auto target = target_of(form, setting);
     if (!target) return operations;
     Tape tape;
-    form.record_all(*target, tape);
-    const TapeText text(tape, intersect::table::input_names(form, *target), TapeText::Style::generic);
+    const TapeText text(tape, record_all(form, *target, setting, tape), TapeText::Style::generic);
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (!can_err(tape[i].op)) continue;
         std::string category = text.category(i);
@@ -96,11 +115,20 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     const auto target = target_of(form, setting);
     if (!target) return labels;
     Tape tape;
-    form.record_all(*target, tape);
+    record_all(form, *target, setting, tape);
     for (const TapeNode& n : tape.nodes) {
         if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
     }
     return labels;
+}
+
+std::vector<std::string> names_of_inputs(const Intersector& form, const Target<double>& target,
+                                         const scene::rays::RecordedRay* made) {
+    std::vector<std::string> names = intersect::hull::names_on_tape(form, target);
+    if (made == nullptr) return names;
+    names.erase(names.begin(), names.begin() + 6);
+    names.insert(names.begin(), made->names.begin(), made->names.end());
+    return names;
 }
 
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
@@ -144,10 +172,10 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     return worst;
 }
 
-const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
+const std::vector<std::int32_t>& Blamer::places(const Target<double>& target, const scene::rays::RecordedRay* made) {
     const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
     if (!fresh) return found->second;
-    const TapeText text(tape_, intersect::table::input_names(form_, target), TapeText::Style::generic);
+    const TapeText text(tape_, names_of_inputs(form_, target, made), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const auto place = std::ranges::find(categories_, text.category(i));
         found->second.push_back(place == categories_.end() ? -1
@@ -156,9 +184,10 @@ const std::vector<std::int32_t>& Blamer::places(const Target<double>& target) {
     return found->second;
 }
 
-Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax, std::optional<double> answer) {
+Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tmax, const Provenance& from) {
     form_.record(format_, ray, target, tmax, tape_);
-    if (answer) take_root(tape_, *answer);
+    const bool is_led = from.made && from.made->lead(tape_);
+    if (from.answer) take_root(tape_, *from.answer);
     attribution_ = attribute(tape_);
     Blame blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
     const NodeId subject = attribution_.subject;
@@ -171,7 +200,8 @@ Blame Blamer::of(const Ray<double>& ray, const Target<double>& target, double tm
         blame.culprit = 0;
         return blame;
     }
-    const std::int32_t place = places(target)[static_cast<std::size_t>(attribution_.culprit)];
+    const std::int32_t place =
+        places(target, is_led ? &*from.made : nullptr)[static_cast<std::size_t>(attribution_.culprit)];
     if (place >= 0) blame.culprit = place;
     return blame;
 }

@@ -12,6 +12,7 @@
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/rerun.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/made_rays.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::blame {
@@ -29,18 +30,21 @@ struct Blame {
 struct Setting {
     std::span<const Solid<double>> solids;
     const intersect::MarchConstants<double>* march = nullptr;  ///< null: no form that marches is asked
+    const scene::file::Scene* scene = nullptr;                 ///< whose camera's rays formats may make
 };
 
-/// A scene's or a step's solids and constants as a `Setting`, kept while it lives.
+/// A scene's or a step's solids and constants as a `Setting`, kept while it lives; a scene outlives it.
 class SettingOf {
 public:
     explicit SettingOf(const scene::file::Scene& scene);
-    explicit SettingOf(const scene::rays::RayGroup& rays) : solids_(rays.solids), march_(rays.march) {}
-    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr}; }
+    explicit SettingOf(const scene::rays::RayGroup& rays)
+        : solids_(rays.solids), march_(rays.march), scene_(rays.scene) {}
+    [[nodiscard]] Setting get() const { return {solids_, march_ ? &*march_ : nullptr, scene_.get()}; }
 
 private:
     std::vector<Solid<double>> solids_;
     std::optional<intersect::MarchConstants<double>> march_;
+    std::shared_ptr<const scene::file::Scene> scene_;
 };
 
 /// Every operation of a form that can round or choose, in the order of its tape, each once, as maps and claims call it;
@@ -49,6 +53,10 @@ std::vector<std::string> operation_names(const intersect::table::Intersector& fo
 
 /// Every label of a form, in the order of its tape; empty where the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
+
+/// What the inputs of a form's tape are called, behind that of what made its ray (null: nothing did).
+std::vector<std::string> names_of_inputs(const intersect::table::Intersector& form,
+                                         const intersect::Target<double>& target, const scene::rays::RecordedRay* made);
 
 /// Rays that have a culprit, by the counts of `culprit`'s categories: what shares of culprits are shares of.
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
@@ -67,6 +75,12 @@ int worst_cancellation(const Attribution& attribution);
 /// The same among the operations of that name; NaN where none has it.
 double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
+/// Where a ray and its answer come from.
+struct Provenance {
+    std::optional<double> answer = {};  ///< what was taken of the form's roots, where the ray has a range
+    std::optional<scene::rays::RecordedRay> made = {};  ///< where a format made the ray
+};
+
 /// Walks the tape of one ray after another for one form. Not for several threads at once.
 class Blamer {
 public:
@@ -75,13 +89,12 @@ public:
            std::span<const std::string_view> categories, bool with_counterfactuals = false)
         : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
-    /// `answer`: what was taken of the form's roots, where the ray has a range.
-    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax,
-             std::optional<double> answer = {});
+    Blame of(const Ray<double>& ray, const intersect::Target<double>& target, double tmax, const Provenance& from = {});
 
 private:
     /// A category for each node of the tape: of all tapes of the same structure.
-    const std::vector<std::int32_t>& places(const intersect::Target<double>& target);
+    const std::vector<std::int32_t>& places(const intersect::Target<double>& target,
+                                            const scene::rays::RecordedRay* made);
 
     const intersect::table::Intersector& form_;
     const Format& format_;

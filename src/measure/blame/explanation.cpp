@@ -7,9 +7,9 @@
 #include "intersect/doors/contract.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
-#include "intersect/table/recording.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/blame/culprits.hpp"
 #include "measure/blame/neighbours.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -203,9 +203,10 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     const FormatInputs::AimedAt aim = in.all.target_for(form, static_cast<std::size_t>(x.solid));
     const intersect::Target<double> target = aim;
     const double tmax = in.all.rays_for(*form.info).range(in.index).tmax;
-    x.names = intersect::table::input_names(form, target);
     if (form.is_template()) {
         form.record(format, in.ray(*form.info), target, tmax, x.tape);
+        const auto made = ray.recorded_ray(format);
+        x.names = names_of_inputs(form, target, made && made->lead(x.tape) ? &*made : nullptr);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);
         }
@@ -217,6 +218,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         x.standing =
             standing_of(form, format, ray, x.hit, ranged ? answers.t[in.index] : x.tape[x.tape.outputs.t].value);
     } else {
+        x.names = intersect::hull::names_on_tape(form, target);
         const Ray<double> asked = in.ray(*form.info);
         for (const Vec<double>& v : {asked.origin, asked.direction}) x.inputs.insert(x.inputs.end(), {v.x, v.y, v.z});
         const Solid<double> there = in.all.solids[static_cast<std::size_t>(x.solid)];

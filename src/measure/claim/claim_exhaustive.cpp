@@ -48,10 +48,11 @@ struct Number {
     std::string name;
     double value;
 };
-std::vector<Number> numbers_of(const FloatTally& tally) {
+std::vector<Number> numbers_of(const map::MapRow& row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<Number> all{
         {"wrong", static_cast<double>(tally.wrong())},
+        {"padding_max", sweep::padding_max(row, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
@@ -62,8 +63,8 @@ std::vector<Number> numbers_of(const FloatTally& tally) {
     return all;
 }
 
-double metric_of(const Claim& claim, const FloatTally& tally) {
-    const auto all = numbers_of(tally);
+double metric_of(const Claim& claim, const map::MapRow& row, const FloatTally& tally) {
+    const auto all = numbers_of(row, tally);
     const auto found = std::ranges::find(all, claim.metric, &Number::name);
     if (found != all.end()) return found->value;
     std::vector<std::string> names;
@@ -93,6 +94,7 @@ std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally&
         const auto name = answer::outcome_names[static_cast<std::size_t>(event.outcome)];
         if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first[e];
     }
+    if (claim.metric == "padding_max" && tally.padding) return tally.padding->place;
     if (claim.metric == "wrong" && tally.first_wrong) return tally.first_wrong->place;
     if (tally.worst) return tally.worst->place;
     return std::nullopt;
@@ -131,7 +133,7 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
         if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
             onset = float_at(*finding.tally.first[event_of(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, all)
+    const double measured = claim.onset.empty() ? metric_of(claim, request.rows.front(), all)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);

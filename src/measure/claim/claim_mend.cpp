@@ -26,7 +26,7 @@ public:
         request_.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(claim.mend->at); });
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
-        tape_ = find_or_blame_claim(claim, [&] { return tape::tape_of(*request_.row.form, request_.row.format); });
+        tape_ = find_or_blame_claim(claim, [&] { return mend::recorded(request_); });
         own_ = find_or_blame_claim(claim, [&] { return own_worth(request_, tape_, *judge_); });
     }
 

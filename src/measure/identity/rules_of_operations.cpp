@@ -91,10 +91,11 @@ void find_split_quotients(RewriteFinder& places) {
     for (const auto& [below, quotients] : quotients_of(places)) {
         Replaced all;
         for (const NodeId i : quotients) {
-            const TapeNode sum = terms[terms[i].operands[0]];
+            const TapeNode quotient = terms[i], sum = terms[quotient.operands[0]];
             if (sum.op != TapeOp::add && sum.op != TapeOp::sub) continue;
+            // A copy: terms move in memory while parts are added.
             const auto part = [&, by = below](NodeId x) { return terms.add(TapeOp::div, {x, by}); };
-            all.emplace_back(i, terms.add(sum.op, {part(sum.operands[0]), part(sum.operands[1])}, terms[i].label));
+            all.emplace_back(i, terms.add(sum.op, {part(sum.operands[0]), part(sum.operands[1])}, quotient.label));
         }
         places.offer(all);
     }

@@ -106,7 +106,7 @@ unsigned needs_met_by(const intersect::table::Intersector& form) {
     return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
              (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way) |
              (form.shapes().are_placed() ? 0U : metric::needs_steps) |
-             (intersect::hull::has_box(form) ? 0U : metric::needs_levels));
+             (intersect::hull::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
 }
 
 namespace {

@@ -161,7 +161,8 @@ private:
     template <class Which>
     void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
         const Truth truth = result_.truth(i);
-        const OwnWords own(row_, needs_, *result_.inputs, ray, i, asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
+        const OwnWords own(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i, asked_of(i),
+                           truth.is_hit() ? truth_.object[i] : -1);
         const Solid<double> solid = result_.inputs->solids[asked_of(i)];
         Sample sample = sample_of(i, ray, solid, truth);
         own.into(sample);
@@ -212,7 +213,9 @@ private:
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
         return blamer_.of(rays[i], in.target_for(*row_.form, static_cast<std::size_t>(std::max(0, object))),
-                          rays.range(i).tmax, rays.have_ranges() ? std::optional(result_.answers->t[i]) : std::nullopt);
+                          rays.range(i).tmax,
+                          {rays.have_ranges() ? std::optional(result_.answers->t[i]) : std::nullopt,
+                           result_.band->recorded_ray(i, row_.format)});
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }

@@ -17,9 +17,12 @@ OwnWords::OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs&
         const intersect::table::Intersector& part = form.of(met.shape);
         if (intersect::hull::has_box(part)) levels_ = answer::levels_of(part, row.format, ray, met, rays.range(i));
     }
-    if (!(needs & metric::needs_steps)) return;
+    if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
     const Solid<double> asked = inputs.solids[solid];
     const intersect::table::Intersector& part = form.of(asked.shape);
+    if ((needs & metric::needs_end_margin) && intersect::hull::has_box(part))
+        end_margin_ = answer::end_margin(part, row.format, ray, asked, rays.range(i));
+    if (!(needs & metric::needs_steps)) return;
     if (!asked.placed || !part.is_placed) return;
     // A box in the world is no step of the way.
     steps_ = answer::steps_of(intersect::hull::within_boxes(part), row.format, ray, asked, rays.range(i));
@@ -29,6 +32,7 @@ void OwnWords::into(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
     if (way_) sample.way = &*way_;
     if (steps_) sample.steps = &*steps_;
+    sample.end_margin = end_margin_;
     if (levels_) sample.levels = &*levels_;
 }
 

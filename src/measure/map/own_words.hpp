@@ -21,6 +21,7 @@ private:
     std::optional<intersect::Way> way_;
     std::optional<answer::Steps> steps_;
     std::optional<answer::Levels> levels_;
+    double end_margin_ = truth::missing;
 };
 
 }  // namespace lostbits::measure::map

@@ -1,7 +1,10 @@
 #include "measure/mend/mend.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
+
+#include "number/error.hpp"
 
 namespace lostbits::measure::mend {
 
@@ -32,15 +35,33 @@ void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& requ
     one.set = std::move(set);
 }
 
+/// Whether the solids' matrices are stored as the way to the solid.
+bool are_inverses(const MendRequest& request) {
+    if (!request.row.form->is_placed) return false;
+    std::set<int> kinds;
+    const auto add = [&kinds](const auto& solids) {
+        for (const auto& solid : solids) kinds.insert(!solid.placed ? 2 : solid.placed->is_inverse ? 1 : 0);
+    };
+    if (request.scene) add(request.scene->solids());
+    else add(request.rays->sample.solids);
+    if (kinds.size() == 1) return *kinds.begin() == 1;
+    throw InputError(request.id() +
+                     ": some solids stand under no matrix, or some matrices are stored as inverses and others are not: "
+                     "each kind does other operations; mend the form for those of one kind");
+}
+
 }  // namespace
+
+Tape recorded(const MendRequest& request) {
+    return tape::tape_of(*request.row.form, request.row.format, are_inverses(request));
+}
 
 Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations) {
     return tape::widened(mended.tape, operations, mended.wider);
 }
 
 Mended mend(const MendRequest& request, std::uint64_t affordable) {
-    Mended m{.tape = tape::tape_of(*request.row.form, request.row.format),
-             .wider = tape::wider_than(request.row.format.shape, request.two_words)};
+    Mended m{.tape = recorded(request), .wider = tape::wider_than(request.row.format.shape, request.two_words)};
     const std::vector<NodeId> all = tape::rounded_operations(m.tape);
     m.operations = all.size();
     Judge judge(request);

@@ -31,6 +31,10 @@ struct Mended {
 /// has other answers.
 Mended mend(const MendRequest& request, std::uint64_t affordable = 600);
 
+/// Every operation of the request's form, as its solids are stored. Each way of storing a matrix has a tape of its own,
+/// and a solid without one another: InputError where the solids are of several kinds.
+Tape recorded(const MendRequest& request);
+
 /// The form with a set of operations done wider.
 Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations);
 

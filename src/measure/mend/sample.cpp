@@ -17,6 +17,7 @@ std::vector<double> numbers_of(const Ray<double>& ray, const Solid<double>& soli
     std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
     const auto used = solid.used();
     all.insert(all.end(), used.begin(), used.end());
+    if (solid.placed) all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
     all.push_back(tmax);
     return all;
 }

@@ -261,6 +261,17 @@ constexpr Metric table[] = {
      .value = lost_to,
      .over = Over::every,
      .categories = answer::level_names},
+    {.name = "end_margin",
+     .unit = "ulp",
+     .layer = "hierarchy.end",
+     .meaning = "of a form behind boxes (FORM^BOX): how many ulps of t another hit, found before, must lie behind this "
+                "one for it to be found still: the least k for which the boxes are hit by a ray that ends at t + k "
+                "ulp(t); 0 for one at the same t",
+     .needs = needs_end_margin,
+     .ramp = Ramp::magnitude,
+     .low = 0x1p-1,
+     .high = 0x1p+6,
+     .value = [](const Sample& s) { return s.end_margin; }},
     {.name = "cancellation",
      .unit = "bits",
      .layer = "culprit.cancellation",

@@ -40,6 +40,7 @@ struct Sample {
     const intersect::Way* way = nullptr;                    ///< the arithmetic that settled it, of a form that filters
     const answer::Steps* steps = nullptr;                   ///< of a form through the space of a solid under a matrix
     const answer::Levels* levels = nullptr;                 ///< of a form behind a box, where the ray truly hits
+    double end_margin = truth::missing;                     ///< of a form behind a box
     const Ray<Real>* true_ray = nullptr;                    ///< before any format rounded or made it
     const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< of a camera whose rays each format makes
     intersect::Convention convention = {};                  ///< of the form
@@ -65,6 +66,7 @@ enum Needs : unsigned {
     needs_steps = 1024,   ///< of a form through a space
     needs_levels = 2048,  ///< of a form behind a box
     needs_true_ray = 4096,
+    needs_end_margin = 8192,  ///< of a form behind a box
     needs_tape = needs_attribution | needs_counterfactuals
 };
 

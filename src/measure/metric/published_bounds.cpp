@@ -41,10 +41,9 @@ double projected(const Sample& s) {
 
 /// Of the clipping of slabs alone, which is the box's.
 template <class F>
-double padding_in(const Ray<double>& ray, const Hull<double>& box) {
+double padding_in(const Ray<F>& ray, const Hull<F>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();
-    intersect::box::clip_by_signs<F>(Ray<F>{stored<F>(ray.origin), stored<F>(ray.direction)},
-                                     Box<F>{stored<F>(box.lo), stored<F>(box.hi)}, tmin, tmax);
+    intersect::box::clip_by_signs<F>(ray, box, tmin, tmax);
     if (!(tmin > tmax)) return 0;
     return tmax > 0 ? (double{tmin} - double{tmax}) / double{tmax} / roundoff<F> : HUGE_VAL;
 }
@@ -73,7 +72,10 @@ double projected_error(const Sample& s) {
 
 double padding(const Sample& s) {
     const auto of = [&s](const Ray<double>& ray, const Hull<double>& box) {
-        return in_format(s, [&]<class F>() { return padding_in<F>(ray, box); });
+        return in_format(s, [&]<class F>() {
+            return padding_in<F>({stored<F>(ray.origin), stored<F>(ray.direction)},
+                                 {stored<F>(box.lo), stored<F>(box.hi)});
+        });
     };
     if (s.levels) {
         double most = 0;
@@ -84,6 +86,8 @@ double padding(const Sample& s) {
     if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
     return of(*s.ray, s.solid->box());
 }
+
+double padding(const Ray<float>& ray, const Hull<float>& box) { return padding_in(ray, box); }
 
 double bound(const Sample& s) {
     if (!s.bounded) return missing;

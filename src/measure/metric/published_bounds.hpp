@@ -2,6 +2,7 @@
 #pragma once
 
 #include "measure/metric/metrics.hpp"
+#include "shapes/hull.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -12,6 +13,8 @@ double projected_error(const Sample& s);
 /// By how many u a far plane's t must grow for the slabs of a box that is truly hit to overlap; missing for
 /// others. Behind a box it is that of the box, whatever the solid.
 double padding(const Sample& s);
+/// The same of the slabs of one box, in binary32, whether or not the ray hits it.
+double padding(const Ray<float>& ray, const Hull<float>& box);
 
 /// The form's own bound on the rounding error of t, in ulps of the format at t*; infinite where it knows nothing.
 double bound(const Sample& s);

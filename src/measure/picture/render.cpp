@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "intersect/hull/behind.hpp"
 #include "intersect/process/parallel.hpp"
+#include "intersect/space/spaced.hpp"
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -144,14 +146,29 @@ private:
             const Vec<T> p =
                 point_at<T>({lift_number<T>(ray.origin), lift_number<T>(ray.direction)}, lift_number<T>(answers_.t[i]));
             const Solid<double> seen = solid(i);
-            const auto sphere = transformed(seen, [](double x) { return lift_number<T>(x); }).sphere();
+            const auto lifted_solid = transformed(seen, [](double x) { return lift_number<T>(x); });
             point_[i] = drop(p);
-            normal_[i] = drop(normal_at<T>(p, sphere));
+            normal_[i] = drop(seen.placed ? normal_under_matrix<T>(lifted_solid, ray, answers_.t[i])
+                                          : normal_at<T>(p, lifted_solid.sphere()));
             if (out_.seen[i] != Seen::same_sphere) return;
             out_.residual[i] =
                 std::fabs(residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &seen}));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
+    }
+
+    /// The normal where the ray is in the space of the solid, as the form's own way leads there, and A⁻ᵀ of it, made
+    /// unit. A way that takes adj(A) for A⁻¹ and a solid |det A| times as large has its ray made as much smaller.
+    template <class T>
+    [[nodiscard]] Vec<T> normal_under_matrix(const Solid<T>& solid, const Ray<double>& ray, double t) const {
+        const auto& steps = intersect::space::steps_in<T>(
+            *intersect::space::made_of(intersect::hull::within_boxes(row_.form->of(solid.shape))).space);
+        const auto maps = steps.maps(*solid.placed);
+        const auto in = steps.to_object(maps, {lift_number<T>(ray.origin), lift_number<T>(ray.direction)});
+        const Vec<T> p =
+            point_at<T>({in.ray.origin / in.scale, in.ray.direction / in.scale}, lift_number<T>(t) * in.length);
+        const T sign = as_double(in.scale) == 1 || solid.placed->orientation > 0 ? T(1) : T(-1);
+        return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, solid.sphere())));
     }
 
     struct Cast {

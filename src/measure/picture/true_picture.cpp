@@ -61,10 +61,34 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
     return out.certain;
 }
 
+/// A ray and a sphere as it is stored, in whose space that ray has the same t.
+template <class E>
+struct Asked {
+    Ray<E> ray;
+    Sphere<E> sphere;
+
+    Asked(const Ray<E>& world, const Solid<E>& solid) : ray(world), sphere(solid.sphere()) {
+        if (!solid.placed) return;
+        const InObject<E> in = in_object(world, *solid.placed);
+        ray = in.ray;
+        sphere = scaled(solid, in.scale).sphere();
+    }
+};
+
+/// A⁻ᵀ n, made unit: of adj(A) the rows of its transpose, with the sign of the determinant.
+template <class E>
+Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
+    const Affine<E> m = placed.map();
+    if (placed.is_inverse) return unit_of<E>(times(m.rows, n));
+    const auto columns = m.adjugate();
+    return unit_of<E>(E(placed.orientation) * Vec<E>(dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)));
+}
+
 /// The sphere stands between p and the light: hit at 0 < t < 1 of the way.
 template <class E>
-Tri blocks(const Sphere<E>& sphere, const Vec<E>& p, const Vec<E>& light) {
-    const truth::Enclosed<E> e = truth::enclose<E>(Ray<E>{p, light - p}, sphere);
+Tri blocks(const Solid<E>& solid, const Vec<E>& p, const Vec<E>& light) {
+    const Asked<E> asked({p, light - p}, solid);
+    const truth::Enclosed<E> e = truth::enclose<E>(asked.ray, asked.sphere);
     if (!e.hit.is_yes()) return e.hit;
     return e.t > E(0) && e.t < E(1);
 }
@@ -122,10 +146,13 @@ private:
     template <class E>
     bool surface(std::size_t i, std::size_t object, TruePixel& out) const {
         const Ray<E> ray = lift_ray<E>(rays_[i]);
-        const Sphere<E> sphere = lift_solid<E>(solids_[object]).sphere();
-        const truth::Enclosed<E> e = truth::enclose<E>(ray, sphere);
+        const Solid<E> solid = lift_solid<E>(solids_[object]);
+        const Asked<E> asked(ray, solid);
+        const truth::Enclosed<E> e = truth::enclose<E>(asked.ray, asked.sphere);
         if (!e.hit.is_yes()) return false;
-        const Vec<E> p = point_at<E>(ray, e.t), n = normal_at<E>(p, sphere);
+        const Vec<E> p = point_at<E>(ray, e.t);
+        Vec<E> n = normal_at<E>(solid.placed ? point_at<E>(asked.ray, e.t) : p, asked.sphere);
+        if (solid.placed) n = normal_in_world<E>(n, *solid.placed);
         out.has_normal = true;
         for (int k = 0; k < 3; ++k) out.has_normal &= tighten(n[k], out.normal[static_cast<std::size_t>(k)]);
         bool settled = out.has_normal;
@@ -171,7 +198,7 @@ private:
     Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t own) const {
         Tri shadowed = Tri::no;
         for (std::size_t s = 0; s < solids_.size() && !shadowed.is_yes(); ++s) {
-            if (s != own) shadowed = shadowed || blocks<E>(lift_solid<E>(solids_[s]).sphere(), p, light);
+            if (s != own) shadowed = shadowed || blocks<E>(lift_solid<E>(solids_[s]), p, light);
         }
         return shadowed;
     }

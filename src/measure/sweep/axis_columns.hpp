@@ -30,12 +30,17 @@ public:
     /// What a form answers at each float: `hit` is 0 or 1.
     void answer(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
 
+    /// What a form is given at float i, once it has answered there.
+    [[nodiscard]] Ray<float> ray_for(const map::MapRow& row, std::size_t i) const;
+    [[nodiscard]] Solid<float> solid(std::size_t i) const { return file_.solid_at(values_[i]); }
+    /// Whether that is another solid at each float.
+    [[nodiscard]] bool solid_varies() const { return !file_.solid_places.empty(); }
+
 private:
     void make_unit_directions();
     [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
     void answer_solids(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
     void answer_one_by_one(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
-    [[nodiscard]] Ray<float> ray_for(const map::MapRow& row, std::size_t i) const;
 
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;

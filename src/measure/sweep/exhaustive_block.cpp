@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measure/sweep/box_of_row.hpp"
 #include "measure/sweep/ulp_columns.hpp"
 #include "number/error.hpp"
 
@@ -29,6 +30,17 @@ public:
         add_worst();
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             if (first_events[e].lost_bits > 0 && !onto_.first[e]) add_crossing(e);
+        }
+    }
+
+    /// `padding(i)`: by how many u the slabs of float i come apart.
+    template <class PaddingOf>
+    void add_padding(const PaddingOf& padding) {
+        if (ulps_.counts()[static_cast<std::size_t>(Outcome::false_miss)] == 0) return;
+        for (std::size_t i = 0; i < ulps_.size(); ++i) {
+            if (ulps_.outcome(i) != Outcome::false_miss) continue;
+            const double u = padding(i);
+            if (u > (onto_.padding ? onto_.padding->u : 0)) onto_.padding = {floats_.at(i), u};
         }
     }
 
@@ -147,6 +159,7 @@ std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCoun
     truth::TruthColumns truths;
     std::vector<UlpColumns> ulps;
     for (const RowsOfTruth& group : request.truths) ulps.emplace_back(columns, group.terms);
+    std::vector<BoxOfRow> boxes(request.rows.begin(), request.rows.end());
     std::vector<FloatTally> tallies(request.rows.size());
     std::vector<std::size_t> left(request.rows.size(), most_refined);
     for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
@@ -161,7 +174,10 @@ std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCoun
             for (const std::size_t row : request.truths[g].rows) {
                 columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
                 ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
-                ChunkTally(ulps[g], chunk, tallies[row], left[row]).add();
+                ChunkTally tally(ulps[g], chunk, tallies[row], left[row]);
+                tally.add();
+                if (boxes[row].is_asked())
+                    tally.add_padding([&](std::size_t i) { return boxes[row].padding(columns, i); });
             }
         }
     }

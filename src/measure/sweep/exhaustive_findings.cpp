@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "measure/sweep/axis_columns.hpp"
+#include "measure/sweep/box_of_row.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::sweep {
@@ -29,6 +30,11 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
     if (found.outcome == answer::Outcome::agree_hit)
         found.ulps = truth::ulp_error(static_cast<double>(t), unit ? truth.distance : truth.t, binary32);
     return found;
+}
+
+double padding_max(const map::MapRow& row, const FloatTally& tally) {
+    if (!BoxOfRow(row).is_asked()) return truth::missing;
+    return tally.padding ? tally.padding->u : 0;
 }
 
 std::optional<std::uint32_t> RangeFinding::before(std::uint32_t place) const {

@@ -17,6 +17,7 @@ void FloatTally::append(const FloatTally& after) {
     for (std::size_t e = 0; e < first.size(); ++e) {
         if (!first[e]) first[e] = after.first[e];
     }
+    if (after.padding && (!padding || after.padding->u > padding->u)) padding = after.padding;
 }
 
 }  // namespace lostbits::measure::sweep

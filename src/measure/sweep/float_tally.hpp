@@ -35,6 +35,13 @@ struct FloatTally {
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
+    /// A hit that is missed, and how much more tmax would have to be, in u.
+    struct Padding {
+        std::uint32_t place;
+        double u;
+        friend bool operator==(const Padding&, const Padding&) = default;
+    };
+
     std::array<std::uint64_t, answer::outcomes_of_one_solid> outcomes{};
     /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
     std::optional<Worst> worst;
@@ -43,6 +50,9 @@ struct FloatTally {
     std::optional<Wrong> first_wrong, last_wrong;
     /// The place where each of `first_events` first happens.
     std::array<std::optional<std::uint32_t>, first_events.size()> first;
+    /// Of a form that asks a box: the first of the hits that it misses whose slabs come apart most; none where they
+    /// come apart at none of them.
+    std::optional<Padding> padding;
 
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     [[nodiscard]] std::uint64_t floats() const;

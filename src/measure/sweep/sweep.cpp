@@ -36,6 +36,9 @@ struct Event {
     [[nodiscard]] bool is_good(const MapSummary& s) const { return value(s) < threshold; }
 };
 
+/// Whether it is what a step into the space of a solid under a matrix loses, in ulps.
+bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
+
 std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost = metric::place_of(metrics, "lost_bits"), stop = metric::place_of(metrics, "stop");
     std::vector<Event> events;
@@ -46,6 +49,11 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
             events.push_back({"lost_bits", std::string(s.name), bits,
                               [lost, s](const MapSummary& m) { return s.of(m.metrics[lost]); }});
         }
+    }
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+        if (!is_step(*metrics[m])) continue;
+        events.push_back({std::string(metrics[m]->name), "p50", 1,
+                          [m](const MapSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
     }
     for (const Outcome o : map::wrong_decisions) {
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
@@ -65,7 +73,9 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
 SweepRequest for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
-        [](const Metric* m) { return m->over != metric::Over::marches && m->over != metric::Over::pairs; },
+        [](const Metric* m) {
+            return m->over != metric::Over::marches && m->over != metric::Over::pairs && !is_step(*m);
+        },
         metric::find_metric("lost_bits"));
     return request;
 }

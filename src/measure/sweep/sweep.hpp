@@ -21,9 +21,9 @@ struct SweepStep {
 /// Where a row first crosses a threshold along the first axis.
 struct Onset {
     std::size_t row;
-    std::string event;      ///< `lost_bits`, an outcome, or why a march stopped
+    std::string event;      ///< `lost_bits`, a step of a space, an outcome, or why a march stopped
     std::string statistic;  ///< `p50`, `p99`, `max`; `count` for the outcomes
-    double threshold;       ///< bits, or 1 for a count
+    double threshold;       ///< bits, ulps of a step, or 1 for a count
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
@@ -73,11 +73,12 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request);
 map::MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
-/// the 99th percentile and the largest, of the first of each of the `wrong_decisions`, and of the first march that ends
-/// at max_dist, at max_steps, or stagnated; each bracket [last good, first bad] narrowed by bisection until it is 2^-9
-/// of its value wide, or holds no number of the axis. A crossing is the first in the order of the steps: a dip between
-/// two of them stays unseen. A form may be good again later: the last place that is, and where it is bad from then on,
-/// are found alike. Then the first crossings on further draws, where the request asks for them.
+/// the 99th percentile and the largest, of one ulp by the median of each measured step of a space, of the first of each
+/// of the `wrong_decisions`, and of the first march that ends at max_dist, at max_steps, or stagnated; each bracket
+/// [last good, first bad] narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A
+/// crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may be good again
+/// later: the last place that is, and where it is bad from then on, are found alike. Then the first crossings on
+/// further draws, where the request asks for them.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Both. A share that is not the whole measures all steps of the rows whose onsets it finds by itself.

@@ -98,7 +98,7 @@ void run_program(void* own, const intersect::table::RayBatch<S>& rays, const int
 
 }  // namespace
 
-Tape tape_of(const Intersector& form, const Format& format) {
+Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
     const std::string name(form.info->name);
     if (!is_solid(form.shape))
         throw InputError(name + ": it marches, and every ray does other operations; name a form of a solid");
@@ -107,6 +107,9 @@ Tape tape_of(const Intersector& form, const Format& format) {
         throw InputError(name +
                          ": it filters, and decides by itself how far to go with each ray; name a form that does the "
                          "same to all");
+    if (intersect::hull::has_box(form))
+        throw InputError(name + ": name the form without its box, such as " +
+                         std::string(intersect::hull::innermost(form).info->name));
     if (!form.record)
         throw InputError(name +
                          ": its operations are not seen, since it is compiled elsewhere; written as a form they are "
@@ -114,6 +117,7 @@ Tape tape_of(const Intersector& form, const Format& format) {
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     Solid<double> solid(form.shape);
     for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<double>(k + 1);
+    if (form.is_placed) solid.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
     tape.every_loop = true;
     form.record(format, any, intersect::Target<double>(solid), HUGE_VAL, tape);
@@ -152,7 +156,7 @@ TapeForm::TapeForm(const Intersector& like, const Format& format, const Tape& ta
       name_(std::move(name)),
       title_(std::move(title)),
       info_(*like.info),
-      row_{.info = &info_, .shape = like.shape, .native32 = nullptr, .native64 = nullptr} {
+      row_{.info = &info_, .shape = like.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = like.is_placed} {
     info_.name = name_;
     info_.title = title_;
     if (format.engine == Format::Engine::native32) row_.native32 = {run_program<float>, &program_};

@@ -11,8 +11,9 @@ namespace lostbits::measure::tape {
 
 /// Every operation that a form can ever do to a ray in a format, with the values of some ray: the same tape for all
 /// rays where none of them decides by itself which way the formula goes. InputError for a form whose operations are not
-/// seen, that marches or that is several.
-Tape tape_of(const intersect::table::Intersector& form, const Format& format);
+/// seen, that marches or that is several. `from_inverse`: of solids under matrices that are stored as the way to the
+/// solid.
+Tape tape_of(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
 
 /// Operations whose results are rounded in the format of the answer and are needed for it: those that can be done
 /// wider.

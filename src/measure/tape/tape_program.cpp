@@ -18,6 +18,13 @@ using intersect::table::RayBatch;
 
 namespace {
 
+/// A number of a solid in the order of `input_names`: its own, then those of its matrix.
+template <class S>
+S number_of(const Solid<S>& solid, std::size_t number) {
+    const auto own = solid.used();
+    return number < own.size() ? own[number] : solid.placed->matrix[number - own.size()];
+}
+
 constexpr bool is_pair(Word w) { return w == Word::pair || w == Word::twice_pair; }
 /// Which of floats, doubles and decisions it is made of.
 constexpr std::size_t kind_of_column(Word w) {
@@ -175,7 +182,7 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
     const Word own = std::same_as<S, float> ? Word::single : Word::twice;
     for (const Input& in : inputs_) {
         if (one_solid && !is_of_rays(in.number))
-            columns.fill(own, in.out, static_cast<double>(target.solids[0].numbers[in.number - 6]));
+            columns.fill(own, in.out, static_cast<double>(number_of(target.solids[0], in.number - 6)));
         if (in.number == limit && rays.tmax.empty()) columns.fill(own, in.out, std::numeric_limits<double>::infinity());
     }
     for (std::size_t begin = 0; begin < rays.size(); begin += together) {
@@ -188,7 +195,8 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
             if (in.number < 6) copy(six[in.number]);
             else if (in.number == limit && !rays.tmax.empty()) copy(rays.tmax);
             else if (in.number != limit && !one_solid)
-                for (std::size_t i = 0; i < columns.rays; ++i) out[i] = target.solids[begin + i].numbers[in.number - 6];
+                for (std::size_t i = 0; i < columns.rays; ++i)
+                    out[i] = number_of(target.solids[begin + i], in.number - 6);
         }
         columns.run(steps_);
         const auto put = [&](const auto* from, const auto& to) {

@@ -8,7 +8,6 @@
 #include "measure/truth/truth_columns.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/made_rays.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -292,6 +291,12 @@ Ray<Real> Band::true_ray(std::size_t i) const {
 
 const scene::rays::CameraFrame<Real>* Band::frame() const {
     return ideal_ && ideal_->made ? &ideal_->made->frame() : nullptr;
+}
+
+std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const Format& format) const {
+    if (frame() == nullptr) return std::nullopt;
+    const auto place = static_cast<int>(i);
+    return ideal_->made->record(format, {place % ideal_->width, y0_ + place / ideal_->width});
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {

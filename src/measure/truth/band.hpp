@@ -12,6 +12,7 @@
 #include "measure/truth/truth_columns.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/camera.hpp"
+#include "scene/rays/made_rays.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {
@@ -53,6 +54,8 @@ public:
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
     /// The camera whose rays each format makes; null where it rounds them.
     [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
+    /// The operations that make ray i in a format; nothing where it rounds them.
+    [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
     /// Ray i alone as it was given, before any format rounded it, with these of the solids; with all, and the
     /// constants of a march along them, where none is named. Nothing for a pixel of a scene, which its place names, for
     /// an ideal ray, and where it would be more than `most_given` solids.

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "intersect/hull/behind.hpp"
 #include "measure/blame/neighbours.hpp"
 #include "measure/stability/root.hpp"
 #include "output/blame/culprit_text.hpp"
@@ -137,9 +136,6 @@ std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& marc
 
 /// The culprit, or why there is none to name.
 std::string blame_sentence(const Explanation& x, bool marches) {
-    if (intersect::hull::has_box(*x.form))
-        return "Asked behind a box, its operations are not written down; --metric lost_to of a map says which level "
-               "loses a hit, and explain shows the operations of the form or of the box where each is named alone.";
     if (!x.has_tape())
         return "Its operations cannot be looked at, since it is compiled elsewhere; written as a form over any number "
                "they can (docs/your-own-form.md).";

@@ -25,7 +25,8 @@ namespace {
 
 TapeText text_of(const MendResult& r) {
     const auto& form = *r.request.row.form;
-    const Solid<double> solid(form.shape);
+    Solid<double> solid(form.shape);
+    if (form.is_placed) solid.placed.emplace();
     return {r.mended.tape, intersect::table::input_names(form, intersect::Target<double>(solid)),
             TapeText::Style::plain};
 }

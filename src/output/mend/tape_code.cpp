@@ -26,6 +26,7 @@ TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, 
       words_(std::move(words)),
       own_(tape.format_of(tape.outputs.t)) {
     Solid<double> solid(form.shape);
+    if (form.is_placed) solid.placed.emplace();
     inputs_ = intersect::table::input_names(form, intersect::Target<double>(solid));
     name_all(like);
     choose_inlined();

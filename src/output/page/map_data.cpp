@@ -240,11 +240,13 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 }
 
 /// A march does not have one tape for all rays: each ray takes its own number of samples. Nor does a form that filters:
-/// most rays stop at its cheap way. A set has a tape for each shape. And the page makes the rays of a camera by
+/// most rays stop at its cheap way. A set has a tape for each shape. The page knows no box, and
+/// makes the rays of a camera by
 /// rounding.
 bool is_taped(const MapRow& row, const MapRequest& request) {
     return !request.scene->camera.rays && !scene::rays::maker_of(*row.form) && is_solid(row.form->shape) &&
-           row.form->is_template() && !intersect::hull::innermost(*row.form).way && !row.form->is_set();
+           row.form->is_template() && !intersect::hull::innermost(*row.form).way && !row.form->is_set() &&
+           !intersect::hull::has_box(*row.form);
 }
 
 const char* coding_name(const Format& format) {

@@ -69,6 +69,10 @@ void put_wrong(std::vector<Column>& columns, const std::string& unit) {
         columns.push_back({w + "_wrong_outcome", "string", "", "what became of it"});
     }
     columns.push_back({"fault_explain", "string", "", "the command that explains the first"});
+    columns.push_back({"padding_max", "number", "u",
+                       "of a form that asks a box: the padding of tmax that no hit it misses would need more of, which "
+                       "is the metric padding; 0 where it misses none whose slabs come apart"});
+    columns.push_back({"padding_hex", "string", unit, "the float that needs it, exactly"});
 }
 
 std::vector<Column> binade_columns(const ExhaustiveRequest& request) {
@@ -166,6 +170,8 @@ void add_wrong(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, con
             .add(measure::answer::outcome_names[static_cast<std::size_t>(wrong->outcome)]);
     }
     csv.add(tally.first_wrong ? Cell(explain_float(request, of.ray, of.row, tally.first_wrong->place)) : Cell());
+    const double padding = measure::sweep::padding_max(request.rows[of.row], tally);
+    csv.add(padding >= 0 ? Cell(padding) : Cell()).add(tally.padding ? hex_cell(tally.padding->place) : Cell());
 }
 
 }  // namespace

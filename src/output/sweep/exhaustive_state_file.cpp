@@ -20,7 +20,7 @@ using measure::sweep::FloatTally;
 
 namespace {
 
-constexpr std::string_view heading = "lostbits-unfinished/1";
+constexpr std::string_view heading = "lostbits-unfinished/2";
 
 /// Whole numbers with spaces between them; what there is not is `-`.
 std::string tally_text(std::size_t place, const FloatTally& t) {
@@ -32,6 +32,7 @@ std::string tally_text(std::size_t place, const FloatTally& t) {
     text += fmt::format(" {}", std::bit_cast<std::uint64_t>(t.at_most));
     text += " " + wrong(t.first_wrong) + " " + wrong(t.last_wrong);
     for (const auto& first : t.first) text += first ? fmt::format(" {}", *first) : " -";
+    text += t.padding ? fmt::format(" {} {}", t.padding->place, std::bit_cast<std::uint64_t>(t.padding->u)) : " - -";
     return text + "\n";
 }
 
@@ -91,17 +92,24 @@ std::optional<FloatTally::Wrong> read_wrong(StateWords& in) {
     return FloatTally::Wrong{*place, static_cast<Outcome>(*outcome)};
 }
 
+/// A place and a number.
+template <class Measured>
+std::optional<Measured> read_measured(StateWords& in) {
+    const auto place = in.optional<std::uint32_t>();
+    const auto bits = in.optional<std::uint64_t>();
+    if (place.has_value() != bits.has_value()) in.damaged();
+    return place ? std::optional(Measured{*place, std::bit_cast<double>(*bits)}) : std::nullopt;
+}
+
 FloatTally read_tally(StateWords& in) {
     FloatTally t;
     for (auto& n : t.outcomes) n = in.whole<std::uint64_t>();
-    const auto place = in.optional<std::uint32_t>();
-    const auto ulps = in.optional<std::uint64_t>();
-    if (place.has_value() != ulps.has_value()) in.damaged();
-    if (place) t.worst = {*place, std::bit_cast<double>(*ulps)};
+    t.worst = read_measured<FloatTally::Worst>(in);
     t.at_most = std::bit_cast<double>(in.whole<std::uint64_t>());
     t.first_wrong = read_wrong(in);
     t.last_wrong = read_wrong(in);
     for (auto& first : t.first) first = in.optional<std::uint32_t>();
+    t.padding = read_measured<FloatTally::Padding>(in);
     return t;
 }
 

@@ -62,8 +62,11 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure(wrong.outcome))
                  : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
-    return text + fmt::format("; it decides wrongly for {} in all, the last at {}", count_text(tally.wrong()),
-                              float_text(tally.last_wrong->place));
+    text += fmt::format("; it decides wrongly for {} in all, the last at {}", count_text(tally.wrong()),
+                        float_text(tally.last_wrong->place));
+    if (tally.padding)
+        text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
+    return text;
 }
 
 std::string explain_float(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place) {

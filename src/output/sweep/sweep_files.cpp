@@ -55,9 +55,11 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
     return {
         {"form", "string", "", "form under test"},
         {"format", "string", "", "format it computes in"},
-        {"event", "string", "", "what is first seen to happen: lost_bits reach the threshold, or an outcome occurs"},
+        {"event", "string", "",
+         "what is first seen to happen: lost_bits, or what a step of a space loses, reach the threshold, or an outcome "
+         "occurs"},
         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
-        {"threshold", "number", "bits", "of the statistic; 1 for a count"},
+        {"threshold", "number", "bits", "of the statistic; of a step of a space in ulps; 1 for a count"},
         {"found", "boolean", "", "whether it happens within the sweep"},
         {"last_good_" + axis.name, "number", axis.unit,
          "last value before it, in the order of the steps; missing where the first step is bad already"},

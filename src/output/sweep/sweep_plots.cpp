@@ -86,26 +86,6 @@ LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, co
             .series = {}};
 }
 
-/// Where no t of the format can be of use, and what gaps are.
-void shade_and_note(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
-    if (const auto part = too_far(*sweep.request.sweep, format.shape)) {
-        // In place: of a moved temporary gcc 12 warns without cause.
-        plot::PlotShade& shade = spec.shades.emplace_back();
-        shade.from = part->from;
-        shade.to = part->to;
-        shade.label = too_far_means;
-    }
-    const auto is_withheld = [&](const SweepStep& step) {
-        for (std::size_t r = 0; r < step.rows.size(); ++r) {
-            const MapSummary& s = step.rows[r];
-            if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
-        }
-        return false;
-    };
-    if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
-        spec.notes.push_back("A gap in a line: " + gap_means() + ".");
-}
-
 void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                  const Quantity& quantity, PlotSize size = {}) {
     const SweepRequest& request = sweep.request;
@@ -217,24 +197,38 @@ std::string wrong_title(Outcome outcome) {
 
 namespace {
 
-/// Model and rounding error of one row, side by side.
-void write_split_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r) {
+/// Metrics that are drawn in one plot, each with what its line is called.
+using Parts = std::vector<std::pair<std::string, std::string>>;
+
+/// Medians of parts of one row's error, side by side, and where each step of a space is first seen to lose an ulp.
+void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r,
+                      const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
     const MapRow& row = request.rows[r];
-    LinePlotSpec spec = plot_along(
-        sweep, fmt::format("Model and rounding error of {} in {}, medians", row.form->info->name, row.format.name),
-        {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
-    for (const char* name : {"model_error", "rounding_error", "ulp_error"}) {
-        const std::size_t m = measure::metric::place_of(request.metrics, name);
-        const std::string label =
-            name == std::string("ulp_error") ? "all error" : std::string(name).substr(0, std::string(name).find('_'));
+    LinePlotSpec spec =
+        plot_along(sweep, fmt::format("{} of {} in {}, medians", title, row.form->info->name, row.format.name),
+                   {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
+    for (const auto& [metric, label] : parts) {
+        const std::size_t m = measure::metric::place_of(request.metrics, metric);
         spec.series.push_back(
             series_of(sweep.steps, r, label, [m](const MapSummary& s) { return drawn_quantile(s, m, 0.5); }));
+        for (const Onset& o : sweep.onsets)
+            if (o.found && !o.from_start && o.row == r && o.event == metric)
+                spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep->marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
     plot::write_line_plot(image::image_backend(), path, spec);
+}
+
+/// The steps of a space that were measured.
+Parts steps_of(const SweepRequest& request) {
+    Parts steps;
+    for (const auto* metric : request.metrics)
+        if ((metric->needs & measure::metric::needs_steps) && !metric->label.empty())
+            steps.emplace_back(metric->name, metric->label);
+    return steps;
 }
 
 /// What a sweep over forms that march shows beside its errors; nothing where none does.
@@ -267,7 +261,9 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const MapRow& row = request.rows[r];
         if (row.format == format && marches(row))
-            write_split_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r);
+            write_parts_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r,
+                             "Model and rounding error",
+                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "all error"}});
     }
 }
 
@@ -337,6 +333,8 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         write_march_plots(folder, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const MapRow& row = request.rows[r];
+            if (const Parts parts = steps_of(request); row.format == format && !parts.empty() && row.form->is_placed)
+                write_parts_plot(file(fmt::format("steps.{}", row.form->info->name)), sweep, r, "Steps", parts);
             if (row.format == format && map::CulpritTable::is_wanted(request.metrics))
                 write_culprit_plot(file(fmt::format("culprit.{}", row.form->info->name)), sweep, r);
         }

@@ -20,7 +20,8 @@ struct MeasuredSweep {
 /// One axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with every form, the conditioning envelope
 /// (inherent bits, where the request measures them) and the sweep's own marks; `false_hit.<format>.png` and
 /// `false_miss.<format>.png`, the share of rays that are so, and the same of other wrong outcomes that occur; where
-/// culprits are measured, `culprit.<form>.<format>.png`. Two axes:
+/// culprits are measured, `culprit.<form>.<format>.png`, and where steps of spaces are, `steps.<form>.<format>.png`
+/// with the place where the median of each is first seen to be an ulp. Two axes:
 /// `<form>.<format>.png`, the p99 of lost bits over the plane, with the colour of the commonest wrong outcome where
 /// more than half of the rays are wrong.
 void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep);

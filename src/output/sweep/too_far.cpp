@@ -52,4 +52,23 @@ std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const Floa
     return at_low ? AxisPart{low, far_end} : AxisPart{far_end, high};
 }
 
+void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
+    if (const auto part = too_far(*sweep.request.sweep, format.shape)) {
+        // In place: of a moved temporary gcc 12 warns without cause.
+        plot::PlotShade& shade = spec.shades.emplace_back();
+        shade.from = part->from;
+        shade.to = part->to;
+        shade.label = too_far_means;
+    }
+    const auto is_withheld = [&](const measure::sweep::SweepStep& step) {
+        for (std::size_t r = 0; r < step.rows.size(); ++r) {
+            const measure::map::MapSummary& s = step.rows[r];
+            if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
+        }
+        return false;
+    };
+    if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
+        spec.notes.push_back("A gap in a line: " + gap_means() + ".");
+}
+
 }  // namespace lostbits::output::sweep

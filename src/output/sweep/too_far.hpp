@@ -5,6 +5,8 @@
 #include <string>
 
 #include "measure/map/map.hpp"
+#include "output/plot/line_plot.hpp"
+#include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::output::sweep {
@@ -25,5 +27,8 @@ struct AxisPart {
 /// other. Nothing where that is so at neither end of the axis, and where there is not one sphere.
 [[nodiscard]] std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
 inline constexpr const char* too_far_means = "shaded: an ulp of the distance is as wide as the sphere, or wider";
+
+/// Both in a plot along a sweep: what is too far is shaded, and gaps, which lines over agreed hits have, are explained.
+void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits);
 
 }  // namespace lostbits::output::sweep

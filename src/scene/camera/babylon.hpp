@@ -16,7 +16,7 @@ struct BabylonRay : InvertsBoth {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return times_over_w(from_clip.point(clip_point(camera, pixel, z))); };
         const Vec<T> near = at(camera.depth_near), far = at(T(1) - T(1) / T(100000000));
         return {near, unit_by_reciprocal(Vec<T>(far - near))};

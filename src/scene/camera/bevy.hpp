@@ -19,7 +19,7 @@ struct BevyRay {
         return camera.to_world * inverse(camera.projection);
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
         return {near, unit(Vec<T>(far - near))};

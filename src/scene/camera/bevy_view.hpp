@@ -14,7 +14,7 @@ struct BevyViewRay : InvertsProjection {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
         return {camera.to_world.affine(near), unit(camera.to_world.linear(Vec<T>(far - near)))};

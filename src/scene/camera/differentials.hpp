@@ -20,8 +20,8 @@ struct DifferentialsRay {
         return at(1) - at(0);
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel& pixel) {
-        const Vec<T> left = PbrtRay::on_near_plane(camera, Pixel{pixel.x - 1, pixel.y});
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {
+        const Vec<T> left = PbrtRay::on_near_plane(camera, Pixel<T>{pixel.left, pixel.y, pixel.left});
         return {camera.eye, camera.to_world.linear(unit(Vec<T>(left + step)))};
     }
 };

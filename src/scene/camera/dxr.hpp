@@ -14,7 +14,7 @@ struct DxrRay : InvertsBoth {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const Vec<T> world = unprojected(camera, from_clip, pixel, T(0));
         return {camera.eye, unit(Vec<T>(world - camera.eye))};
     }

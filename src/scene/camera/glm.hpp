@@ -14,7 +14,7 @@ struct GlmRay : InvertsBoth {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> near = at(camera.depth_near), far = at(camera.depth_far);
         return {near, unit_by_reciprocal(Vec<T>(far - near))};

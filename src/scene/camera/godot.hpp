@@ -13,7 +13,7 @@ struct GodotRay : AsStored {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         const auto& p = camera.projection.rows;
         const Vec<T> at = clip_point(camera, pixel, T(0));
         const Vec<T> local(at.x * (camera.near / p[0][0]), at.y * (camera.near / p[1][1]), -camera.near);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "number/recorded.hpp"
+#include "number/with_number.hpp"
 #include "scene/camera/list.hpp"
 
 namespace lostbits::scene::camera {
@@ -13,14 +15,28 @@ template <class M, class T>
 void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(const Ray<T>&)>& take) {
     const auto prepared = M::prepare(camera);
     for (int y = rows.first; y < rows.last; ++y)
-        for (int x = 0; x < camera.width; ++x) take(M::ray(camera, prepared, Pixel{x, y}));
+        for (int x = 0; x < camera.width; ++x) take(M::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
+}
+
+template <class M>
+std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, Place at, Tape& tape) {
+    return with_number(format, [&]<class F>() {
+        using T = Recorded<F>;
+        const Tape::Scope scope(tape);
+        const auto input = [](double x) { return T(x); };
+        const CameraNumbers<T> camera = stored.each(input);
+        const T x = input(at.x), y = input(at.y), left = input(at.x - 1);
+        const auto prepared = M::prepare(camera);
+        const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
+        return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};
+    });
 }
 
 const std::vector<Maker>& table() {
     static const std::vector<Maker> all = [] {
         std::vector<Maker> rows;
         for_each_maker([&rows]<class M>() {
-            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>});
+            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>, record<M>});
         });
         return rows;
     }();
@@ -28,6 +44,18 @@ const std::vector<Maker>& table() {
 }
 
 }  // namespace
+
+std::vector<std::string> camera_number_names() {
+    std::vector<std::string> names;
+    for (const char* const v : {"eye", "right", "up", "forward"})
+        for (const char* const axis : {".x", ".y", ".z"}) names.push_back(std::string(v) + axis);
+    names.insert(names.end(), {"tan_x", "tan_y", "near", "depth_near", "depth_far"});
+    for (const char* const m :
+         {"view", "projection", "to_world", "clip_to_world", "clip_to_offset", "raster_to_camera"})
+        for (int k = 0; k < 16; ++k)
+            names.push_back(std::string(m) + ".r" + std::to_string(k / 4) + "c" + std::to_string(k % 4));
+    return names;
+}
 
 std::span<const Maker> makers() { return table(); }
 

@@ -1,7 +1,9 @@
 // What a way to make rays is given: a camera as a program stores it, and the steps that most ways share.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/ray.hpp"
 #include "scene/camera/matrix4.hpp"
@@ -57,9 +59,14 @@ struct CameraNumbers {
     }
 };
 
+/// What the numbers are called, in the order of `CameraNumbers::each`: `eye.x`, `tan_x`, `view.r0c3`.
+std::vector<std::string> camera_number_names();
+
 /// x counts to the right from the left column, y down from the top row.
+template <class T>
 struct Pixel {
-    int x, y;
+    T x, y;
+    T left;  ///< x - 1
 };
 
 /// For ways that make no matrix of their own.
@@ -88,10 +95,9 @@ struct InvertsBoth {
 
 /// The middle of a pixel in clip space over w: (x + 1/2)/width * 2 - 1, and the same of y, negated.
 template <Number T>
-Vec<T> clip_point(const CameraNumbers<T>& camera, const Pixel& pixel, const T& z) {
+Vec<T> clip_point(const CameraNumbers<T>& camera, const Pixel<T>& pixel, const T& z) {
     const T half = T(1) / T(2), two(2), one(1);
-    return {(T(pixel.x) + half) / T(camera.width) * two - one, -((T(pixel.y) + half) / T(camera.height) * two - one),
-            z};
+    return {(pixel.x + half) / T(camera.width) * two - one, -((pixel.y + half) / T(camera.height) * two - one), z};
 }
 
 /// Between the far plane (0) and the near one (1): of reversed z the depth itself.
@@ -116,7 +122,7 @@ Vec<T> times_over_w(const Homogeneous<T>& p) {
 
 /// What a matrix makes of the middle of a pixel at a depth, over w.
 template <Number T>
-Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel, const T& z) {
+Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
     return over_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 

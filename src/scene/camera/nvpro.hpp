@@ -22,7 +22,7 @@ struct NvproRay {
         return {inverse(camera.projection), inverse(camera.view)};
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel<T>& pixel) {
         const Vec<T> target = from.projection.point(clip_point(camera, pixel, T(1))).at;
         return {from.view.shift(), from.view.linear(unit(target))};
     }

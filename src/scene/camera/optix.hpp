@@ -13,7 +13,7 @@ struct OptixRay : AsStored {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         const Vec<T> at = clip_point(camera, pixel, T(0));
         const Vec<T> u = camera.tan_x * camera.right, v = camera.tan_y * camera.up;
         return {camera.eye, unit_by_reciprocal(Vec<T>(at.x * u + at.y * v + camera.forward))};

@@ -16,12 +16,12 @@ struct PbrtRay : AsStored {
 
     /// The middle of a pixel on the near plane, in the space of the camera.
     template <Number T>
-    static Vec<T> on_near_plane(const CameraNumbers<T>& camera, const Pixel& pixel) {
+    static Vec<T> on_near_plane(const CameraNumbers<T>& camera, const Pixel<T>& pixel) {
         const T half = T(1) / T(2);
-        return over_w(camera.raster_to_camera.point({T(pixel.x) + half, T(pixel.y) + half, T(0)}));
+        return over_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         return {camera.eye, camera.to_world.linear(unit(on_near_plane(camera, pixel)))};
     }
 };

@@ -15,7 +15,7 @@ struct RelativeRay : AsStored {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         return {camera.eye, unit(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
     }
 };

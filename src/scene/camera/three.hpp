@@ -15,7 +15,7 @@ struct ThreeRay : InvertsProjection {
     };
 
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const Vec<T> seen = times_over_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
         const Vec<T> eye = camera.to_world.shift();
         return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(seen) - eye))};

@@ -19,7 +19,7 @@ struct UnrealRay {
         return camera.clip_to_world;
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel& pixel) {
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
         const Vec<T> start = at(camera.depth_near), end = at(depth_at(camera, T(1) / T(100)));
         return {start, unit_by_reciprocal(Vec<T>(end - start))};

@@ -28,8 +28,8 @@ struct WeekendRay {
         return {corner + half * Vec<T>(right + down), right, down};
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Pixels<T>& pixels, const Pixel& pixel) {
-        const Vec<T> middle = pixels.first + T(pixel.x) * pixels.right + T(pixel.y) * pixels.down;
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Pixels<T>& pixels, const Pixel<T>& pixel) {
+        const Vec<T> middle = pixels.first + pixel.x * pixels.right + pixel.y * pixels.down;
         return {camera.eye, unit(Vec<T>(middle - camera.eye))};
     }
 };

@@ -1,5 +1,6 @@
 #include "scene/rays/made_rays.hpp"
 
+#include "intersect/table/joined_tapes.hpp"
 #include "number/with_number.hpp"
 #include "scene/file/stretch.hpp"
 
@@ -84,13 +85,16 @@ BasicRayBlock<Real> MadeRays::ideal(int y0, int y1) const {
     return block;
 }
 
+CameraNumbers<double> MadeRays::stored(const FloatFormat& format) const {
+    return numbers_.each([&format](const Real& x) { return static_cast<double>(toml::round_to_format(x, format)); });
+}
+
 template <class T>
 RayBlock MadeRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
-    const CameraNumbers<T> stored =
-        numbers_.each([&format](const Real& x) { return T(toml::round_to_format(x, format)); });
+    const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
-    make(stored, {y0, y1}, [&block](const Ray<T>& ray) {
+    make(numbers, {y0, y1}, [&block](const Ray<T>& ray) {
         const auto in_double = [](const Vec<T>& v) {
             return Vec<double>(as_double(v.x), as_double(v.y), as_double(v.z));
         };
@@ -104,6 +108,59 @@ RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
     if (format == binary64) return made<double>(by_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
     return made<RoundedAny>(by_->rounded, format, y0, y1);
+}
+
+RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
+    Tape whole;
+    const auto ray = by_->record(format, stored(format.shape), at, whole);
+    std::vector<std::string> names = camera::camera_number_names();
+    names.insert(names.end(), {"pixel.x", "pixel.y", "pixel.left"});
+    std::vector<bool> is_used(whole.nodes.size());
+    for (const NodeId node : ray) is_used[static_cast<std::size_t>(node)] = true;
+    for (NodeId i = whole.size() - 1; i >= 0; --i) {
+        if (!is_used[static_cast<std::size_t>(i)] || is_given(whole[i].op)) continue;
+        for (const NodeId operand : whole[i].operands)
+            if (operand != no_node) is_used[static_cast<std::size_t>(operand)] = true;
+    }
+    RecordedRay made;
+    std::vector<NodeId> place(whole.nodes.size(), no_node);
+    for (NodeId i = 0; i < whole.size(); ++i) {
+        const TapeNode& n = whole[i];
+        if (!is_used[static_cast<std::size_t>(i)]) continue;
+        const auto operand = [&](std::size_t k) {
+            const NodeId from = n.operands[k];
+            return is_given(n.op) || from == no_node ? from : place[static_cast<std::size_t>(from)];
+        };
+        NodeId& there = place[static_cast<std::size_t>(i)];
+        if (n.op == TapeOp::input) {
+            made.names.push_back(names[static_cast<std::size_t>(n.operands[0])]);
+            there = made.tape.add_input(format.shape, n.value);
+        } else {
+            there = made.tape.add(n.op, whole.format_of(i), n.value, {operand(0), operand(1), operand(2)});
+            made.tape[there].label = n.label;
+        }
+    }
+    constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
+    for (std::size_t k = 0; k < ray.size(); ++k) {
+        made.ray[k] = place[static_cast<std::size_t>(ray[k])];
+        made.tape.name(made.ray[k], numbers[k]);
+    }
+    return made;
+}
+
+void RecordedRay::put_before(Tape& form) const {
+    Tape whole = tape;
+    whole.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, whole);
+    form = std::move(whole);
+}
+
+bool RecordedRay::lead(Tape& form) const {
+    for (const TapeNode& n : form.nodes) {
+        const auto k = static_cast<std::size_t>(n.operands[0]);
+        if (n.op == TapeOp::input && k < ray.size() && tape[ray[k]].value != n.value) return false;
+    }
+    put_before(form);
+    return true;
 }
 
 }  // namespace lostbits::scene::rays

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "catch.hpp"
+#include "intersect/space/spaced.hpp"
 #include "measure/mend/price.hpp"
 #include "measure/rows.hpp"
 #include "output/mend/form_code.hpp"
@@ -186,6 +187,43 @@ TEST_CASE("two floats do what double does here", "[mend]") {
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all.kept_bits > 23);
     CHECK(m.set.value().worth.meets(request.wish));
+}
+
+TEST_CASE("under matrices the operations that lead into the space of the solid are made wider", "[mend]") {
+    scene::file::LoadOptions options{.variant = "sphere", .size = std::pair{24, 24}};
+    Scene scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/instance-far.toml", options).front();
+    for (const bool inverse : {false, true}) {
+        CAPTURE(inverse);
+        if (inverse) {
+            // The turned sphere as the way back to it: what stands in the file is transposed, and -A^T T.
+            auto& placed = *scene.listed.front().placed;
+            const auto there = placed.map();
+            const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),
+                                     Vec<Real>(there.rows[0].y, there.rows[1].y, there.rows[2].y),
+                                     Vec<Real>(there.rows[0].z, there.rows[1].z, there.rows[2].z)},
+                                    {Real(0), Real(0), Real(0)}};
+            const Vec<Real> shift = back.linear(there.shift);
+            std::size_t k = 0;
+            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.each(
+                [&](const Real& x) { placed.matrix[k++] = x; });
+            placed.is_inverse = true;
+        }
+        MendRequest request = request_of(scene, "sphere.unified", 18);
+        const auto& form = *request.row.form;
+        request.row.form = &intersect::space::through(*intersect::space::find_space("plain"), form);
+        const Mended m = mend(request, 0);
+        CHECK(m.own.kept_bits < 14);
+        REQUIRE(m.set);
+        CHECK(m.set->worth.meets(request.wish));
+        CHECK(m.operations > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
+        request.row.form = &intersect::space::through(*intersect::space::find_space("relative"), form);
+        CHECK(mend(request, 0).own.kept_bits > m.own.kept_bits + (inverse ? -1 : 6));
+    }
+    scene.listed.push_back(scene.listed.front());
+    scene.listed.back().placed.reset();
+    MendRequest mixed = request_of(scene, "sphere.unified", 18);
+    mixed.row.form = &intersect::space::through(intersect::space::usual_space(), *mixed.row.form);
+    CHECK_THROWS_AS(mend(mixed, 0), InputError);
 }
 
 TEST_CASE("a form that decides by itself how far it goes is refused", "[mend]") {

@@ -8,6 +8,8 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
+#include "intersect/hull/behind.hpp"
+#include "measure/metric/published_bounds.hpp"
 #include "measure/rows.hpp"
 #include "measure/sweep/exhaustive_findings.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -48,7 +50,7 @@ std::span<const float> one(const float& x) { return {&x, 1}; }
 /// One form at one float, without packs of anything.
 struct Alone {
     Outcome outcome;
-    double ulps = 0;
+    double ulps = 0, padding = 0;
 };
 
 Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, float value) {
@@ -79,6 +81,8 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, 
     Alone found{answer::classify(t.decision, hit != 0, static_cast<double>(answer))};
     if (found.outcome == Outcome::agree_hit)
         found.ulps = truth::ulp_error(static_cast<double>(answer), unit ? t.distance : t.t, binary32);
+    if (found.outcome == Outcome::false_miss && solid.is<Box>())
+        found.padding = measure::metric::padding(there, solid.box());
     return found;
 }
 
@@ -87,6 +91,7 @@ void add(sweep::FloatTally& tally, std::uint32_t place, const Alone& at) {
     const bool hits = at.outcome == Outcome::agree_hit;
     if (hits && (!tally.worst || std::fabs(at.ulps) > std::fabs(tally.worst->ulps))) tally.worst = {place, at.ulps};
     if (is_wrong(at.outcome) && !tally.first_wrong) tally.first_wrong = {place, at.outcome};
+    if (at.padding > (tally.padding ? tally.padding->u : 0)) tally.padding = {place, at.padding};
     if (is_wrong(at.outcome)) tally.last_wrong = {place, at.outcome};
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
@@ -102,6 +107,7 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
     CHECK(packs.first_wrong == alone.first_wrong);
     CHECK(packs.last_wrong == alone.last_wrong);
     CHECK(packs.first == alone.first);
+    CHECK(packs.padding == alone.padding);
     REQUIRE(packs.worst.has_value() == alone.worst.has_value());
     if (!alone.worst) return;
     const double worst = std::fabs(alone.worst->ulps), found = std::fabs(packs.worst->ulps);
@@ -265,6 +271,33 @@ TEST_CASE("any number of threads finds the same") {
     }
     CHECK(found[1].tallies == found[0].tallies);
     CHECK(found[2].tallies == found[0].tallies);
+}
+
+TEST_CASE("the padding that no float needs more of is that of the slabs, behind a box too") {
+    // The ray that parts the slabs further than any other, at the floats around its origin.
+    const ExhaustiveFile boxes(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-padding-origin.toml");
+    const ExhaustiveFile triangles(std::filesystem::path(LOSTBITS_DATA_DIR) /
+                                   "sweeps/exhaustive-behind-box-origin.toml");
+    const auto most = [](ExhaustiveFile file, std::size_t ray, const intersect::table::Intersector& form) {
+        file.narrow(Real(-0x1.0008p-24), Real(-0x1.fff0p-25), {});
+        file.rays = {file.rays[ray]};
+        const auto request = request_of(file, {{&form, *find_format("f32")}});
+        const auto found = sweep::findings_of(request, run(request)).front().tally;
+        return sweep::padding_max(request.rows[0], found);
+    };
+    const auto form = [](std::string_view name) -> const intersect::table::Intersector& {
+        return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });
+    };
+    const double without = most(boxes, 0, form("box.signs"));
+    CHECK(without > 5.99);
+    CHECK(without < 5.9913);
+    CHECK(most(boxes, 0, form("box.max_mult")) > 4);
+    CHECK(most(boxes, 0, form("box.pbrt_padded")) == 0);
+    CHECK(most(boxes, 2, form("box.signs")) == 0);
+    const auto& outward = intersect::hull::usual_hull();
+    CHECK(most(triangles, 0, behind(outward, form("box.signs"), form("triangle.filtered"))) > 5.99);
+    CHECK(most(triangles, 0, behind(outward, form("box.embree_robust"), form("triangle.filtered"))) == 0);
+    CHECK(std::isnan(most(triangles, 0, form("triangle.filtered"))));
 }
 
 }  // namespace test_exhaustive

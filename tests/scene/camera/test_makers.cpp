@@ -150,6 +150,35 @@ TEST_CASE("floats and doubles of the machine and rounded numbers of their format
     }
 }
 
+TEST_CASE("the tape of a way makes the ray that the way makes, of the camera's numbers that it takes") {
+    const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
+    for (const Maker& maker : makers()) {
+        const file::Scene scene = with_rays(plain, maker);
+        const rays::MadeRays made(scene);
+        for (const char* name : {"f32", "f64", "fp16"}) {
+            CAPTURE(maker.info->name, name);
+            const Format format = *find_format(name);
+            const rays::RayBlock native = made.in(format.shape, 0, height);
+            for (const auto& [x, y] : {std::pair(0, 0), std::pair(width - 1, 2)}) {
+                const rays::RecordedRay recorded = made.record(format, {x, y});
+                const Ray<double> one = native[static_cast<std::size_t>(y * width + x)];
+                for (std::size_t k = 0; k < 6; ++k) {
+                    const double value = recorded.tape[recorded.ray[k]].value;
+                    const double there = (k < 3 ? one.origin : one.direction)[static_cast<int>(k % 3)];
+                    CHECK((value == there || (std::isnan(value) && std::isnan(there))));
+                }
+                std::size_t inputs = 0;
+                for (const TapeNode& n : recorded.tape.nodes) inputs += n.op == TapeOp::input ? 1 : 0;
+                CHECK(inputs == recorded.names.size());
+                const std::set<std::string> names(recorded.names.begin(), recorded.names.end());
+                CHECK(names.size() == inputs);
+                CHECK((names.contains("pixel.x") || names.contains("pixel.left")));
+                CHECK(names.size() < camera::camera_number_names().size() / 2);
+            }
+        }
+    }
+}
+
 TEST_CASE("ways that turn a direction of the camera's space make the same one wherever the camera stands") {
     const auto directions = [](const Maker& maker, const std::string& eye, const std::string& look_at) {
         const file::Scene scene = with_rays(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), maker);

@@ -1,0 +1,82 @@
+// Everything that a rendered picture hands out, and spheres by plain formulas in 256 bits.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "catch.hpp"
+#include "measure/picture/render.hpp"
+#include "scene/rays/camera.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::testing {
+
+using scene::file::Stage;
+
+inline const std::vector<Stage> all_stages{Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong};
+
+inline scene::file::Scene load(const char* name, int width, int height) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+}
+
+inline std::vector<measure::map::MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
+    std::vector<measure::map::MapRow> rows;
+    for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
+        for (const auto& name : formats)
+            if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name)))
+                rows.push_back({&f, *find_format(name)});
+    }
+    return rows;
+}
+
+/// Everything that a run hands out.
+struct Collected final : measure::picture::RenderSink {
+    explicit Collected(const measure::picture::RenderRequest& request)
+        : pictures(request.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {
+        for (auto& p : pictures) p.resize(request.stages.size());
+        summaries = measure::picture::run_render(request, this);
+    }
+    void reference(int, int, std::span<const measure::picture::TruePixel> band) override {
+        truth.insert(truth.end(), band.begin(), band.end());
+    }
+    void row(std::size_t r, const measure::picture::RenderBand& band) override {
+        for (std::size_t s = 0; s < band.painted.size(); ++s)
+            pictures[r][s].insert(pictures[r][s].end(), band.painted[s].begin(), band.painted[s].end());
+        shadows[r].insert(shadows[r].end(), band.shadow.begin(), band.shadow.end());
+        residuals[r].insert(residuals[r].end(), band.residual.begin(), band.residual.end());
+    }
+    std::vector<std::vector<std::vector<measure::picture::Painted>>> pictures;  ///< row, stage, pixel
+    std::vector<std::vector<measure::picture::Shadow>> shadows;
+    std::vector<std::vector<double>> residuals;
+    std::vector<measure::picture::TruePixel> truth;
+    std::vector<measure::picture::RenderSummary> summaries;
+};
+
+inline bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+inline bool same(const std::vector<measure::picture::Painted>& a, const std::vector<measure::picture::Painted>& b) {
+    return std::ranges::equal(a, b, [](const measure::picture::Painted& x, const measure::picture::Painted& y) {
+        return same(x.colour.x, y.colour.x) && same(x.colour.y, y.colour.y) && same(x.colour.z, y.colour.z) &&
+               x.byte == y.byte;
+    });
+}
+
+// --- the same picture by plain formulas in 256 bits, sharing nothing with the one under test ---------------------
+
+inline Real rounded(const Real& x) { return Real(scene::toml::round_to_format(x, binary32)); }
+inline Vec<Real> rounded(const Vec<Real>& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+
+/// The first t ≥ 0 of a line through a sphere, by the schoolbook.
+inline std::optional<Real> first(const Vec<Real>& o, const Vec<Real>& d, const Vec<Real>& centre, const Real& r) {
+    const Vec<Real> f = o - centre;
+    const Real a = dot(d, d), h = dot(f, d), disc = h * h - a * (dot(f, f) - r * r);
+    if (disc < 0) return std::nullopt;
+    const Real root = sqrt(disc), near = (-h - root) / a, far = (-h + root) / a;
+    if (far < 0) return std::nullopt;
+    return near < 0 ? far : near;
+}
+
+}  // namespace lostbits::testing
