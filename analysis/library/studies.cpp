@@ -127,7 +127,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
                bool two_words, Choosing& chosen, CallRun& running) {
     if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    if (scene.shapes().are_placed())
+    if (scene.is_placed())
         throw InputError("the solids of scene " + scene.id +
                          " stand under matrices; `lostbits mend` looks through those");
     const MapRow& row = the_one_row(chosen, "a form is mended in one format");
