@@ -125,7 +125,6 @@ measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
 /// Whether anything meets the wish; the result says what.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
                bool two_words, Choosing& chosen, CallRun& running) {
-    if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the solids of scene " + scene.id +
@@ -249,6 +248,7 @@ int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int tw
         Choosing chosen(choice);
         CallRun running(run);
         auto found = std::make_unique<lostbits_result>();
+        if (wish->tolerance >= 0) throw InputError("a form is mended to keep bits of t; give no tolerance");
         const auto asked = wish_of(*wish, "max");
         const bool meets = mend_into(*found, scene->scene, asked, two_words != 0, chosen, running);
         return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);

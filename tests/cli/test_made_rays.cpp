@@ -81,7 +81,7 @@ TEST_CASE("explain looks at the ray that the way makes") {
     CHECK(x["truth"] == y["truth"]);
     CHECK(x["inputs"] == y["inputs"]);
     // The tape begins with the camera's numbers, those that the way takes, and not with the ray.
-    CHECK(x["inputs"].contains("eye.x"));
+    CHECK(x["inputs"].contains("to_world.r0c3"));
     CHECK(x["inputs"].contains("pixel.x"));
     CHECK_FALSE(x["inputs"].contains("view.r0c0"));
     CHECK_FALSE(x["inputs"].contains("d.x"));

@@ -74,9 +74,10 @@ double error_at_zero(const Sample& s) {
 }
 
 double root(const Sample& s) {
-    if (!s.solid || s.march) return missing;
+    if (s.march) return missing;
+    if (s.outcome != answer::Outcome::agree_hit || !s.solid) return 0;
     const bool is_near = std::fabs(ulp_error(s)) <= 8;  // crossings so near to each other are one to the format
-    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 1 : 0;
+    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 2 : 1;
 }
 
 double derivative_error(const Sample& s) {

@@ -25,7 +25,7 @@ double derivative_error(const Sample& s);
 double root(const Sample& s);
 
 /// In the order of the values of `root`.
-inline constexpr std::string_view root_names[] = {"true", "wrong"};
+inline constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
 
 /// Where an ulp of t* says nothing, or not enough.
 inline constexpr Metric metrics_of_t[] = {
@@ -40,9 +40,10 @@ inline constexpr Metric metrics_of_t[] = {
     {.name = "root",
      .layer = "err.root",
      .meaning = "whether a correct hit has the t of another crossing of the same solid: to a quarter of what lies "
-                "between that and the true one (wrong)",
+                "between that and the true one (wrong); no_hit: of no correct hit",
      .ramp = Ramp::categories,
      .value = root,
+     .over = Over::every,
      .categories = root_names},
     {.name = "derivative_error",
      .unit = "u",

@@ -116,8 +116,8 @@ Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
         return pixel_colour(*scale_, outcome, value);
     if (metric_->over == Over::blamed && std::isnan(value))
         return outcome == Outcome::agree_hit ? no_culprit : image::outcome_colours[static_cast<std::size_t>(outcome)];
-    if (!scale_) return category_colour(static_cast<std::size_t>(value));
-    return std::isnan(value) ? colour_without_value() : scale_->map(value);
+    if (std::isnan(value)) return colour_without_value();
+    return scale_ ? scale_->map(value) : category_colour(static_cast<std::size_t>(value));
 }
 
 Rgb8 MetricPaint::colour_without_value() const {

@@ -12,8 +12,8 @@ namespace lostbits::scene::toml {
 /// ("optimal string alignment"; upper and lower case count as the same letter).
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate nearest to `word`, the first of equals, if a slip of the fingers explains it: at most one edit in a word
-/// of up to five letters, two up to eight, then a third of its length.
+/// The candidate nearest to `word`, the first of equals, if a slip of the fingers explains it: at most one edit in a
+/// word of up to five letters, two up to eight, then a third of its length.
 std::optional<std::string> slip_of(std::string_view word, const std::vector<std::string>& candidates);
 
 /// The same, or the only candidate that begins with `word`, or with all but its last letter, or whose letters stand in

@@ -121,7 +121,7 @@ TEST_CASE("t of a torus is rounded as fractions say, on ties too", "[truth][toru
         const ClearTorusAnswer right = answer_of(s);
         INFO(family.name);
         for (const char* const name : {"f32", "bf16", "fp16"}) {
-            const FloatFormat& format = find_format(name)->shape;
+            const FloatFormat format = find_format(name)->shape;
             const double t = round_truth(truth, s.ray, solid, format);
             if (std::isinf(t) || t == 0) continue;
             ++asked;

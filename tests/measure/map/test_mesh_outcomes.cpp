@@ -106,7 +106,8 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
     std::map<Outcome, std::uint64_t> counts;
     for (const auto& scene : {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}),
                               smaller("mesh-grid-vertices", {}), smaller("mesh-tube-far", {{"mesh[0].along", "16"}})}) {
-        measure::map::MapRequest request{.scene = &scene, .metrics = {measure::metric::find_metric("lost_bits")}};
+        measure::map::MapRequest request{
+            .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
                                  "triangle.havel_herout", "triangle.filtered"})
             request.rows.push_back(testing::row(form, "f32"));

@@ -5,6 +5,9 @@
 #include <set>
 
 #include "catch.hpp"
+#include "intersect/hull/behind.hpp"
+#include "intersect/space/space.hpp"
+#include "intersect/space/spaced.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
 #include "measure/blame/recorded_rays.hpp"
@@ -161,8 +164,10 @@ TEST_CASE("all in double a form keeps all bits of float but one, and with no ope
 TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
     const Format format = *find_format("f32");
     CHECK_THROWS_WITH(tape_of(testing::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
-    for (const char* name : {"sphere.filtered", "box.filtered@plain", "triangle.filtered^box.signs"})
-        CHECK_THROWS_WITH(tape_of(testing::form_named(name), format), Catch::Contains("decides by itself"));
+    const Intersector &filtered = testing::form_named("triangle.filtered"), &box = testing::form_named("box.signs");
+    for (const Intersector* form : {&filtered, &intersect::space::through(intersect::space::usual_space(), filtered),
+                                    &intersect::hull::behind(intersect::hull::usual_hull(), box, filtered)})
+        CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("decides by itself"));
     CHECK_THROWS_WITH(tape_of(testing::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
     CHECK_THROWS(word_of(bfloat16));
 }

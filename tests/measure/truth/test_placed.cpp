@@ -252,7 +252,9 @@ TEST_CASE("a solid under a matrix is the same as the solid whose numbers were mo
         CAPTURE(row.name);
         int hits = 0;
         for (int i = 0; i < 400; ++i) {
-            const Vec<double> at(r.integer(-8, 8) / 4.0, r.integer(-8, 8) / 4.0, r.integer(-8, 8) / 4.0);
+            const auto part = [&r] { return static_cast<double>(r.integer(-8, 8)) / 4; };
+            const double x = part(), y = part(), z = part();
+            const Vec<double> at(x, y, z);
             const Solid<double> solid = solid_around<double>(row.shape, at, 1.5);
             // What has its own directions, as the planes of a box or radii by axis, does not turn with its numbers.
             bool turns = row.shape != Shape::box;
