@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 
 #include "number/error.hpp"
 #include "output/choice/choice_text.hpp"
@@ -64,13 +63,14 @@ std::vector<int> steps_of(const Tape& tape) {
     std::vector<int> steps;
     std::vector<bool> constant;
     int step = 0;
-    for (const TapeNode& n : tape.nodes) {
-        const auto operands = std::span(n.operands).first(is_given(n.op) ? 0 : row_of(n.op).operands);
-        constant.push_back(n.op == TapeOp::constant ||
-                           (!operands.empty() && std::ranges::all_of(operands, [&](NodeId i) {
-                               return static_cast<bool>(constant[static_cast<std::size_t>(i)]);
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const TapeOp op = tape[i].op;
+        const auto operands = tape.operands_of(i);
+        constant.push_back(op == TapeOp::constant ||
+                           (!operands.empty() && std::ranges::all_of(operands, [&](NodeId operand) {
+                               return static_cast<bool>(constant[static_cast<std::size_t>(operand)]);
                            })));
-        step += !is_given(n.op) && !constant.back();
+        step += !is_given(op) && !constant.back();
         steps.push_back(step);
     }
     return steps;

@@ -118,9 +118,8 @@ RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
     std::vector<bool> is_used(whole.nodes.size());
     for (const NodeId node : ray) is_used[static_cast<std::size_t>(node)] = true;
     for (NodeId i = whole.size() - 1; i >= 0; --i) {
-        if (!is_used[static_cast<std::size_t>(i)] || is_given(whole[i].op)) continue;
-        for (const NodeId operand : whole[i].operands)
-            if (operand != no_node) is_used[static_cast<std::size_t>(operand)] = true;
+        if (!is_used[static_cast<std::size_t>(i)]) continue;
+        for (const NodeId operand : whole.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
     }
     RecordedRay made;
     std::vector<NodeId> place(whole.nodes.size(), no_node);
