@@ -132,6 +132,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
     const MapRow& row = the_one_row(chosen, "a form is mended in one format");
     if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
     choice::refuse_makers({row.form}, "mend");
+    choice::refuse_made_rays({scene}, "mend");
     measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
     request.limit.stop = running.stop();
     const auto mended = measure::mend::mend(request);

@@ -127,6 +127,8 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "bits are from 0 to 53", lambda: lb.mend("sphere.press", "near-benign", 60)),
             (lb.InputError, "made wider in f32 and f64", lambda: lb.mend("sphere.press", "near-benign", 6, format="p11")),
             (lb.InputError, "name one form and one format", lambda: lb.mend("sphere.*", "near-benign", 6)),
+            (lb.InputError, "each format makes the rays of this scene",
+             lambda: lb.mend("sphere.press", lb.scene("camera-far.endless", set="camera.rays=\"bevy\""), 6)),
             (lb.InputError, "nothing is wished", lambda: lb.choose("near-benign")),
             (lb.InputError, "metrics lost_bit", lambda: lb.map("near-benign", "sphere.press", metrics="lost_bit")),
             (lb.InputError, "formats", lambda: lb.map("near-benign", "sphere.press", "f16")),
