@@ -42,7 +42,8 @@ struct CappedSpan {
     /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid. At a
     /// t behind `entry` with P > 0 it has left where it entered by the plane or is past the least P, which there is
     /// only for a > 0; else it is yet to enter.
-    [[nodiscard]] Order<mask_t<T>> enters_to(const Fraction<T>& t) const {
+    template <class At = Fraction<T>>
+    [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         const T zero(0);
         const auto cap = order_of(entry, t);
         const auto& [value, slope] = quadratic_at(side, t);
@@ -50,7 +51,8 @@ struct CappedSpan {
         return {(!crossed || cap.less) && (by_cap || value < zero || (wide && slope > zero)),
                 (!crossed || cap.at_most) && (by_cap || value <= zero || (wide && slope >= zero))};
     }
-    [[nodiscard]] Order<mask_t<T>> leaves_to(const Fraction<T>& t) const {
+    template <class At = Fraction<T>>
+    [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
         const T zero(0);
         const auto from = order_of(entry, t), to = order_of(exit, t);
         const auto& [value, slope] = quadratic_at(side, t);

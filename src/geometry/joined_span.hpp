@@ -18,8 +18,14 @@ struct JoinedSpan {
     [[nodiscard]] mask_t<T> is_met() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
     /// Whether the line enters before t, or no later, and whether it leaves so, where it meets the closed solid.
-    [[nodiscard]] Order<mask_t<T>> enters_to(const Fraction<T>& t) const { return quadratic_at(enter, t).near_root(); }
-    [[nodiscard]] Order<mask_t<T>> leaves_to(const Fraction<T>& t) const { return quadratic_at(leave, t).far_root(); }
+    template <class At = Fraction<T>>
+    [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
+        return quadratic_at(enter, t).near_root();
+    }
+    template <class At = Fraction<T>>
+    [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
+        return quadratic_at(leave, t).far_root();
+    }
 };
 
 template <class T>

@@ -38,6 +38,9 @@ Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& 
     return {x < y, x <= y};
 }
 
+/// t = 0, where a ray begins: what is asked of it takes no product.
+struct Start {};
+
 /// n/m, m ≥ 0. Fractions are compared by n₁ m₂ against n₂ m₁: of equal fractions these become the same number at some
 /// precision, which the quotients need not.
 template <class T>
@@ -48,6 +51,7 @@ struct Fraction {
     friend Order<mask_t<T>> order_of(const Fraction& a, const Fraction& b) {
         return order_of_products(a.n, b.m, b.n, a.m);
     }
+    friend Order<mask_t<T>> order_of(const Fraction& a, Start) { return {a.n < T(0), a.n <= T(0)}; }
     friend Fraction select(const mask_t<T>& mask, const Fraction& a, const Fraction& b) {
         return {select(mask, a.n, b.n), select(mask, a.m, b.m)};
     }
@@ -98,6 +102,10 @@ template <class T>
 QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
     const T slope = s.a * t + s.h;
     return {(slope + s.h) * t + s.c, slope};
+}
+template <class T>
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, Start) {
+    return {s.c, s.h};
 }
 template <class T>
 QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {

@@ -28,7 +28,8 @@ struct WallSpan {
                 curved && open && side.q > zero && !from.at_most && to.less};
     }
     /// How a root stands to t.
-    [[nodiscard]] Order<mask_t<T>> order_to(int i, const Fraction<T>& t) const {
+    template <class At = Fraction<T>>
+    [[nodiscard]] Order<mask_t<T>> order_to(int i, const At& t) const {
         const auto at = quadratic_at(solid.side, t);
         return i == 0 ? at.near_root() : at.far_root();
     }

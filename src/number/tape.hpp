@@ -160,6 +160,7 @@ public:
     }
     NodeId add_call(const Call& of, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
         const NodeId node = add(TapeOp::call, format, value);
+        nodes.back().label = {};  // by its own name, whichever part of a form it is in
         calls.push_back({node, of, std::move(arguments)});
         return node;
     }

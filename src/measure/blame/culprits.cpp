@@ -117,8 +117,7 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     Tape tape;
     record_all(form, *target, setting, tape);
     for (const TapeNode& n : tape.nodes) {
-        const bool is_named = !n.label.empty() && n.op != TapeOp::call;
-        if (is_named && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
+        if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
     }
     return labels;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <string_view>
 
 #include "number/wide/two_words.hpp"
 
@@ -57,10 +58,16 @@ mask_t<T> taken_for_granted(const Mask& mask) {
     else return mask;
 }
 
-/// What numbers that tell of operations are told of a step that no operation of theirs did: `value` is what it gave.
+/// What numbers that tell of operations call each answer of an exact step.
+inline constexpr std::string_view name_of(CallAnswer answer) {
+    constexpr std::array<std::string_view, 4> names{"exact_decision", "exact_t", "exact_near", "exact_far"};
+    return names[static_cast<std::size_t>(answer)];
+}
+
+/// What they are told of a step that no operation of theirs did: `value` is what it gave.
 template <class T, std::size_t n>
 T told_of_call(const Call& of, const std::array<T, n>& arguments, const decltype(untold(std::declval<T>()))& value) {
-    return called(of, std::span<const T>(arguments), value);
+    return named(name_of(of.answer), called(of, std::span<const T>(arguments), value));
 }
 
 /// The least normal number of T: below it a product is off by up to u times this, whatever its own size.

@@ -210,7 +210,6 @@ Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>
     const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };
     const std::array<T, 13> of{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,        low(0),
                                low(1), low(2), high(0), high(1), high(2), found.limit};
-    const Part<T> part("the exact step");
     const auto told = [&of](CallAnswer answer, const P& value) {
         return told_of_call<T>({"box.filtered", answer}, of, value);
     };

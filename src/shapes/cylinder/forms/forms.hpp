@@ -4,6 +4,7 @@
 #include "intersect/form_list.hpp"
 #include "shapes/cylinder/forms/crossed.hpp"
 #include "shapes/cylinder/forms/dot_products.hpp"
+#include "shapes/cylinder/forms/filtered.hpp"
 #include "shapes/cylinder/forms/framed.hpp"
 #include "shapes/cylinder/forms/quilez.hpp"
 #include "shapes/cylinder/forms/triple_product.hpp"
@@ -15,7 +16,8 @@ using CylinderForms = FormList<  //
     cylinder::QuilezCapped,      //
     cylinder::CrossedAxis,       //
     cylinder::InOwnFrame,        //
-    cylinder::ByTripleProduct    //
+    cylinder::ByTripleProduct,   //
+    cylinder::FilteredCylinder   //
     >;
 
 }  // namespace lostbits::intersect::cylinder

@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/disc/forms/after_point.hpp"
+#include "shapes/disc/forms/filtered.hpp"
 #include "shapes/disc/forms/framed.hpp"
 #include "shapes/disc/forms/moment.hpp"
 #include "shapes/disc/forms/quilez.hpp"
@@ -13,7 +14,8 @@ using DiscForms = FormList<  //
     disc::AfterPoint,        //
     disc::FromCentre,        //
     disc::InPlaneFrame,      //
-    disc::ByMomentOfDisc     //
+    disc::ByMomentOfDisc,    //
+    disc::FilteredDisc       //
     >;
 
 }  // namespace lostbits::intersect::disc

@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/ellipsoid/forms/cesium.hpp"
+#include "shapes/ellipsoid/forms/filtered.hpp"
 #include "shapes/ellipsoid/forms/half_b.hpp"
 #include "shapes/ellipsoid/forms/line_of_sight.hpp"
 #include "shapes/ellipsoid/forms/moment.hpp"
@@ -25,7 +26,8 @@ using EllipsoidForms = FormList<     //
     ellipsoid::ScaledPerpendicular,  //
     ellipsoid::LineOfSight,          //
     ellipsoid::MomentDiscriminant,   // of the laboratory itself
-    ellipsoid::InTwoWords            //
+    ellipsoid::InTwoWords,           //
+    ellipsoid::FilteredEllipsoid     //
     >;
 
 }  // namespace lostbits::intersect::ellipsoid

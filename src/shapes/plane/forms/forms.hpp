@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/plane/forms/epsilon.hpp"
+#include "shapes/plane/forms/filtered.hpp"
 #include "shapes/plane/forms/quotient.hpp"
 #include "shapes/plane/forms/stored_distance.hpp"
 #include "shapes/plane/forms/two_words.hpp"
@@ -13,7 +14,8 @@ using PlaneForms = FormList<  //
     plane::Quotient,          //
     plane::StoredDistance,    //
     plane::WithEpsilon,       //
-    plane::DotsInTwoWords     //
+    plane::DotsInTwoWords,    //
+    plane::FilteredPlane      //
     >;
 
 }  // namespace lostbits::intersect::plane

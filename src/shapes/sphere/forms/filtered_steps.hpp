@@ -295,7 +295,6 @@ Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
                              {untold(sphere.centre), untold(sphere.radius)}, {none < none, none < none, none});
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
     const std::array<T, 10> of{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
-    const Part<T> part("the exact step");
     const T decision = told_of_call<T>({"sphere.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
     return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
             told_of_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};

@@ -277,7 +277,6 @@ TriangleDecision<T> in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
                                                            {none < none, none < none, none});
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
     const std::array<T, 15> of{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
-    const Part<T> part("the exact step");
     const T decision = told_of_call<T>({"triangle.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
     return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
             told_of_call<T>({"triangle.filtered", CallAnswer::t}, of, found.t)};

@@ -3,6 +3,7 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/tube/forms/celeritas.hpp"
+#include "shapes/tube/forms/filtered.hpp"
 #include "shapes/tube/forms/framed.hpp"
 #include "shapes/tube/forms/mitsuba.hpp"
 #include "shapes/tube/forms/pbrt_interval.hpp"
@@ -11,13 +12,14 @@
 
 namespace lostbits::intersect::tube {
 
-using TubeForms = FormList<  //
-    tube::AlongUnitAxis,     //
-    tube::InFrameOfTube,     //
-    tube::CeleritasTube,     //
-    tube::PbrtTube,          //
-    tube::MitsubaTube,       //
-    tube::ByDistanceOfLines  //
+using TubeForms = FormList<   //
+    tube::AlongUnitAxis,      //
+    tube::InFrameOfTube,      //
+    tube::CeleritasTube,      //
+    tube::PbrtTube,           //
+    tube::MitsubaTube,        //
+    tube::ByDistanceOfLines,  //
+    tube::FilteredTube        //
     >;
 
 }  // namespace lostbits::intersect::tube

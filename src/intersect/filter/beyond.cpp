@@ -1,0 +1,89 @@
+#include "intersect/filter/beyond.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "intersect/filter/first_met.hpp"
+#include "number/ball.hpp"
+#include "number/interval.hpp"
+#include "number/wide/proving.hpp"
+
+namespace lostbits::intersect::filter {
+namespace {
+
+using number::wide::Proving;
+
+/// What one arithmetic proves of a ray.
+using Told = std::optional<Beyond>;
+
+constexpr Beyond missed(Way way) { return {false, -1, way}; }
+
+/// t to within 8u of itself.
+Told told(const FirstMet<Proving<double>>& met, double u) {
+    if (met.hit.is_no()) return missed(Way::wider);
+    const double t = met.t.word();
+    if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return Beyond{true, t, Way::wider};
+    return std::nullopt;
+}
+Told told(const FirstMet<Ball>& met, double u) {
+    if (met.hit.is_no()) return missed(Way::two_words);
+    const double t = met.t.hi();
+    if (met.hit.is_yes() && met.t.is_bounded() && met.t.radius() <= 8 * u * t) return Beyond{true, t, Way::two_words};
+    return std::nullopt;
+}
+/// Both ends are rounded, so that a t which is subnormal, zero or too large is told too.
+Told told(const FirstMet<Interval>& met, double u) {
+    if (met.hit.is_no()) return missed(Way::exact);
+    if (!met.hit.is_yes() || !met.t.is_bounded()) return std::nullopt;
+    const double low = mpfr_get_d(met.t.lower(), MPFR_RNDN), high = mpfr_get_d(met.t.upper(), MPFR_RNDN);
+    constexpr double tiny = std::numeric_limits<double>::denorm_min();
+    if (!(low == high || high - low <= 4 * u * low + tiny)) return std::nullopt;
+    return Beyond{true, low, Way::exact};
+}
+
+template <template <class> class S, class E>
+Told ask(const double* numbers, double u) {
+    const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
+    const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    return told(first_met(S<E>::of([&](int i) { return number(static_cast<std::size_t>(6 + i)); }).span(ray)), u);
+}
+
+template <template <class> class S>
+Beyond settle(const double* numbers, double u) {
+    if (u > 0x1p-53)
+        if (const Told in_double = ask<S, Proving<double>>(numbers, u)) return *in_double;
+    if (const Told in_two_words = ask<S, Ball>(numbers, u)) return *in_two_words;
+    for (long bits = 192; bits <= 32768; bits *= 2) {
+        const Interval::Precision precision(bits);
+        if (const Told exactly = ask<S, Interval>(numbers, u)) return *exactly;
+    }
+    return missed(Way::exact);  // of a solid that is none
+}
+
+template <template <class> class S>
+bool are_finite(const double* numbers) {
+    for (std::size_t i = 0; i < 6 + row_of(shape_as<S>).numbers; ++i)
+        if (!std::isfinite(numbers[i])) return false;
+    return numbers[3] != 0 || numbers[4] != 0 || numbers[5] != 0;
+}
+
+template <class>
+inline constexpr bool is_filtered_by_span = false;
+template <class E, template <class> class Span>
+requires requires(const Span<E>& s) { first_met(s); }
+inline constexpr bool is_filtered_by_span<Span<E>> = true;
+
+}  // namespace
+
+Beyond beyond(Shape shape, const double* numbers, double u) {
+    Beyond found = missed(Way::exact);
+    Solids::each([&]<template <class> class S>() {
+        using Span = decltype(std::declval<const S<Ball>&>().span(std::declval<const Ray<Ball>&>()));
+        if constexpr (is_filtered_by_span<Span>)
+            if (shape == shape_as<S> && are_finite<S>(numbers)) found = settle<S>(numbers, u);
+    });
+    return found;
+}
+
+}  // namespace lostbits::intersect::filter

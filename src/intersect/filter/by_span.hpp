@@ -1,0 +1,109 @@
+// A form that filters by where the line is inside of its shape: in the arithmetic of T with a bound, and what that
+// leaves open beyond it.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "intersect/filter/beyond.hpp"
+#include "intersect/filter/first_met.hpp"
+#include "number/wide/proving.hpp"
+
+namespace lostbits::intersect::filter {
+
+/// The decision and t, where they are proved; P is T without what it tells of operations.
+template <class T, class P>
+struct Proved {
+    mask_t<P> proved, hit;
+    T t;
+};
+
+/// In the arithmetic of T: t is good to 62u of itself. `numbers` are those of the ray and of the solid. It is not
+/// inlined: rays and many solids share it. A format of less than 20 bits proves nothing (`Proving`).
+template <template <class> class S, class T, class P>
+[[gnu::noinline]] Proved<T, P> prove(const T* numbers) {
+    using E = number::wide::Proving<T>;
+    const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
+    const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    const auto met = first_met(S<E>::of([&](std::size_t i) { return number(6 + i); }).span(ray));
+    const P u = number::wide::roundoff_of<P>(), t = number::wide::untold(met.t.word());
+    const mask_t<P> fine = P(1024) * u <= P(1) / P(1024), kept = met.t.radius() <= P(62) * u * t;
+    return {fine && (met.hit.no() || (met.hit.yes() && kept)), met.hit.yes(), named("t", met.t.word())};
+}
+
+/// x as a double, which holds every number that is rounded.
+template <class T>
+double as_double(const T& x) {
+    if constexpr (std::floating_point<T>) return x;
+    else return as_double(x.value());
+}
+
+/// One answer of T's numbers.
+template <Number T>
+Hit<T> answered(const mask_t<T>& hit, const T& t) {
+    return {hit, t, t, t};
+}
+
+/// What is not proved of a pack, each lane by itself.
+template <Number T, std::size_t n, class Watch>
+requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape shape, const std::array<T, n>& numbers,
+                                                     const Proved<T, T>& known, Watch& watch) {
+    constexpr bool narrow = number::wide::has_wider_word<T>;
+    using F = std::conditional_t<narrow, float, double>;
+    F lanes[n][T::lanes], t[T::lanes], hit[T::lanes];
+    bool proved[T::lanes];
+    for (std::size_t i = 0; i < n; ++i) numbers[i].store(lanes[i]);
+    known.proved.store(proved);
+    known.t.store(t);
+    select(known.hit, T(1), T(0)).store(hit);
+    for (std::size_t lane = 0; lane < T::lanes; ++lane) {
+        if (proved[lane]) continue;
+        double one[n];
+        for (std::size_t i = 0; i < n; ++i) one[i] = lanes[i][lane];
+        const Beyond found = beyond(shape, one, narrow ? 0x1p-24 : 0x1p-53);
+        watch(found.way);
+        hit[lane] = found.hit ? F(1) : F(0);
+        t[lane] = static_cast<F>(found.t);
+    }
+    return answered(T::load(hit) > T(0), T::load(t));
+}
+
+/// The same of any other number. What tells of operations is told of a call.
+template <Number T, class P, std::size_t n, class Watch>
+Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbers, const Proved<T, P>&, Watch& watch) {
+    double one[n];
+    for (std::size_t i = 0; i < n; ++i) one[i] = as_double(numbers[i]);
+    const Beyond found = beyond(shape, one, as_double(unit_roundoff<P>()));
+    watch(found.way);
+    const P t = static_cast<P>(found.t);
+    if constexpr (tells_of_operations<T>) {
+        using number::wide::told_of_call;
+        const T decision = told_of_call<T>({form, CallAnswer::decision}, numbers, P(found.hit ? 1 : -1));
+        return answered(decision > T(0), told_of_call<T>({form, CallAnswer::t}, numbers, t));
+    } else {
+        return answered<T>(found.hit, t);
+    }
+}
+
+/// The form of this name. `watch(way)` hears of every arithmetic beyond the first that is used.
+template <template <class> class S, Number T, class Watch>
+Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watch& watch) {
+    if constexpr (stands_for_exact<T>) {
+        const FirstMet<T> met = first_met(solid.span(ray));
+        return answered(met.hit, named("t", met.t));
+    } else {
+        using P = decltype(number::wide::untold(ray.origin.x));
+        const Vec<T>&o = ray.origin, &d = ray.direction;
+        const Solid<T> whole(solid);
+        const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
+            return std::array<T, 6 + sizeof...(i)>{o.x, o.y, o.z, d.x, d.y, d.z, whole.numbers[i]...};
+        }
+        (std::make_index_sequence<row_of(shape_as<S>).numbers>());
+        const Proved<T, P> known = prove<S, T, P>(numbers.data());
+        if (any_of(!known.proved)) return settled<T>(form, shape_as<S>, numbers, known, watch);
+        return answered(number::wide::taken_for_granted<T>(known.hit), known.t);
+    }
+}
+
+}  // namespace lostbits::intersect::filter

@@ -1,0 +1,131 @@
+// Proving: a number of a formula and how far it can be off, in its own format: what a filter decides by.
+#pragma once
+
+#include "number/tri.hpp"
+#include "number/wide/ladder.hpp"
+
+namespace lostbits::number::wide {
+
+/// u of a format, its least normal number L, and what the bound of a comparison is multiplied by.
+template <class P>
+P roundoff_of() {
+    if constexpr (InRegisters<P>) return P(has_wider_word<P> ? 0x1p-24 : 0x1p-53);
+    else return unit_roundoff<P>();
+}
+template <class P>
+P outward_of() {
+    if constexpr (InRegisters<P>) return P(1 + 0x1p-9);
+    else return P(513) / P(512);
+}
+
+/// T's own operations, to the bit and as it tells of them, and e, a number of P: T without what it tells. All real x
+/// with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. An e that is infinite or NaN says nothing, and no comparison with it
+/// is decided.
+///
+/// For x and y in a and b, with w the rounded result and η the least subnormal number:
+///
+///     w = a ± b    |x ± y − w| ≤ e_a + e_b + u|w|                     (a sum does not underflow)
+///     w = a b      |x y − w|   ≤ (|a| + e_a) e_b + |b| e_a + u|w| + η
+///     w = a/b      |x/y − w|   ≤ (e_a + (|w| + η) e_b)/(|b| − e_b) (1 + 2u) + u|w| + η
+///     w = √a       |√x − w|    ≤ e_a/√a + u|w|
+///
+/// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. Each product and quotient in these
+/// bounds can lose an η too: L, at least 4η, is added at each place. Each of their steps loses a factor of at most 1 +
+/// 2u, none subtracts but |b| − e_b, of e_b rounded up, and no formula here has 400 of them one after the other: (1 +
+/// 2u)^400 < 1 + 2^-10. Where a word overflows, u|w| is infinite or NaN.
+///
+/// A comparison takes d, the rounded difference, which has its sign, and e = (e_a + e_b)(1 + 2^-9), which covers 2^-10
+/// and what d itself is rounded by, u|d|.
+template <class T>
+class Proving {
+public:
+    using P = decltype(untold(std::declval<const T&>()));
+    using Lanes = mask_t<P>;
+    using Mask = Tris<Lanes>;
+
+    explicit Proving(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
+    /// An input: exact.
+    explicit Proving(const T& w) : w_(w), e_(0) {}
+
+    [[nodiscard]] const T& word() const { return w_; }
+    /// No less than how far x can be from the word.
+    [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
+    /// Whether the word is positive, whatever x is.
+    [[nodiscard]] Mask leans_up() const {
+        const Lanes up = untold(w_) > P(0);
+        return {up, !up};
+    }
+
+    friend Proving operator+(const Proving& a, const Proving& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
+    friend Proving operator-(const Proving& a, const Proving& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
+    friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
+    friend Proving operator*(const Proving& a, const Proving& b) {
+        return rounded(a.w_ * b.w_, (a.size() + a.e_) * b.e_ + b.size() * a.e_ + least_normal<P>());
+    }
+    friend Proving operator/(const Proving& a, const Proving& b) {
+        using lostbits::select;
+        const Proving q = rounded(a.w_ / b.w_, least_normal<P>());
+        const P left = b.size() - b.radius(), lost = least_normal<P>();
+        const P spread = (a.e_ + (q.size() + lost) * b.e_ + lost) / left;
+        return {q.w_, select(left > P(0), q.e_ + spread, P(1) / P(0))};
+    }
+    Proving& operator+=(const Proving& b) { return *this = *this + b; }
+    Proving& operator-=(const Proving& b) { return *this = *this - b; }
+    Proving& operator*=(const Proving& b) { return *this = *this * b; }
+
+    friend Mask operator<(const Proving& a, const Proving& b) {
+        const P d = untold(a.w_) - untold(b.w_), e = (a.e_ + b.e_) * outward_of<P>();
+        return {d<-e, d> e};
+    }
+    friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
+    friend Mask operator>(const Proving& a, const Proving& b) { return b < a; }
+    friend Mask operator>=(const Proving& a, const Proving& b) { return b < a; }
+
+    friend Proving sqrt(const Proving& a) {
+        using lostbits::sqrt, lostbits::select;
+        const Proving root = rounded(sqrt(a.w_), P(0));
+        const P spread = (a.e_ + least_normal<P>()) / untold(root.w_);
+        return {root.w_, select(untold(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
+    }
+    friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
+    /// It stands for exact numbers, which have no neighbours.
+    friend Proving next_up(const Proving& a) { return a; }
+    friend Proving next_down(const Proving& a) { return a; }
+    friend Proving abs(const Proving& a) {
+        using lostbits::abs;
+        return {abs(a.w_), a.e_};
+    }
+    friend Proving copysign(const Proving& a, const Proving& b) {
+        const Proving x = abs(a);
+        return select(b < Proving(0), -x, x);
+    }
+    /// Nothing is said where the mask is undecided. Of a number that tells of operations the side that is taken.
+    friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
+        if constexpr (tells_of_operations<T>) {
+            const Proving& taken = mask.yes() ? a : b;
+            return {taken.w_, mask.yes() || mask.no() ? taken.e_ : P(1) / P(0)};
+        } else {
+            using lostbits::select;
+            return {select(mask.yes(), a.w_, b.w_), select(mask.yes(), a.e_, select(mask.no(), b.e_, P(1) / P(0)))};
+        }
+    }
+
+private:
+    Proving(const T& w, const P& e) : w_(w), e_(e) {}
+
+    [[nodiscard]] P size() const {
+        using lostbits::abs;
+        return abs(untold(w_));
+    }
+    static Proving rounded(const T& w, const P& spread) {
+        using lostbits::abs;
+        return {w, spread + roundoff_of<P>() * abs(untold(w))};
+    }
+
+    T w_;
+    P e_;
+};
+
+static_assert(Number<Proving<float>> && Number<Proving<double>>);
+
+}  // namespace lostbits::number::wide

@@ -1,0 +1,186 @@
+// The promise of the forms that filter by a span: no wrong decision, and 17 correct bits of 24 or 46 of 53, held
+// against answers that share nothing with them, in scalars and in packs. LOSTBITS_EXACT_RAYS says how many rays of each
+// kind.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "exact/check.hpp"
+#include "exact/draw.hpp"
+#include "intersect/form_list.hpp"
+#include "intersect/takes.hpp"
+#include "number/pack.hpp"
+#include "shapes/capsule/forms/filtered.hpp"
+#include "shapes/cone/forms/filtered.hpp"
+#include "shapes/cylinder/forms/filtered.hpp"
+#include "shapes/disc/forms/filtered.hpp"
+#include "shapes/ellipsoid/forms/filtered.hpp"
+#include "shapes/plane/forms/filtered.hpp"
+#include "shapes/tube/forms/filtered.hpp"
+
+namespace test_filters {
+
+using namespace lostbits;
+using namespace lostbits::exact;
+
+namespace {
+
+using Filters = intersect::FormList<  //
+    intersect::ellipsoid::FilteredEllipsoid, intersect::cylinder::FilteredCylinder, intersect::capsule::FilteredCapsule,
+    intersect::tube::FilteredTube, intersect::cone::FilteredCone, intersect::disc::FilteredDisc,
+    intersect::plane::FilteredPlane>;
+
+constexpr std::size_t batch = 2000;
+
+std::size_t rays_of_each() {
+    if (const char* asked = std::getenv("LOSTBITS_EXACT_RAYS")) return std::strtoull(asked, nullptr, 10);
+    return 10'000;
+}
+
+/// Number k of a problem: those of its ray, then those of its solid.
+double number_of(const Problem& p, std::size_t k) { return k < 6 ? p.ray[k] : p.solid[k - 6]; }
+
+template <class Form>
+const Shaped& shaped() {
+    const std::string_view name = row_of(intersect::shape_of<Form>).name;
+    return *std::ranges::find(shapes, name, &Shaped::name);
+}
+
+template <class Form, class T, class Number, class... Watch>
+Hit<T> ask(const Number& number, Watch&... watch) {
+    const Ray<T> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+    return Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
+        return Form::intersect(ray, S<T>::of([&](std::size_t k) { return number(6 + k); }), watch...);
+    });
+}
+
+/// t to 64u of itself and the least number of the format; of a t of 0 what rounds to it. What is not a number is wrong.
+template <class F>
+Answer answer_of(const Hit<F>& hit) {
+    using Limits = std::numeric_limits<F>;
+    Answer a{.hit = hit.hit, .as_float = NAN, .as_double = NAN};
+    if (!hit.hit) return a;
+    const double t = std::isfinite(hit.t) ? static_cast<double>(hit.t) : -1;
+    a.high = t, a.bound = std::ldexp(t, 6 - Limits::digits) + static_cast<double>(Limits::denorm_min());
+    if (t < 0) a.bound = 0;
+    if (t == 0) a.high = a.bound = 1, a.exponent = Limits::min_exponent - Limits::digits - 1;
+    return a;
+}
+
+struct Tally {
+    std::size_t asked = 0, hits = 0, wrong = 0, endless = 0, differ = 0;
+    std::array<std::size_t, 4> ways{};
+    std::string first;
+};
+
+/// How many answers of a pack are not those of its rays, to the bit.
+template <class Form, class F>
+std::size_t differing(const Problem* problems, const Hit<F>* alone) {
+    using P = Pack<F, Registers<16>>;
+    const Hit<P> packed = ask<Form, P>([&](std::size_t k) {
+        F lanes[P::lanes];
+        for (std::size_t lane = 0; lane < P::lanes; ++lane) lanes[lane] = static_cast<F>(number_of(problems[lane], k));
+        return P::load(lanes);
+    });
+    F t[P::lanes], near[P::lanes], far[P::lanes];
+    bool hit[P::lanes];
+    packed.t.store(t), packed.near.store(near), packed.far.store(far), packed.hit.store(hit);
+    std::size_t differ = 0;
+    for (std::size_t lane = 0; lane < P::lanes; ++lane) {
+        const auto same = [](F a, F b) { return a == b ? std::signbit(a) == std::signbit(b) : a != a && b != b; };
+        const Hit<F>& one = alone[lane];
+        differ +=
+            hit[lane] != one.hit || !same(t[lane], one.t) || !same(near[lane], one.near) || !same(far[lane], one.far);
+    }
+    return differ;
+}
+
+template <class Form, class F>
+Tally ask_all(bool made, std::size_t rays, std::uint64_t seed) {
+    Tally tally;
+    Chance chance(seed);
+    std::vector<Problem> problems(batch);
+    while (tally.asked < rays) {
+        (made ? draw_made : draw_random)(shaped<Form>(), sizeof(F) == 4, {}, chance, problems);
+        std::vector<Hit<F>> found;
+        std::vector<Problem> checked;
+        std::vector<Answer> answers;
+        for (Problem& p : problems) {
+            p.tmin = 0, p.tmax = INFINITY;
+            intersect::WayWatch watch;
+            found.push_back(ask<Form, F>([&p](std::size_t k) { return static_cast<F>(number_of(p, k)); }, watch));
+            ++tally.ways[static_cast<std::size_t>(watch.widest)];
+            tally.hits += found.back().hit;
+            if (found.back().hit && std::isinf(found.back().t)) ++tally.endless;
+            else checked.push_back(p), answers.push_back(answer_of(found.back()));
+        }
+        const Findings f = check(shaped<Form>(), checked, answers, HUGE_VAL, 200);
+        if (tally.wrong == 0 && f.differ > 0)
+            tally.first =
+                std::string(words_of(f.fault)) + "\n" + paste(shaped<Form>(), checked[f.first], answers[f.first]);
+        tally.wrong += f.differ, tally.asked += batch;
+        constexpr std::size_t lanes = 16 / sizeof(F);
+        for (std::size_t i = 0; i < batch; i += lanes) tally.differ += differing<Form, F>(&problems[i], &found[i]);
+    }
+    return tally;
+}
+
+template <class F>
+void hold(bool made) {
+    Filters::for_each([made]<class Form>() {
+        const Tally tally = ask_all<Form, F>(made, rays_of_each(), made ? 2 : 1);
+        std::ostringstream counts;
+        counts << Form::info.name << " in " << 8 * sizeof(F) << " bits: " << tally.asked << " rays, " << tally.hits
+               << " hits, of which " << tally.endless << " at infinity; in its own arithmetic " << tally.ways[0]
+               << ", wider " << tally.ways[1] << ", two words " << tally.ways[2] << ", exact " << tally.ways[3];
+        INFO(counts.str() << "; " << tally.first);
+        CHECK(tally.wrong == 0);
+        CHECK(tally.differ == 0);
+        CHECK(tally.hits > tally.asked / 20);
+        CHECK(tally.endless < tally.hits / 20);
+        CHECK(tally.ways[0] > tally.asked / 4);
+        CHECK((tally.ways[1] > 0) == (sizeof(F) == 4));
+        if (made) CHECK(tally.ways[2] > tally.asked / 50);
+        if (made && sizeof(F) == 8) CHECK(tally.ways[3] > tally.asked / 50);
+        if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(counts.str());
+    });
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("exact: filters by a span decide right and keep their bits", "[exact][filtered]", float, double) {
+    hold<TestType>(false);
+}
+
+TEMPLATE_TEST_CASE("exact: so do they where something is exactly equal", "[exact][filtered]", float, double) {
+    hold<TestType>(true);
+}
+
+/// The same formula without a filter: this test sees what a filter is for.
+TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtered]") {
+    Filters::for_each([]<class Form>() {
+        Chance chance(3);
+        std::vector<Problem> problems(batch);
+        std::vector<Answer> answers;
+        draw_made(shaped<Form>(), true, {}, chance, problems);
+        for (Problem& p : problems) {
+            p.tmin = 0, p.tmax = INFINITY;
+            const auto number = [&p](std::size_t k) { return static_cast<float>(number_of(p, k)); };
+            const Ray<float> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+            const auto met = Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
+                const auto solid = S<float>::of([&](std::size_t k) { return number(6 + k); });
+                return intersect::filter::first_met(solid.span(ray));
+            });
+            answers.push_back(answer_of(Hit<float>{met.hit, met.t, met.t, met.t}));
+        }
+        INFO(Form::info.name);
+        CHECK(check(shaped<Form>(), problems, answers, HUGE_VAL, 200).differ > 0);
+    });
+}
+
+}  // namespace test_filters
