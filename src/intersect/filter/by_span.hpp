@@ -101,7 +101,8 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
         const Proved<T, P> known = prove<S, T, P>(numbers.data());
-        if (any_of(!known.proved)) return settled<T>(form, shape_as<S>, numbers, known, watch);
+        if (any_of(number::wide::taken_for_granted<T>(!known.proved)))
+            return settled<T>(form, shape_as<S>, numbers, known, watch);
         return answered(number::wide::taken_for_granted<T>(known.hit), known.t);
     }
 }
