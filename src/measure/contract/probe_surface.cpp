@@ -4,6 +4,7 @@
 namespace lostbits::measure::contract {
 
 using intersect::AtOrigin;
+using intersect::Facing;
 using intersect::Inside;
 using intersect::Roots;
 using intersect::Touching;
@@ -96,6 +97,11 @@ constexpr std::array<const char*, 6> answer_words{"misses",
                                                   "is answered with the near root without its sign",
                                                   "is answered with something else"};
 
+std::string word_for(Facing facing) {
+    return facing == Facing::front ? "LB_FACING_FRONT (facing_front, facing=front)"
+                                   : "LB_FACING_BACK (facing_back, facing=back)";
+}
+
 }  // namespace
 
 void try_inside(Trial& trial) {
@@ -117,6 +123,21 @@ void try_inside(Trial& trial) {
     const std::string word = word_for(answer, c.roots);
     trial.broken(what + (word.empty() ? ": " + inside.words(false) + "; the roots are -3 and 1, and -1 and 3"
                                       : "; say " + word));
+}
+
+void try_facing(Trial& trial) {
+    const bool met = trial.ask(along(trial.shape, 5, -1)).hit == 1;
+    const Facing facing = trial.contract.facing;
+    if (facing == Facing::both)
+        return trial.hold(met, "both sides are met", "the front is not met; say " + word_for(Facing::back));
+    trial.hold(!met, "the other side is not met", "the other side is met as well; leave facing out");
+}
+
+bool try_other_side(Trial& trial) {
+    if (!is_flat(trial.shape) || trial.ask(along(trial.shape, 5, -1)).hit != 1) return false;
+    const Facing met = trial.contract.facing == Facing::front ? Facing::back : Facing::front;
+    trial.broken("of the two sides one is met; say " + word_for(met));
+    return true;
 }
 
 void try_touching(Trial& trial) {

@@ -77,11 +77,12 @@ struct Triangle {
         const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin, n = normal();
         const T ea = dot(d, cross(pb, pc)), eb = dot(d, cross(pc, pa)), ec = dot(d, cross(pa, pb));
         const T m = dot(d, n), k = dot(pa, n);
-        const auto front = m > zero, back = m < zero;
-        return {.at = {select(front, k, -k), select(front, m, -m)},
-                .closed = (front && ea >= zero && eb >= zero && ec >= zero) ||
-                          (back && ea <= zero && eb <= zero && ec <= zero),
-                .open = (front && ea > zero && eb > zero && ec > zero) || (back && ea < zero && eb < zero && ec < zero),
+        const auto back = m > zero, front = m < zero;
+        return {.at = {select(back, k, -k), select(back, m, -m)},
+                .closed = (back && ea >= zero && eb >= zero && ec >= zero) ||
+                          (front && ea <= zero && eb <= zero && ec <= zero),
+                .open = (back && ea > zero && eb > zero && ec > zero) || (front && ea < zero && eb < zero && ec < zero),
+                .front = front,
                 .d2 = square(d)};
     }
     /// How far a point is from the plane, in units of `unit()`, on the side that n points to.
