@@ -143,8 +143,9 @@ bool try_other_side(Trial& trial) {
 void try_touching(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
+    if (is_flat(trial.shape) && !ends_of(q, trial.shape)) q.ray[0] = 1;  // a triangle, which is half as wide there
     const Reply touch = trial.ask(q);
-    q.ray[0] = -2;
+    q.ray[0] = -q.ray[0];
     const Reply other = trial.ask(q);
     const bool promised = trial.contract.touching == Touching::hit;
     const std::string what(row_of(trial.shape).words.touching);
@@ -161,6 +162,24 @@ void try_touching(Trial& trial) {
                                       : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
+namespace {
+
+/// What is flat is neither entered nor left.
+void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
+    const intersect::doors::Contract& c = trial.contract;
+    const std::string surface = "a surface at the origin ";
+    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
+        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
+    const bool counts = ray.hit == 1;
+    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
+               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
+                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
+    if ((back.hit == 1) != (counts && c.facing == Facing::both))
+        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
+}
+
+}  // namespace
+
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;
     const bool leaves = c.inside != Inside::miss && c.roots != Roots::near_only;
@@ -173,6 +192,7 @@ void try_at_origin(Trial& trial) {
                        "at_origin=miss)");
         return;
     }
+    if (is_flat(trial.shape)) return try_on_flat(trial, in, out);
     if (!trial.tells_t) {
         const bool enters = leaves || c.at_origin == AtOrigin::hit;
         trial.hold(
