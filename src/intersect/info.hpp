@@ -100,6 +100,9 @@ struct Info {
     Facing facing = Facing::both;
     bool endless = false;  ///< of a form that tells no t: it answers for rays without an end
     bool ranged = false;   ///< it is told where rays begin and end, and answers within
+    /// Of a triangle: the named operations that are the weights of a, b and c, of which the point is made that the ray
+    /// meets (barycentric coordinates); empty for a weight that the form leaves out.
+    std::array<std::string_view, 3> weights = {};
     /// Of a set of forms: their conventions by shape, by their own words, as closed solids and as open ones; null where
     /// these are the same of all shapes.
     std::array<const Convention*, 3> by_shape = {};

@@ -7,6 +7,7 @@
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
+#include "number/recorded.hpp"
 
 namespace lostbits::test::test_triangle_forms {
 
@@ -108,6 +109,33 @@ TEST_CASE("a form that culls misses what shows its back, and says so", "[interse
         if (Form::info.facing != intersect::Facing::both) culls.insert(Form::info.name);
     });
     CHECK(culls == std::set<std::string_view>{"triangle.moller_trumbore_culling"});
+}
+
+TEST_CASE("the weights that a form names are those of a, b and c", "[intersect][triangle]") {
+    std::map<std::string_view, int> told, wrong;
+    for_each_triangle(static_cast<int>(draws(300)), [&](const TriangleFamily& family, const TriangleSample& s) {
+        const TriangleAnswer right = answer_of(s);
+        if (!right.meets() || family.name != std::string_view("random")) return;
+        const std::array<Rational, 3> weights{right.u, right.v, right.w};
+        TriangleForms::for_each([&]<class Form>() {
+            Tape tape;
+            const Tape::Scope recording(tape);
+            static_cast<void>(ask<Form, Recorded<double>>(s));
+            for (std::size_t k = 0; k < weights.size(); ++k) {
+                const std::string_view name = Form::info.weights[k];
+                if (name.empty()) continue;
+                const auto node = std::ranges::find(tape.nodes, name, &TapeNode::label);
+                const bool found = node != tape.nodes.end();
+                ++told[Form::info.name];
+                wrong[Form::info.name] += !found || abs(Rational(node->value) - weights[k]) > Rational(1, 1 << 20);
+            }
+        });
+    });
+    TriangleForms::for_each([&]<class Form>() {
+        INFO(Form::info.name);
+        CHECK((told[Form::info.name] > 300) == (Form::info.name != "triangle.filtered"));
+        CHECK(wrong[Form::info.name] == 0);
+    });
 }
 
 TEST_CASE("triangle forms have names, titles, sources and one t", "[intersect][info]") {

@@ -13,6 +13,7 @@ struct MollerTrumboreCulling {
         .source = "Möller and Trumbore, J. Graphics Tools 2(1), 1997, TEST_CULL; t >= 0, which it leaves to the caller",
         .roots = Roots::first_only,
         .facing = Facing::front,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>
@@ -26,6 +27,7 @@ struct MollerTrumboreCulling {
         const Vec<T> qvec = cross(tvec, edge1);
         const T v = named("v*det", dot(ray.direction, qvec));
         const T inverse = named("1/det", T(1) / det), t = named("t", dot(edge2, qvec) * inverse);
+        named("u", u * inverse), named("v", v * inverse);
         return met<T>(!(det < epsilon) && !(u < zero || u > det) && !(v < zero || u + v > det) && !(t < zero), t);
     }
 };
