@@ -170,8 +170,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = choice::contract_of(o);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const measure::judge::FileForm answers(
-        stem, dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape, contract);
+    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
+    intersect::doors::require_front(contract.facing, shape, o.file);
+    const measure::judge::FileForm answers(stem, shape, contract);
     request.answered = dump->layout().has_answers();
     request.by = choice::group_of(o, dump->layout());
     request.rows = rows_of(o, *dump, meets, request.answered ? &answers.form() : nullptr, common);

@@ -9,7 +9,6 @@
 #include "analysis/choice/doors.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
-#include "geometry/flat_span.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
@@ -38,28 +37,29 @@ struct Listing {
 std::string from_inside(intersect::Inside said, Shape shape) {
     if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
     if (!is_solid(shape)) return "by solid";
-    const bool flat = visit(Solid<float>(shape), []<class S>(const S& solid) {
-        return std::same_as<decltype(solid.span(Ray<float>{})), FlatSpan<float>>;
-    });
-    if (flat) return "none";
+    if (is_flat(shape)) return "none";
     return zero_inside(shape) ? "zero" : "exit";
 }
 
 Listing intersectors() {
-    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "inside", "formats", "source"}, {}};
+    Listing l{{"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "formats", "source"},
+              {}};
     for (const intersect::table::Intersector& i : lostbits::intersect::table::intersectors()) {
         const intersect::Info& info = *i.info;
         const char* roots = info.roots == intersect::Roots::both         ? "both"
                             : info.roots == intersect::Roots::near_only  ? "near only"
                             : info.roots == intersect::Roots::first_only ? "first only"
                                                                          : "none";
-        l.rows.push_back({std::string(info.name), std::string(info.title),
-                          info.direction == intersect::Direction::unit ? "unit" : "any", roots,
-                          info.touching == intersect::Touching::hit ? "hits" : "misses",
-                          info.at_origin == intersect::AtOrigin::hit    ? "hits"
-                          : info.at_origin == intersect::AtOrigin::miss ? "misses"
-                                                                        : "exit",
-                          from_inside(info.inside, i.shape), choice::formats_of(i), std::string(info.source)});
+        l.rows.push_back(
+            {std::string(info.name), std::string(info.title),
+             info.direction == intersect::Direction::unit ? "unit" : "any", roots,
+             info.touching == intersect::Touching::hit ? "hits" : "misses",
+             info.at_origin == intersect::AtOrigin::hit    ? "hits"
+             : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                                                           : "exit",
+             from_inside(info.inside, i.shape),
+             is_flat(i.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none",
+             choice::formats_of(i), std::string(info.source)});
     }
     return l;
 }

@@ -56,7 +56,12 @@ enum {
     /* Rays of every shape begin and end: `starts` and `ends` are looked at, t counts where start <= t <= end, both ends
      * included, and where the range begins inside of a solid that answers 0 from inside, t is start. Needs LB_FIRST or
      * LB_HIT_ONLY: of a form that tells near and far the first of them in the range is taken afterwards. */
-    LB_RANGE = 128
+    LB_RANGE = 128,
+    /* The one side that a triangle, a disc or a plane is met from. Without: both. The front is where the normal points
+     * to, of a triangle (b - a) x (c - a): seen from there a, b, c run counter-clockwise. */
+    LB_FACING_FRONT = 256,
+    LB_FACING_BACK = 512,
+    LB_FACING = 768 /* the bits of these */
 };
 
 /* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */

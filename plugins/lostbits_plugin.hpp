@@ -324,6 +324,8 @@ struct Form : lb_form {
     constexpr Form inside_zero() const { return inside(LB_INSIDE_ZERO); }
     constexpr Form inside_near() const { return inside(LB_INSIDE_NEAR); }
     constexpr Form inside_misses() const { return inside(LB_INSIDE_MISS); }
+    constexpr Form facing_front() const { return facing(LB_FACING_FRONT); }
+    constexpr Form facing_back() const { return facing(LB_FACING_BACK); }
     /// Of a sphere an entry at the origin cannot be told from one behind it: `origin_exits` goes with it, or, said
     /// after it, `origin_misses`.
     constexpr Form clipped() const {
@@ -337,6 +339,7 @@ struct Form : lb_form {
 
 private:
     constexpr Form inside(unsigned word) const { return with(&lb_form::flags, (flags & ~unsigned{LB_INSIDE}) | word); }
+    constexpr Form facing(unsigned word) const { return with(&lb_form::flags, (flags & ~unsigned{LB_FACING}) | word); }
     template <class Value>
     constexpr Form with(Value lb_form::*field, Value value) const {
         Form changed = *this;

@@ -115,6 +115,10 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
         "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
         "0 of a box)",
         shell::one_of({"usual", "exit", "zero", "near", "miss"}));
+    command.add("--facing", words.facing,
+                "The side that triangles, discs and planes are met from: front, where a triangle's vertices run "
+                "counter-clockwise, or back (default: both)",
+                shell::one_of({"both", "front", "back"}));
     command.add("--open-ends", words.open_ends,
                 "Which ends of the columns' ranges are open, so that a t there is no hit (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
@@ -194,6 +198,7 @@ intersect::Info contract_of(const RayFileWords& o) {
     };
     info.at_origin = static_cast<intersect::AtOrigin>(place(intersect::at_origin_names, o.at_origin));
     info.inside = static_cast<intersect::Inside>(place(intersect::inside_names, o.inside));
+    info.facing = static_cast<intersect::Facing>(place(intersect::facing_names, o.facing));
     return info;
 }
 

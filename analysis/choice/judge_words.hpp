@@ -25,7 +25,8 @@ struct RayFileWords {
     std::uint64_t skip = 0;
     SolidWords solids;
     std::string scene, miss;
-    std::string direction = "any", touching = "hit", at_origin = "hit", inside = "usual", open_ends = "none";
+    std::string direction = "any", touching = "hit", at_origin = "hit", inside = "usual", facing = "both";
+    std::string open_ends = "none";
     intersect::process::StopToken stop = {};
 };
 

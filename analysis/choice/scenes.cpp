@@ -133,7 +133,7 @@ void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjec
         {"--scene", !o.scene.empty()},         {"--miss", !o.miss.empty()},
         {"--direction", o.direction != "any"}, {"--touching", o.touching != "hit"},
         {"--at-origin", o.at_origin != "hit"}, {"--inside", o.inside != "usual"},
-        {"--open-ends", o.open_ends != "none"}};
+        {"--facing", o.facing != "both"},      {"--open-ends", o.open_ends != "none"}};
     std::vector<std::pair<std::string, bool>> solids;
     for (const ShapeRow& row : shape_rows)
         solids.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());

@@ -22,10 +22,10 @@ namespace {
 /// Options that change what is measured, and not only of what, or how it is shown.
 const std::vector<std::string>& of_what_is_measured() {
     static const std::vector<std::string> all = [] {
-        std::vector<std::string> names{"--bits",      "--wrong",       "--at",        "--single", "--bulk",  "--size",
-                                       "--set",       "--variant",     "--steps",     "--seeds",  "--scene", "--miss",
-                                       "--direction", "--touching",    "--at-origin", "--inside", "--skip",  "--quick",
-                                       "--stage",     "--repetitions", "--open-ends"};
+        std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
+                                       "--set",       "--variant",  "--steps",       "--seeds",    "--scene",  "--miss",
+                                       "--direction", "--touching", "--at-origin",   "--inside",   "--facing", "--skip",
+                                       "--quick",     "--stage",    "--repetitions", "--open-ends"};
         for (const ShapeRow& row : shape_rows) names.push_back("--" + std::string(row.name));
         return names;
     }();

@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* The version of this file. It changes where a program that was compiled with an older one would go wrong. */
-#define LOSTBITS_ABI 4
+#define LOSTBITS_ABI 5
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -162,6 +162,7 @@ typedef struct lostbits_rays {
     const char* format;              /* that the answers were computed in; NULL: by the type of t */
     int unit;                        /* not 0: t is a distance, of the direction normalised */
     int touching, at_origin, inside; /* as in lb_form: LB_HIT, LB_MISS, LB_EXIT; 0 or LB_INSIDE_... */
+    int facing;                      /* 0, LB_FACING_FRONT or LB_FACING_BACK */
     lostbits_array by;               /* count: a number by which the summary of a judgement is grouped as well */
     lostbits_array matrix; /* count x 12: under which each ray's solid stands, from its space to the world, row by row;
                               its own solid of pairs, else the only one there is */

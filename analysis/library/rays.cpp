@@ -113,7 +113,8 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     return made;
 }
 
-intersect::Info contract_of_arrays(const lostbits_rays& rays) {
+/// Of solids of that shape.
+intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     lb_form words{};
     words.name = "own.arrays";
     words.format = LB_F64;
@@ -121,7 +122,8 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays) {
     words.roots = (static_cast<unsigned>(rays.inside) & LB_INSIDE) == LB_INSIDE_NEAR ? LB_NEAR : LB_FIRST;
     words.touching = rays.touching;
     words.at_origin = rays.at_origin;
-    words.flags = static_cast<unsigned>(rays.inside);
+    if (rays.facing != 0) words.shape = static_cast<int>(shape);
+    words.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
     words.run = [](const lb_batch*) -> const char* { return nullptr; };
     const auto contract = intersect::doors::contract_of(words, whose);
     intersect::Info info{};
@@ -129,6 +131,7 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays) {
     info.touching = contract.touching;
     info.at_origin = contract.at_origin;
     info.inside = contract.inside;
+    info.facing = contract.facing;
     return info;
 }
 
@@ -151,7 +154,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
     request.answered = all.dump->layout().has_answers();
     if (rays.by.data != nullptr) request.by = 0;
-    intersect::Info contract = contract_of_arrays(rays);
+    intersect::Info contract = contract_of_arrays(rays, all.shape);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", all.shape, contract);
     if (!chosen.rows.empty()) chosen.keep_those_for(whose, meets_of(all));
@@ -249,7 +252,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
 
 std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays all = given(rays, running);
-    const intersect::Info contract = contract_of_arrays(rays);
+    const intersect::Info contract = contract_of_arrays(rays, all.shape);
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "truth", std::vector<output::file::Column>{{"decision", "integer", "", "0 miss, 1 hit, 2 unresolved"},

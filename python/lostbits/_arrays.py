@@ -14,7 +14,8 @@ Floats = NDArray[Any]
 ROOTS = {"both": 0, "near": 1, "first": 2, "none": 3}
 _contracts = {"direction": {"any": 0, "unit": 1}, "touching": {"hit": 0, "miss": 1},
               "at_origin": {"hit": 0, "miss": 1, "exit": 2},
-              "inside": {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64}}
+              "inside": {"usual": 0, "exit": 16, "zero": 32, "near": 48, "miss": 64},
+              "facing": {"both": 0, "front": 256, "back": 512}}
 
 
 def _shapes() -> dict[str, list[tuple[str, int]]]:
@@ -37,7 +38,7 @@ def word(value: Any, of: dict[str, Any], name: str) -> Any:
 
 
 def contract(**words: str) -> dict[str, int]:
-    """direction, touching, at_origin and inside as C has them."""
+    """direction, touching, at_origin, inside and facing as C has them."""
     return {name: word(value, _contracts[name], name) for name, value in words.items()}
 
 

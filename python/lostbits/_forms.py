@@ -41,7 +41,7 @@ class Intersector:
         self.failed: BaseException | None = None
         self.tapes: dict[str, Tape] = {}
         meant, promised = contract(**words), word(roots, ROOTS, "roots")
-        flags = meant.pop("inside", 0) | _one_thread
+        flags = meant.pop("inside", 0) | meant.pop("facing", 0) | _one_thread
         self._kept: list[Any] = [lib.RunBatch(self._answering(np.dtype(dtype))) for _, dtype in _formats.values()]
         array = (lib.FormWords * 2)(*[
             lib.FormWords(name=self.name.encode(), shape=list(SHAPES).index(shape), format=bits, roots=promised,
@@ -145,7 +145,7 @@ class Intersector:
 
 
 def intersector(shape: str, roots: str = "first", direction: str = "any", touching: str = "hit",
-                at_origin: str = "hit", inside: str = "usual",
+                at_origin: str = "hit", inside: str = "usual", facing: str = "both",
                 name: str | None = None) -> Callable[[Callable[..., Any]], Intersector]:
     """Makes a numpy function a form that lostbits measures.
 
@@ -154,8 +154,8 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
     hi; triangle a, b, c; ellipsoid centre, radii; cylinder base, top, radius; lb.SHAPES lists all. They are of the type
     that is measured, float32 or float64, and so is what it returns: t, n items, in lengths of d, and nan where it
     misses. roots="first": the first t >= 0; "near": the smaller root, a t < 0 being a miss; "both": a tuple (near,
-    far); "none": booleans. touching, at_origin and inside say what is right in the cases that geometry leaves open, as
-    in docs/your-own-intersector.md.
+    far); "none": booleans. touching, at_origin, inside and facing say what is right in the cases that geometry leaves
+    open, as in docs/your-own-intersector.md.
 
     >>> @lb.intersector("sphere", roots="near")
     ... def mine(o, d, centre, radius): ...
@@ -163,7 +163,7 @@ def intersector(shape: str, roots: str = "first", direction: str = "any", touchi
     if callable(shape):
         raise lib.InputError("intersector: write the shape, as in @lb.intersector(\"sphere\")")
     return lambda function: Intersector(function, shape, roots, name, direction=direction, touching=touching,
-                                        at_origin=at_origin, inside=inside)
+                                        at_origin=at_origin, inside=inside, facing=facing)
 
 
 Form = Union[str, Intersector]

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 4
+ABI = 5
 
 
 class Error(Exception):
@@ -76,7 +76,7 @@ Choice = _struct("Choice", "words forms; pointer own; size own_count; words form
 Run = _struct("Run", "int threads; stop; progress; pointer own", stop=c.POINTER(c.c_ubyte), progress=Progress)
 Rays = _struct("Rays", "size count; array origin, direction, tmin, tmax; text open_ends, shape; array solids; "
                "size solid_count; int paired; pointer scene; array t, hit; text format; "
-               "int unit, touching, at_origin, inside; array by, matrix")
+               "int unit, touching, at_origin, inside, facing; array by, matrix")
 Wish = _struct("Wish", "double bits, tolerance, wrong; text at")
 TableWords = _struct("TableWords", "text name; size columns, rows")
 ColumnWords = _struct("ColumnWords", "text name, type, unit, meaning; pointer numbers; texts texts; "

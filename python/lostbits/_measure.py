@@ -44,7 +44,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
           by: Any = None, bits: float | None = None, tolerance: float | None = None, rows: bool = True,
           threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
           matrix: Floats | None = None, open_ends: str = "none", format: str | None = None, direction: str = "any",
-          touching: str = "hit", at_origin: str = "hit", inside: str = "usual") -> Judgement:
+          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both") -> Judgement:
     """Rays and the answers that some code gave to them, against the certified truth.
 
     `o`, `d`: n x 3, float32 or float64, read where they lie, whatever their strides. `t`: n, in lengths of d (of d
@@ -64,7 +64,7 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
         wished += ["distance_error", f"tolerance:{float(tolerance)!r}"]
     given = Rays(o, d, solids, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, matrix=matrix,
                  open_ends=open_ends, format=format, direction=direction, touching=touching, at_origin=at_origin,
-                 inside=inside)
+                 inside=inside, facing=facing)
     own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
     asked = Asked(forms, formats or own_format, [*texts(metrics), *wished], rows)
     _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
@@ -93,9 +93,9 @@ def ask(form: Form, o: Floats, d: Floats, solids: Any, *, shape: str = "sphere",
 
 
 def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
-          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", tmin: Floats | None = None,
-          tmax: Floats | None = None, matrix: Floats | None = None, open_ends: str = "none",
-          threads: int = 0) -> Truths:
+          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
+          tmin: Floats | None = None, tmax: Floats | None = None, matrix: Floats | None = None,
+          open_ends: str = "none", threads: int = 0) -> Truths:
     """The certified truth of rays: `hit` (booleans), `t` (the nearest double, nan of a miss) and `t_lo` (what is
     left, so that t + t_lo is the exact t to 2^-72 of itself), `solid` (which is hit first, from 0; -1 of a miss),
     `resolved`.
@@ -104,7 +104,7 @@ def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: b
     radius), or a scene. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
     """
     given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
-                 direction=direction, touching=touching, at_origin=at_origin, inside=inside)
+                 direction=direction, touching=touching, at_origin=at_origin, inside=inside, facing=facing)
     return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])
 
 

@@ -27,6 +27,7 @@ struct FlatSpan {
     Fraction<T> at;    ///< n/m, m > 0 where the line crosses the plane
     mask_t<T> closed;  ///< it crosses the piece or its rim
     mask_t<T> open;    ///< and not the rim
+    mask_t<T> front;   ///< it comes from the side that the normal points to, d·n < 0: known where it crosses
     T d2;              ///< d·d
 
     static constexpr int crossings = 1;

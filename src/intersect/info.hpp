@@ -42,7 +42,13 @@ enum class Inside {
     near,   ///< the near root, behind it: nothing ahead, so a miss
     miss
 };
+/// The side that a triangle, a disc or a plane is met from; to a ray from the other side it is not there. The front is
+/// where the normal points to, of a triangle the side from which a, b, c run counter-clockwise, so that d·n < 0 with
+/// n = (b − a) × (c − a). It is decided in the space of the solid: a matrix that mirrors does not turn it. Source of
+/// that: DirectX Raytracing (DXR) Functional Spec, ray flags.
+enum class Facing { both, front, back };
 inline constexpr std::array<std::string_view, 5> inside_names{"usual", "exit", "zero", "near", "miss"};
+inline constexpr std::array<std::string_view, 3> facing_names{"both", "front", "back"};
 inline constexpr std::array<std::string_view, 3> at_origin_names{"hit", "miss", "exit"};
 
 /// What counts as a hit, in the questions that geometry leaves open. Touching alone names one in which t = 0 counts.
@@ -50,6 +56,7 @@ struct Convention {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Inside inside = Inside::usual;
+    Facing facing = Facing::both;
     bool endless = false;  ///< the ray goes on where it is said to end
     /// Of a set of forms whose words differ: what each says, in the order of the shapes. Null: the same of all solids.
     const Convention* by_shape = nullptr;
@@ -67,7 +74,8 @@ struct Convention {
     /// Whether it differs from the closed solid's in more than touching and an origin that is passed over, or from
     /// shape to shape. What is proved many rays at a time knows those two alone.
     [[nodiscard]] constexpr bool is_special() const {
-        return inside != Inside::usual || endless || at_origin == AtOrigin::exit || by_shape != nullptr;
+        return inside != Inside::usual || facing != Facing::both || endless || at_origin == AtOrigin::exit ||
+               by_shape != nullptr;
     }
 };
 
@@ -89,16 +97,21 @@ struct Info {
     AtOrigin at_origin = AtOrigin::hit;
     Formats formats = Formats::all;
     Inside inside = Inside::usual;
+    Facing facing = Facing::both;
     bool endless = false;  ///< of a form that tells no t: it answers for rays without an end
     bool ranged = false;   ///< it is told where rays begin and end, and answers within
+    /// Of a triangle: the named operations that are the weights of a, b and c, of which the point is made that the ray
+    /// meets (barycentric coordinates); empty for a weight that the form leaves out.
+    std::array<std::string_view, 3> weights = {};
     /// Of a set of forms: their conventions by shape, by their own words, as closed solids and as open ones; null where
     /// these are the same of all shapes.
     std::array<const Convention*, 3> by_shape = {};
 
-    /// The form's own, or the solid's that `judged` names: from inside, and of ends, it is asked what it says.
+    /// The form's own, or the solid's that `judged` names: from inside, of sides and of ends, it is asked what it says.
     [[nodiscard]] constexpr Convention convention(std::optional<Touching> judged = {}) const {
         Convention asked{judged.value_or(touching), judged ? AtOrigin::hit : at_origin};
         asked.inside = inside == Inside::near ? Inside::miss : inside;
+        asked.facing = facing;
         asked.endless = endless;
         asked.by_shape = by_shape[!judged ? 0 : *judged == Touching::hit ? 1 : 2];
         return asked;

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+
+#include "geometry/flat_span.hpp"
 
 // clang-format off
 #define LOSTBITS_TEXT_OF(path) #path
@@ -76,6 +79,7 @@ struct ShapeRow {
     bool zero_inside = false;   ///< from inside the answer is 0, where nothing else is said, and not the exit
     bool usually_unit = false;  ///< most code that meets it takes directions of length one
     bool round = false;         ///< its points are at one distance from a centre: it is the ball around it
+    bool flat = false;          ///< a surface with a normal: it is met from its front or its back
     bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between
     ShapeWords words = {};
 };
@@ -96,6 +100,7 @@ inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
              .zero_inside = One::zero_inside,
              .usually_unit = One::usually_unit,
              .round = One::round,
+             .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
              .edges = One::edges,
              .words = One::words};
         for (const Key& key : r.keys) r.numbers += key.count();
@@ -125,6 +130,7 @@ inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_
 inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(shape).told_end; }
 
 inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
+inline constexpr bool is_flat(Shape shape) { return is_solid(shape) && row_of(shape).flat; }
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};

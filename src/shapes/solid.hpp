@@ -97,13 +97,19 @@ void tell_distances(Span& span, const S& d2) {
     if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
 }
 
+/// `act(shape, ray)` in the space of a solid of that shape.
+template <template <class> class Of, class S, class Act>
+auto in_its_space(const Ray<S>& ray, const Solid<S>& solid, const Act& act) {
+    if (!solid.placed) return act(solid.template as<Of>(), ray);
+    const InObject<S> in = in_object(ray, *solid.placed);
+    return act(scaled(solid, in.scale).template as<Of>(), in.ray);
+}
+
 /// Where the ray's line is inside of a solid of that shape. Distances are those of the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Solid<S>& solid) {
-    if (!solid.placed) return solid.template as<Of>().span(ray);
-    const InObject<S> in = in_object(ray, *solid.placed);
-    auto span = scaled(solid, in.scale).template as<Of>().span(in.ray);
-    tell_distances(span, square(ray.direction));
+    auto span = in_its_space<Of>(ray, solid, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
+    if (solid.placed) tell_distances(span, square(ray.direction));
     return span;
 }
 

@@ -34,6 +34,8 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
                                      : is_flat        ? "none"
                                      : shape == "sdf" ? "by solid"
                                                       : "exit"));
+        const bool culls = name == "triangle.moller_trumbore_culling";
+        CHECK(array[i]["facing"] == (!is_flat ? "none" : culls ? "front" : "both"));
     }
 }
 

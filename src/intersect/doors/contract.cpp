@@ -74,6 +74,15 @@ void require_roots(const Contract& c, const std::string& from) {
 
 }  // namespace
 
+void require_front(Facing facing, Shape shape, const std::string& from) {
+    if (facing == Facing::both || is_flat(shape)) return;
+    std::string flat;
+    for (const ShapeRow& row : shape_rows)
+        if (row.flat) flat += (flat.empty() ? "" : ", ") + std::string(row.plural);
+    throw InputError(from + ": facing is said of what has a front and a back (" + flat + "); leave it out of " +
+                     with_article(shape));
+}
+
 Contract contract_of(const lb_form& form, const std::string& library) {
     if (form.name == nullptr) throw InputError(library + ": a form has no name");
     const std::string from = library + ": form \"" + form.name + "\"";
@@ -85,7 +94,9 @@ Contract contract_of(const lb_form& form, const std::string& library) {
     c.touching = word<Touching>(form.touching, 2, "touching", from);
     c.at_origin = word<AtOrigin>(form.at_origin, 3, "at_origin", from);
     c.inside = word<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", from);
-    c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE);
+    c.facing =
+        word<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", from);
+    c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
     if (form.run == nullptr) throw InputError(from + ": run is NULL; it is the function that answers a batch");
     require_sense(c, library);
     return c;
@@ -114,6 +125,7 @@ void require_sense(const Contract& c, const std::string& library) {
                          ": flags has bits that this version does not know; rebuild it with this version's "
                          "lostbits_plugin.h");
     require_roots(c, from);
+    require_front(c.facing, c.shape, from);
     const Inside inside = inside_of(c);
     if (zero_inside(c.shape) && c.at_origin != AtOrigin::hit && inside != Inside::exit && inside != Inside::miss)
         throw InputError(from + ": from inside of " + with_article(c.shape) +

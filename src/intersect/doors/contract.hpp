@@ -20,6 +20,7 @@ struct Contract {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Inside inside = Inside::usual;
+    Facing facing = Facing::both;
     unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE
     /// How the processor computes in it, which loading its library left (`FloatingPoint::words`); empty: as IEEE 754
     /// asks.
@@ -47,6 +48,9 @@ Contract contract_of(const lb_form& form, const std::string& from);
 
 /// InputError where the words of a contract contradict each other; `from` begins the message.
 void require_sense(const Contract& contract, const std::string& from);
+
+/// InputError where one side is to count of what has no front; `from` begins the message.
+void require_front(Facing facing, Shape shape, const std::string& from);
 
 /// The true answer from inside by a contract: what it says, else as its roots have it. `usual` where that is what the
 /// solid has anyway.

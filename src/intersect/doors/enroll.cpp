@@ -25,6 +25,7 @@ Info info_of(const Contract& c) {
             .at_origin = c.at_origin,
             .formats = c.bits == 32 ? Formats::binary32_only : Formats::all,
             .inside = inside_of(c),
+            .facing = c.facing,
             .endless = c.roots == Roots::none && (c.flags & LB_NO_END) != 0,
             .ranged = (c.flags & LB_RANGE) != 0};
 }

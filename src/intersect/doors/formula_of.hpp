@@ -144,7 +144,8 @@ constexpr lb_form plain_form() {
             .roots = static_cast<int>(told),
             .touching = static_cast<int>(Form::info.touching),
             .at_origin = static_cast<int>(Form::info.at_origin),
-            .flags = !told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U,
+            .flags = (!told_end(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U) |
+                     static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
             .own = nullptr,
             .run = answer_batch_of<Form, S, told>};
 }

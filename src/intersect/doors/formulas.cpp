@@ -29,7 +29,8 @@ Contract stated_by(const Formula& formula) {
             .direction = info.direction,
             .roots = info.roots,
             .touching = info.touching,
-            .at_origin = info.at_origin};
+            .at_origin = info.at_origin,
+            .facing = info.facing};
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using Words = std::span<const std::string_view>;
 
 constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // of solids
 constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
-constexpr Words at_origins = at_origin_names, insides = inside_names;
+constexpr Words at_origins = at_origin_names, insides = inside_names, facings = facing_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
 constexpr std::array<std::string_view, 5> flags{"line", "no_end", "one_thread", "clipped", "range"};
 constexpr std::array<unsigned, 5> flag_bits{LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE};
@@ -63,6 +63,7 @@ const std::vector<Key>& keys() {
         choice("touching", counts, &Contract::touching),
         choice("at_origin", at_origins, &Contract::at_origin),
         choice("inside", insides, &Contract::inside),
+        choice("facing", facings, &Contract::facing),
         text("state", &Contract::state)};
     return all;
 }
@@ -129,7 +130,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         if (!set_word(contracts.back(), key, value, where))
             throw InputError(where + ": unknown key " + shown_text(key) +
                              "; known are name, title, source, shape, format, direction, roots, touching, at_origin, "
-                             "inside, state, flags");
+                             "inside, facing, state, flags");
     }
     if (contracts.empty())
         throw InputError(
@@ -144,6 +145,7 @@ std::string pipe_header_of(const std::vector<Contract>& contracts) {
     for (const Contract& contract : contracts) {
         for (const Key& key : keys()) {
             if (key.name == "state" && contract.state.empty()) continue;
+            if (key.name == "facing" && contract.facing == Facing::both) continue;
             header += std::string(key.name) + "=" + key.get(contract) + "\n";
         }
         if (contract.flags != 0) header += "flags=" + flags_of(contract) + "\n";

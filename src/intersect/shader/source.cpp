@@ -217,7 +217,7 @@ void obey(const Word& word, ShaderSource& shader) {
              !doors::set_word(shader.contract, word.key, word.value, word.where))
         throw InputError(
             word.where + ": unknown key " + doors::shown_text(word.key) +
-            "; known are function, name, title, direction, roots, touching, at_origin, inside, flags, miss, "
+            "; known are function, name, title, direction, roots, touching, at_origin, inside, facing, flags, miss, "
             "format; of a field hit_eps, max_dist, max_steps; of a march with solids of its own shape");
 }
 

@@ -106,6 +106,7 @@ void fill(Made& set) {
         .at_origin = common(set, &Info::at_origin, AtOrigin::hit),
         .formats = common(set, &Info::formats, Formats::binary32_only),
         .inside = common(set, &Info::inside, Inside::usual),
+        .facing = common(set, &Info::facing, Facing::both),
         .endless = common(set, &Info::endless, false)};
     fill_conventions(set);
     set.row = {.info = &set.info,

@@ -32,6 +32,8 @@ bool if_it_tells_t(const Scene&, const Intersector& form) { return tells_t(*form
 bool if_any_length(const Scene&, const Intersector& form) {
     return tells_t(*form.info) && form.info->direction == intersect::Direction::any;
 }
+/// From the other end a segment shows a surface its other side.
+bool if_from_both_sides(const Scene&, const Intersector& form) { return form.info->facing == intersect::Facing::both; }
 bool if_light(const Scene& scene, const Intersector& form) {
     return scene.appearance.light.has_value() && if_any_length(scene, form);
 }
@@ -53,7 +55,7 @@ constexpr Check check_rows[] = {
     {"packs", "rays one by one and in batches, at every register width: bit by bit", "rays one by one", "rays together",
      always, check_packs},
     {"reverse", "one segment from either end: one decision, and near and far sides that add up to its length",
-     "from p to q", "from q to p", always, check_reverse, true},
+     "from p to q", "from q to p", if_from_both_sides, check_reverse, true},
     {"placed", "one solid under a matrix or directly: one decision, and t within an ulp",
      "solids as the scene has them", "directly what stands under a matrix, and under one what stands directly", always,
      check_placed, true},

@@ -39,9 +39,10 @@ namespace {
 
 /// Of solids of one shape.
 Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
-                                  intersect::Touching touching) {
+                                  const intersect::Convention& own) {
     const bool ends = !solids.empty() && told_end(solids.front().shape);
-    const intersect::Convention convention(touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
+    intersect::Convention convention(own.touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
+    convention.facing = own.facing;
     const Truth first = truth::find_truth(ray, solids, {}, convention, {.tmax = ends ? end : HUGE_VAL});
     if (ends || !first.is_hit()) return first.decision;
     if (!(end > 0)) return Truth::Decision::miss;
@@ -61,7 +62,7 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
         std::vector<Solid<double>> alike;
         std::ranges::copy_if(solids, std::back_inserter(alike),
                              [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
-        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape).touching);
+        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
         if (meets == Truth::Decision::hit) return meets;
         unresolved = unresolved || meets == Truth::Decision::unresolved;
     }

@@ -26,6 +26,19 @@ struct Reply {
     friend bool operator==(const Reply&, const Reply&) = default;
 };
 
+/// A flat solid around a point shows its back to rays that go up. Whom it is not there to is asked in the mirror z →
+/// −z, where it shows its front.
+inline Question from_its_side(Question q, const intersect::doors::Contract& contract) {
+    if (contract.facing != intersect::Facing::front) return q;
+    for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
+    std::size_t first = 0;
+    for (const Key& key : row_of(contract.shape).keys) {
+        if (key.kind == Key::Kind::point) q.solid[first + 2] = -q.solid[first + 2];
+        first += key.count();
+    }
+    return q;
+}
+
 /// The questions as one batch, each with a solid of its own unless `one_solid`, which is the first's.
 template <class S>
 std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
@@ -34,7 +47,8 @@ std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<c
     const bool ranged = (form.contract.flags & LB_RANGE) != 0;
     std::vector<S> rays, starts, ends, solids, near_far(2 * n);
     std::vector<std::uint8_t> hit(n);
-    for (const Question& q : questions) {
+    for (const Question& asked : questions) {
+        const Question q = from_its_side(asked, form.contract);
         for (const double x : q.ray) rays.push_back(static_cast<S>(x));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));

@@ -293,7 +293,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
         hits = t.ask(along(t.shape, -5, 1)).hit == 1;
-        if (!hits)
+        if (!hits && !try_other_side(t))
             t.broken("misses the plainest ray: origin (0, 0, -5), direction (0, 0, 1), against " +
                      solid_words(t.shape));
     });
@@ -304,6 +304,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     if (has_inside(trial.shape)) trial.probe("inside", try_inside);
     trial.probe("behind", try_behind);
     trial.probe("aside", try_aside);
+    if (is_flat(trial.shape)) trial.probe("facing", try_facing);
     trial.probe("touching", try_touching);
     const Inside inside = intersect::doors::inside_of(trial.contract);
     if (!zero_inside(trial.shape) || inside == Inside::exit || inside == Inside::miss)

@@ -4,6 +4,7 @@
 namespace lostbits::measure::contract {
 
 using intersect::AtOrigin;
+using intersect::Facing;
 using intersect::Inside;
 using intersect::Roots;
 using intersect::Touching;
@@ -96,6 +97,11 @@ constexpr std::array<const char*, 6> answer_words{"misses",
                                                   "is answered with the near root without its sign",
                                                   "is answered with something else"};
 
+std::string word_for(Facing facing) {
+    return facing == Facing::front ? "LB_FACING_FRONT (facing_front, facing=front)"
+                                   : "LB_FACING_BACK (facing_back, facing=back)";
+}
+
 }  // namespace
 
 void try_inside(Trial& trial) {
@@ -119,11 +125,27 @@ void try_inside(Trial& trial) {
                                       : "; say " + word));
 }
 
+void try_facing(Trial& trial) {
+    const bool met = trial.ask(along(trial.shape, 5, -1)).hit == 1;
+    const Facing facing = trial.contract.facing;
+    if (facing == Facing::both)
+        return trial.hold(met, "both sides are met", "the front is not met; say " + word_for(Facing::back));
+    trial.hold(!met, "the other side is not met", "the other side is met as well; leave facing out");
+}
+
+bool try_other_side(Trial& trial) {
+    if (!is_flat(trial.shape) || trial.ask(along(trial.shape, 5, -1)).hit != 1) return false;
+    const Facing met = trial.contract.facing == Facing::front ? Facing::back : Facing::front;
+    trial.broken("of the two sides one is met; say " + word_for(met));
+    return true;
+}
+
 void try_touching(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
+    if (is_flat(trial.shape) && !ends_of(q, trial.shape)) q.ray[0] = 1;  // a triangle, which is half as wide there
     const Reply touch = trial.ask(q);
-    q.ray[0] = -2;
+    q.ray[0] = -q.ray[0];
     const Reply other = trial.ask(q);
     const bool promised = trial.contract.touching == Touching::hit;
     const std::string what(row_of(trial.shape).words.touching);
@@ -140,6 +162,24 @@ void try_touching(Trial& trial) {
                                       : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
+namespace {
+
+/// What is flat is neither entered nor left.
+void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
+    const intersect::doors::Contract& c = trial.contract;
+    const std::string surface = "a surface at the origin ";
+    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
+        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
+    const bool counts = ray.hit == 1;
+    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
+               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
+                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
+    if ((back.hit == 1) != (counts && c.facing == Facing::both))
+        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
+}
+
+}  // namespace
+
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;
     const bool leaves = c.inside != Inside::miss && c.roots != Roots::near_only;
@@ -152,6 +192,7 @@ void try_at_origin(Trial& trial) {
                        "at_origin=miss)");
         return;
     }
+    if (is_flat(trial.shape)) return try_on_flat(trial, in, out);
     if (!trial.tells_t) {
         const bool enters = leaves || c.at_origin == AtOrigin::hit;
         trial.hold(

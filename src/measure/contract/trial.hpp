@@ -87,6 +87,9 @@ private:
 
 /// Probes of one promise each (probe_surface.cpp).
 void try_inside(Trial& trial);
+void try_facing(Trial& trial);
+/// Of what misses the plainest ray: whether it hits from the other side, which it is told of then.
+bool try_other_side(Trial& trial);
 void try_touching(Trial& trial);
 void try_at_origin(Trial& trial);
 void try_close(Trial& trial);

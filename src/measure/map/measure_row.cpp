@@ -239,6 +239,7 @@ private:
         Sample sample = plain_sample_of(i, ray);
         sample.truth = in_unit_of(truth, *row_.form->info);
         sample.solid = &solid;
+        sample.weights = row_.form->of(solid.shape).info->weights;
         return sample;
     }
 

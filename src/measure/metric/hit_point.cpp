@@ -43,11 +43,7 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
         const double point[] = {p.x, p.y, p.z};
         const auto number = [&solid](int k) { return solid.numbers[static_cast<std::size_t>(k)]; };
         if (double quick; !solid.placed && columns::find_residual<S>(point, number, quick)) return quick;
-        const Ball ball = off_surface<Ball, S>(p, solid);
-        if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
-        const Interval::Precision precision(8192);
-        const Interval exact = off_surface<Interval, S>(p, solid);
-        return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
+        return enclosed([&]<class E>() { return off_surface<E, S>(p, solid); });
     });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "measure/metric/barycentric.hpp"
 #include "measure/metric/errors_of_rays.hpp"
 #include "measure/metric/errors_of_t.hpp"
 #include "measure/metric/hit_point.hpp"
@@ -326,8 +327,8 @@ constexpr auto joined(const Metric (&... lists)[n]) {
 }
 
 /// A file of metrics is a word here.
-constexpr auto all =
-    joined(table, metrics_of_t, metrics_of_stability, metrics_of_predictions, metrics_of_marches, metrics_of_rays);
+constexpr auto all = joined(table, metrics_of_t, metrics_of_stability, metrics_of_predictions, metrics_of_marches,
+                            metrics_of_rays, metrics_of_weights);
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // The metric table: a row drives the command line, the EXR layer, the CSV columns and `lostbits list metrics`.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -46,6 +47,7 @@ struct Sample {
     intersect::Convention convention = {};                  ///< of the form
     intersect::Direction direction = {};                    ///< that it asks for
     Range<double> range = {};                               ///< what of the ray counts
+    std::array<std::string_view, 3> weights = {};           ///< what the form calls them, for that solid
     answer::Outcome outcome = answer::Outcome::agree_miss;
     std::string_view label = {};  ///< of the metric that is being measured
 };

@@ -13,6 +13,7 @@ namespace lostbits::measure::truth {
 
 using intersect::AtOrigin;
 using intersect::Convention;
+using intersect::Facing;
 using intersect::Inside;
 using intersect::Touching;
 using scene::rays::RayBlock;
@@ -198,6 +199,8 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
+    // What is met from both sides or from none is all that may be met from one.
+    if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss) return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray begins elsewhere
     if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;

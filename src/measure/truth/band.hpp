@@ -72,8 +72,8 @@ public:
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
     /// The truth of ray i at one of the solids alone, as if there were no other.
     [[nodiscard]] Truth truth_of_solid(std::size_t i, std::size_t solid, intersect::Convention convention) const;
-    /// Whether ray i must be asked anew by a convention that is special: where it starts in a solid or on one, and
-    /// where it ends.
+    /// Whether ray i must be asked anew by a convention that is special: where it starts in a solid or on one, where it
+    /// ends, and what it meets where one side counts.
     [[nodiscard]] bool asks_anew(std::size_t i, intersect::Convention convention) const;
     /// That of every ray by the closed solid's convention. Others that are not special can differ on rays of its
     /// `whole` alone.

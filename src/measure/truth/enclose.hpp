@@ -200,6 +200,17 @@ Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surf
     return enclosed_root(s.solid.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
+/// Whether a surface is met from a side that counts.
+template <class E>
+Tri faces(const FlatSpan<E>& s, intersect::Facing asked) {
+    if (asked == intersect::Facing::both) return Tri::yes;
+    return asked == intersect::Facing::front ? Tri(s.front) : !Tri(s.front);
+}
+template <class E>
+Tri faces(const WallSpan<E>&, intersect::Facing) {
+    return Tri::yes;
+}
+
 /// The line against a surface without an inside: the first of its crossings that counts. On a rim, or along the
 /// surface, it touches; a surface where the ray begins is a root there, and counts by the convention: where there are
 /// two crossings the near one is an entry, the far one an exit; a single one is both.
@@ -213,7 +224,8 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
         const auto at = s.crossing(i);
         const auto to_begin = s.order_to(i, begin);
         const Tri in_range = range ? in_time(s.order_to(i, range->end), *range) : Tri::yes;
-        const Tri ahead = at.closed && !to_begin.less && in_range, at_begin = to_begin.at_most;
+        const Tri ahead = at.closed && faces(s, asked.facing) && !to_begin.less && in_range;
+        const Tri at_begin = to_begin.at_most;
         if (ahead.is_no()) continue;
         if (ahead.is_unknown() || at_begin.is_unknown() || Tri(at.open).is_unknown()) return {Tri::unknown, zero, zero};
         const bool touching = Tri(at.open).is_no(), exit = i + 1 == S::crossings;

@@ -36,6 +36,8 @@ struct MapExr::Truths {
         if (convention.at_origin == intersect::AtOrigin::exit) name += ".leaving";
         if (convention.inside != intersect::Inside::usual)
             name.append(".inside_").append(intersect::inside_names[static_cast<std::size_t>(convention.inside)]);
+        if (convention.facing != intersect::Facing::both)
+            name.append(".").append(intersect::facing_names[static_cast<std::size_t>(convention.facing)]);
         if (convention.endless) name += ".endless";
         if (maker) name.append(".ray-").append(maker->info->name);
         return name;

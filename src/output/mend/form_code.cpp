@@ -88,6 +88,8 @@ std::string info_of(const intersect::Info& like, const FormWords& words) {
     add(words.binary32_only, ".formats = Formats::binary32_only");
     add(like.inside != Inside::usual,
         fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(like.inside)]));
+    add(like.facing != Facing::both,
+        fmt::format(".facing = Facing::{}", facing_names[static_cast<std::size_t>(like.facing)]));
     add(like.endless, ".endless = true");
     return text;
 }

@@ -242,6 +242,8 @@ std::string contract_of(const intersect::Info& like, const FormWords& words) {
         like.touching == Touching::miss ? "miss" : "hit", at_origin_names[static_cast<std::size_t>(like.at_origin)],
         inside_names[static_cast<std::size_t>(like.inside)]);
     if (like.roots != Roots::none) text += like.roots == Roots::near_only ? " roots=near" : " roots=first";
+    if (like.facing != Facing::both)
+        text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(like.facing)]);
     if (like.endless) text += " flags=no_end";
     return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, words.title);
 }

@@ -81,10 +81,11 @@ struct Disc {
         const T m = dot(d, normal), k = -dot(f, normal), m2 = square(m);
         const T p2 = square(cross(normal, cross(f, d))), outer = square(outer_radius) * m2;
         const T inner = square(inner_radius) * m2;
-        const auto front = m > zero, crossed = front || m < zero, whole = inner_radius <= zero;
-        return {.at = {select(front, k, -k), select(front, m, -m)},
+        const auto back = m > zero, front = m < zero, crossed = back || front, whole = inner_radius <= zero;
+        return {.at = {select(back, k, -k), select(back, m, -m)},
                 .closed = crossed && p2 <= outer && (whole || p2 >= inner),
                 .open = crossed && p2 < outer && (whole || p2 > inner),
+                .front = front,
                 .d2 = square(d)};
     }
     /// How far a point is from the plane, in units of `unit()`, on the side that the normal points to.

@@ -53,10 +53,11 @@ struct Plane {
     /// t = n·(through − o)/(n·d): dyadic polynomials of degree two, for doubles 2 (1024 + 1074) + 3 < 4200 bits.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), m = dot(normal, ray.direction), k = dot(normal, Vec<T>(through - ray.origin));
-        const auto front = m > zero, crossed = front || m < zero;
-        return {.at = {select(front, k, -k), select(front, m, -m)},
+        const auto back = m > zero, front = m < zero, crossed = back || front;
+        return {.at = {select(back, k, -k), select(back, m, -m)},
                 .closed = crossed,
                 .open = crossed,
+                .front = front,
                 .d2 = square(ray.direction)};
     }
     /// How far a point is on the side that the normal points to.

@@ -73,16 +73,21 @@ struct Triangle {
     /// degree three, t one over the other: for doubles an interval of 3 (1024 + 1074) + 6 < 6400 bits decides each.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0);
-        const Vec<T>& d = ray.direction;
-        const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin, n = normal();
-        const T ea = dot(d, cross(pb, pc)), eb = dot(d, cross(pc, pa)), ec = dot(d, cross(pa, pb));
-        const T m = dot(d, n), k = dot(pa, n);
-        const auto front = m > zero, back = m < zero;
-        return {.at = {select(front, k, -k), select(front, m, -m)},
-                .closed = (front && ea >= zero && eb >= zero && ec >= zero) ||
-                          (back && ea <= zero && eb <= zero && ec <= zero),
-                .open = (front && ea > zero && eb > zero && ec > zero) || (back && ea < zero && eb < zero && ec < zero),
-                .d2 = square(d)};
+        const Vec<T> e = volumes(ray), n = normal();
+        const T m = dot(ray.direction, n), k = dot(Vec<T>(a - ray.origin), n);
+        const auto back = m > zero, front = m < zero;
+        return {.at = {select(back, k, -k), select(back, m, -m)},
+                .closed = (back && e.x >= zero && e.y >= zero && e.z >= zero) ||
+                          (front && e.x <= zero && e.y <= zero && e.z <= zero),
+                .open = (back && e.x > zero && e.y > zero && e.z > zero) ||
+                        (front && e.x < zero && e.y < zero && e.z < zero),
+                .front = front,
+                .d2 = square(ray.direction)};
+    }
+    /// The barycentric coordinates of where the line crosses the plane, x a + y b + z c: of the three numbers whose
+    /// signs tell on which sides of the edges it passes, each over their sum d·n.
+    [[nodiscard]] Vec<T> weights(const Ray<T>& ray) const {
+        return (T(1) / dot(ray.direction, normal())) * volumes(ray);
     }
     /// How far a point is from the plane, in units of `unit()`, on the side that n points to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
@@ -125,6 +130,12 @@ struct Triangle {
 
 private:
     [[nodiscard]] Vec<T> normal() const { return cross(b - a, c - a); }
+    /// d·(b × c), d·(c × a) and d·(a × b), the vertices as seen from o.
+    [[nodiscard]] Vec<T> volumes(const Ray<T>& ray) const {
+        const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
+        return Vec<T>(dot(ray.direction, cross(pb, pc)), dot(ray.direction, cross(pc, pa)),
+                      dot(ray.direction, cross(pa, pb)));
+    }
     [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
         const Vec<T> n = normal();
         return p - (dot(p - a, n) / square(n)) * n;

@@ -9,10 +9,12 @@
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/truth/truth.hpp"
 #include "measure/truth/truth_columns.hpp"
+#include "shapes/given_matrix.hpp"
 
 namespace lostbits::test::test_triangle_truth {
 
 using intersect::AtOrigin;
+using intersect::Facing;
 using intersect::Touching;
 using measure::truth::find_truth;
 using measure::truth::Truth;
@@ -61,6 +63,44 @@ TEST_CASE("the truth of a triangle is what fractions say", "[truth][triangle]") 
     CHECK(rims["through an edge"] > 100);
     CHECK(rims["through a vertex"] > 100);
     CHECK(exact["random"] == 0);  // and ties need intervals
+}
+
+TEST_CASE("the side that a ray comes from is what fractions say", "[truth][triangle]") {
+    std::map<std::string, std::array<int, 2>> met;
+    for_each_triangle(static_cast<int>(draws(3000)), [&](const TriangleFamily& family, const TriangleSample& s) {
+        INFO(family.name);
+        const TriangleAnswer right = answer_of(s);
+        for (const Facing facing : {Facing::front, Facing::back}) {
+            intersect::Convention one_side;
+            one_side.facing = facing;
+            const Truth truth = find_truth(s.ray, Solid<double>(s.triangle), {}, one_side);
+            REQUIRE(truth.decision == (right.meets(facing) ? Truth::Decision::hit : Truth::Decision::miss));
+            if (right.meets(facing)) REQUIRE(encloses(truth.t, right.t));
+            met[family.name][facing == Facing::front ? 0 : 1] += truth.is_hit();
+        }
+    });
+    for (const TriangleFamily& family : triangle_families) {
+        const bool some = std::string(family.name) != "in the plane";
+        INFO(family.name << ": fronts " << met[family.name][0] << ", backs " << met[family.name][1]);
+        CHECK((met[family.name][0] > 10) == some);
+        CHECK((met[family.name][1] > 10) == some);
+    }
+}
+
+TEST_CASE("which of two triangles comes first is asked of those that face the ray", "[truth][triangle]") {
+    const Triangle<double> near{{0, 0, 2}, {0, 4, 2}, {4, 0, 2}}, far{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}};
+    const std::vector<Solid<double>> solids{Solid<double>(near), Solid<double>(far)};
+    const Ray<double> ray{{1, 1, 5}, {0, 0, -1}};
+    const std::array<std::pair<Facing, int>, 3> first{{{Facing::both, 0}, {Facing::front, 1}, {Facing::back, 0}}};
+    for (const auto& [facing, object] : first) {
+        intersect::Convention asked;
+        asked.facing = facing;
+        CHECK(find_truth(ray, solids, {}, asked).object == object);
+        // A mirror does not turn what is decided in the space of the solid.
+        Solid<double> mirrored(far);
+        mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
+        CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
+    }
 }
 
 TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][triangle]") {

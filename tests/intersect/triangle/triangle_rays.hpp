@@ -3,6 +3,7 @@
 #pragma once
 
 #include "intersect/exact.hpp"
+#include "intersect/info.hpp"
 #include "measure/seeded.hpp"
 #include "shapes/triangle/triangle.hpp"
 
@@ -24,9 +25,13 @@ inline Rational times(const RationalVec& a, const RationalVec& b) { return a[0] 
 /// What is true of the line, and of the ray from its origin on.
 struct TriangleAnswer {
     bool crosses = false;  ///< the plane; all that follows only then
+    bool front = false;    ///< from the side from which a, b, c run counter-clockwise
     Rational t, u, v, w;   ///< the point is u a + v b + w c
 
     [[nodiscard]] bool meets() const { return crosses && t >= 0 && u >= 0 && v >= 0 && w >= 0; }
+    [[nodiscard]] bool meets(intersect::Facing facing) const {
+        return meets() && (facing == intersect::Facing::both || front == (facing == intersect::Facing::front));
+    }
     [[nodiscard]] bool on_rim() const { return u == 0 || v == 0 || w == 0; }
     /// How far the nearest decision is from an equality.
     [[nodiscard]] Rational room() const {
@@ -43,6 +48,7 @@ inline TriangleAnswer answer_of(const TriangleSample& s) {
     TriangleAnswer answer;
     const Rational across = times(n, d);
     answer.crosses = across != 0;
+    answer.front = across < 0;
     if (!answer.crosses) return answer;
     answer.t = times(n, minus(a, o)) / across;
     const RationalVec from{o[0] + answer.t * d[0] - a[0], o[1] + answer.t * d[1] - a[1], o[2] + answer.t * d[2] - a[2]};
@@ -129,6 +135,17 @@ inline const TriangleFamily triangle_families[] = {
          const Vec<double> middle = 0.5 * (s.triangle.a + s.triangle.b);
          s.triangle.c = middle + 0x1p-20 * whole_vec(rng, 9);
          aim(s, s.triangle.a + 0.25 * (s.triangle.c - s.triangle.a), static_cast<double>(rng.integer(1, 50)));
+         return s;
+     }},
+    {"edge-on by a last place",
+     [](Seeded& rng) {
+         TriangleSample s = whole_sample(rng, 100);
+         s.triangle.b = s.triangle.a + 64.0 * whole_vec(rng, 20),
+         s.triangle.c = s.triangle.a + 64.0 * whole_vec(rng, 20);
+         const auto some = [&](int most) { return static_cast<double>(rng.integer(1, most)); };
+         const Vec<double> along = some(9) * (s.triangle.b - s.triangle.a) + some(9) * (s.triangle.c - s.triangle.a);
+         s.ray.direction = along + 0x1p-9 * whole_vec(rng, 1);
+         aim(s, s.triangle.a + 0.25 * (s.triangle.b - s.triangle.a) + 0.5 * (s.triangle.c - s.triangle.a), some(3));
          return s;
      }},
     {"far away",

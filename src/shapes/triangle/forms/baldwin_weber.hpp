@@ -13,6 +13,7 @@ struct BaldwinWeber {
         .source = "Baldwin and Weber, JCGT 5(3), 2016; the edge from b to c is left out, u + v < 1",
         .roots = Roots::first_only,
         .at_origin = AtOrigin::miss,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>

@@ -6,6 +6,7 @@
 #include "shapes/triangle/forms/filtered.hpp"
 #include "shapes/triangle/forms/havel_herout.hpp"
 #include "shapes/triangle/forms/moller_trumbore.hpp"
+#include "shapes/triangle/forms/moller_trumbore_culling.hpp"
 #include "shapes/triangle/forms/pbrt.hpp"
 #include "shapes/triangle/forms/plane_barycentric.hpp"
 #include "shapes/triangle/forms/plucker.hpp"
@@ -20,22 +21,23 @@
 
 namespace lostbits::intersect::triangle {
 
-using TriangleForms = FormList<   //
-    triangle::MollerTrumbore,     // determinants
-    triangle::ReciprocalFirst,    //
-    triangle::Undivided,          //
-    triangle::PrecomputedNormal,  //
-    triangle::SignedVolumes,      //
-    triangle::Plucker,            // edges, each by itself
-    triangle::PluckerBand,        //
-    triangle::Woop,               //
-    triangle::WoopDouble,         //
-    triangle::Pbrt,               //
-    triangle::BaldwinWeber,       // the plane, then coordinates in it
-    triangle::HavelHerout,        //
-    triangle::Projection,         //
-    triangle::PlaneBarycentric,   //
-    triangle::FilteredTriangle    // exact signs
+using TriangleForms = FormList<       //
+    triangle::MollerTrumbore,         // determinants
+    triangle::MollerTrumboreCulling,  //
+    triangle::ReciprocalFirst,        //
+    triangle::Undivided,              //
+    triangle::PrecomputedNormal,      //
+    triangle::SignedVolumes,          //
+    triangle::Plucker,                // edges, each by itself
+    triangle::PluckerBand,            //
+    triangle::Woop,                   //
+    triangle::WoopDouble,             //
+    triangle::Pbrt,                   //
+    triangle::BaldwinWeber,           // the plane, then coordinates in it
+    triangle::HavelHerout,            //
+    triangle::Projection,             //
+    triangle::PlaneBarycentric,       //
+    triangle::FilteredTriangle        // exact signs
     >;
 
 }  // namespace lostbits::intersect::triangle

@@ -12,6 +12,7 @@ struct HavelHerout {
         .title = "three planes a triangle, signs compared",
         .source = "Havel and Herout, IEEE TVCG 16(3), 2010; edges seen from behind are left out",
         .roots = Roots::first_only,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>
@@ -23,8 +24,9 @@ struct HavelHerout {
 
         const T det = named("det", dot(n0, ray.direction)), dett = named("dett", d0 - dot(ray.origin, n0));
         const Vec<T> p = det * ray.origin + dett * ray.direction;
-        const T u = named("u", dot(p, n1) + det * d1), v = named("v", dot(p, n2) + det * d2);
-        const T w = named("w", det - u - v), t = named("t", dett * (T(1) / det));
+        const T u = named("detu", dot(p, n1) + det * d1), v = named("detv", dot(p, n2) + det * d2);
+        const T w = named("detw", det - u - v), rdet = named("rdet", T(1) / det), t = named("t", dett * rdet);
+        named("u", u * rdet), named("v", v * rdet);
         const mask_t<T> none_below = !(u < T(0)) && !(v < T(0)) && !(w < T(0)),
                         all_below = u < T(0) && v < T(0) && w < T(0);
         return met<T>((none_below || all_below) && is_not_zero(det) && t >= T(0), t);

@@ -12,6 +12,7 @@ struct MollerTrumbore {
         .title = "Möller-Trumbore, nothing where |det| < 2^-23",
         .source = "bevy_picking 0909366, mesh_picking/ray_cast/intersections.rs:247",
         .roots = Roots::first_only,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>

@@ -13,6 +13,7 @@ struct Pbrt {
         .source = "pbrt-v4, src/pbrt/shapes.cpp:168, t <= deltaT at 245; exact arithmetic has no bound",
         .roots = Roots::first_only,
         .at_origin = AtOrigin::miss,
+        .weights = {"b0", "b1", "b2"},
     };
 
     template <Number T>

@@ -12,6 +12,7 @@ struct PlaneBarycentric {
         .title = "the point on the plane, then its coordinates",
         .source = "trimesh 06350f1, trimesh/ray/ray_triangle.py:170 and triangles.py; t >= 0 and not -1e-6",
         .roots = Roots::first_only,
+        .weights = {"a", "b", "c"},
     };
 
     template <Number T>

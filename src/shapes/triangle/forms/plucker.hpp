@@ -11,6 +11,7 @@ struct Plucker {
         .title = "Plücker edge tests by their signs",
         .source = "Blender Cycles 2.79, intern/cycles/util/util_math_intersect.h, ray_triangle_intersect",
         .roots = Roots::first_only,
+        .weights = {"u", "v", ""},
     };
 
     template <Number T>
@@ -18,7 +19,8 @@ struct Plucker {
         const PluckerEdges<T> edges(ray, triangle.c, triangle.a, triangle.b);
         const Vec<T> n1 = cross(edges.e1, edges.e0), n = n1 + n1;
         const T den = named("den", dot(n, ray.direction)), tn = named("T", dot(edges.v0, n));
-        const T t = named("t", tn * named("1/den", T(1) / den));
+        const T inverse = named("1/den", T(1) / den), t = named("t", tn * inverse);
+        named("u", -edges.u * inverse), named("v", -edges.v * inverse);  // the source has (y + x) × (y − x)
         const mask_t<T> inside = !(edges.least < T(0) && edges.most > T(0));
         return met<T>(inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
     }

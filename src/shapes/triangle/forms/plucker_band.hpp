@@ -11,6 +11,7 @@ struct PluckerBand {
         .title = "Plücker edge tests, an ulp to spare",
         .source = "Embree 0d9493e, kernels/geometry/triangle_intersector_pluecker.h:80; rcp as 1/x",
         .roots = Roots::first_only,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>
@@ -20,6 +21,8 @@ struct PluckerBand {
         const Vec<T> n = stable_normal(edges.e0, edges.e1, edges.e2);
         const T half = dot_from_z(n, ray.direction), den = named("den", half + half);
         const T tn = dot_from_z(edges.v0, n), t = named("t", (T(1) / den) * named("T", tn + tn));
+        const T inverse = named("1/UVW", T(1) / edges.sum);
+        named("u", edges.u * inverse), named("v", edges.v * inverse);
         return met<T>((edges.least >= -band || edges.most <= band) && T(0) <= t && is_not_zero(den), t);
     }
 

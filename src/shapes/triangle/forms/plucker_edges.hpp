@@ -10,7 +10,8 @@ template <Number T>
 struct PluckerEdges {
     Vec<T> v0, v1, v2;  ///< the vertices from the origin
     Vec<T> e0, e1, e2;
-    T least, most, sum;  ///< of the three tests
+    T u, v;              ///< the tests of the edges that are across from p1 and p2
+    T least, most, sum;  ///< of all three tests
 
     PluckerEdges(const Ray<T>& ray, const Vec<T>& p0, const Vec<T>& p1, const Vec<T>& p2)
         : v0(p0 - ray.origin),
@@ -19,13 +20,16 @@ struct PluckerEdges {
           e0(v2 - v0),
           e1(v0 - v1),
           e2(v1 - v2),
+          u(0),
+          v(0),
           least(0),
           most(0),
           sum(0) {
         const auto test = [&](const Vec<T>& edge, const Vec<T>& x, const Vec<T>& y) {
             return dot_from_z(cross(edge, Vec<T>(x + y)), ray.direction);
         };
-        const T u = named("U", test(e0, v2, v0)), v = named("V", test(e1, v0, v1)), w = named("W", test(e2, v1, v2));
+        u = named("U", test(e0, v2, v0)), v = named("V", test(e1, v0, v1));
+        const T w = named("W", test(e2, v1, v2));
         least = min(min(u, v), w);
         most = max(max(u, v), w);
         sum = named("UVW", u + v + w);

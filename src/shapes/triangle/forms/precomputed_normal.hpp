@@ -12,6 +12,7 @@ struct PrecomputedNormal {
         .title = "normal first, u, v and w at least -epsilon",
         .source = "madmann91/bvh 327b67b, src/bvh/v2/tri.h:57",
         .roots = Roots::first_only,
+        .weights = {"w", "u", "v"},
     };
 
     template <Number T>

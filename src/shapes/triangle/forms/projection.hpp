@@ -11,6 +11,7 @@ struct Projection {
         .title = "the plane, then two coordinates along two axes",
         .source = "Wald, thesis, 2004; Mitsuba 08b1861, include/mitsuba/render/triaccel.h:47",
         .roots = Roots::first_only,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>

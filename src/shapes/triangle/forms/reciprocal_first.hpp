@@ -12,6 +12,7 @@ struct ReciprocalFirst {
         .title = "Möller-Trumbore, times 1/det before the tests",
         .source = "Mitsuba 3 003422d, include/mitsuba/render/mesh.h, moeller_trumbore",
         .roots = Roots::first_only,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>

@@ -12,6 +12,7 @@ struct SignedVolumes {
         .title = "signs of three determinants, t as a fourth",
         .source = "Segura and Feito, WSCG 2001; Ericson, Real-Time Collision Detection, section 5.3.4",
         .roots = Roots::first_only,
+        .weights = {"u", "v", "w"},
     };
 
     template <Number T>
@@ -20,7 +21,8 @@ struct SignedVolumes {
         const Vec<T> bc = cross(b, c);
         const T u = named("U", dot(ray.direction, bc)), v = named("V", dot(ray.direction, cross(c, a)));
         const T w = named("W", dot(ray.direction, cross(a, b))), zero(0), sum = named("U+V+W", u + v + w);
-        const T t = named("t", named("volume", dot(a, bc)) / sum);
+        const T t = named("t", named("volume", dot(a, bc)) / sum), denom = named("denom", T(1) / sum);
+        named("u", u * denom), named("v", v * denom), named("w", w * denom);
         const mask_t<T> inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
         return met<T>(inside && is_not_zero(sum) && t >= zero, t);
     }

@@ -13,6 +13,7 @@ struct Undivided {
         .source = "Embree 008025c, kernels/geometry/triangle_intersector_moeller.h:81; rcp as 1/x",
         .roots = Roots::first_only,
         .at_origin = AtOrigin::miss,
+        .weights = {"", "u", "v"},
     };
 
     template <Number T>
@@ -24,7 +25,8 @@ struct Undivided {
         const T size = abs(den);
         const T u = named("U", turned(dot_from_z(r, e2))), v = named("V", turned(dot_from_z(r, e1)));
         const T tn = named("T", turned(dot_from_z(ng, c)));
-        const T t = named("t", tn * named("1/den", T(1) / size));
+        const T inverse = named("1/den", T(1) / size), t = named("t", tn * inverse);
+        named("u", u * inverse), named("v", v * inverse);
         return met<T>(is_not_zero(den) && u >= T(0) && v >= T(0) && u + v <= size && tn > T(0), t);
     }
 };

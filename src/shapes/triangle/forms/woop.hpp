@@ -13,6 +13,7 @@ struct Woop {
         .source = "Embree 05bf30e, kernels/geometry/triangle_intersector_woop.h:87; rcp as 1/x",
         .roots = Roots::first_only,
         .at_origin = AtOrigin::miss,
+        .weights = {"u", "v", ""},
     };
 
     template <Number T>
@@ -33,7 +34,8 @@ struct Woop {
         const T w = named("W", b.x * a.y - b.y * a.x), zero(0);
         const T det = named("det", u + v + w);
         const T tn = named("T", u * (sz * a.z) + v * (sz * b.z) + w * (sz * c.z));
-        const T t = named("t", tn * named("1/det", T(1) / det));
+        const T inverse = named("1/det", T(1) / det), t = named("t", tn * inverse);
+        named("u", u * inverse), named("v", v * inverse);
         const mask_t<T> inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
         return met<T>(inside && is_not_zero(det) && zero < t, t);
     }

@@ -12,6 +12,7 @@ struct WoopDouble {
         .source = "Woop, Benthin and Wald, JCGT 2(1), 2013; pbrt-v3, src/shapes/triangle.cpp, less its last test",
         .roots = Roots::first_only,
         .at_origin = AtOrigin::miss,
+        .weights = {"b0", "b1", "b2"},
     };
 
     template <Number T>

@@ -61,6 +61,7 @@ WoopFound<T> found_by_edges(const Triangle<T>& triangle, const WoopVertices<T>& 
     const T scaled = named("tScaled", e.e0 * v.p0.z + e.e1 * v.p1.z + e.e2 * v.p2.z);
     const mask_t<T> ahead = (det < zero && scaled < zero) || (det > zero && scaled > zero);
     const T inverse = named("invDet", T(1) / det);
+    named("b0", e.e0 * inverse), named("b1", e.e1 * inverse), named("b2", e.e2 * inverse);
     return {is_not_zero(area) && !(below && above) && ahead, named("t", scaled * inverse), inverse};
 }
 

@@ -1,0 +1,124 @@
+// One side of a triangle as a word of a contract: tried, believed by every command, and refused of what has no front.
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+
+namespace test_facing {
+
+using namespace lostbits::test;
+
+namespace {
+
+const std::string facing = std::string(LOSTBITS_LIBRARIES) + "/facing.so";
+
+const std::string scene =
+    "title = \"a\"\nsource = \"here\"\n[camera]\nkind = \"pinhole\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n"
+    "up = [0, 1, 0]\nfov_deg = 60\n";
+
+/// A scene of the vertices of a triangle, `a` to `c`, each a list of numbers.
+std::string of_triangle(const std::string& a, const std::string& b, const std::string& c) {
+    return "[[triangle]]\na = " + a + "\nb = " + b + "\nc = " + c + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("facing: plugin check says which word is missing, and acquits what has the right one", "[doors]") {
+    const Scratch folder;
+    const Outcome o = run("plugin check " + facing, folder.path());
+    CHECK(o.code == 1);
+    const auto finding = [&o](const std::string& form) {
+        const auto at = o.out.find(form + " in binary32");
+        INFO(form << o.out);
+        REQUIRE(at != std::string::npos);
+        return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
+    };
+    for (const std::string form : {"front", "back", "both", "ahead", "disc"}) {
+        INFO(finding("word." + form));
+        CHECK(has(finding("word." + form), ": does as it says"));
+    }
+    for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"front", "say LB_FACING_FRONT (facing_front, facing=front)"},
+             {"back", "say LB_FACING_BACK (facing_back, facing=back)"},
+             {"both", "the other side is met as well; leave facing out"},
+             {"ahead", "say LB_MISS (origin_misses, at_origin=miss)"},
+             {"other", "say LB_FACING_BACK (facing_back, facing=back)"}}) {
+        INFO(finding("bad." + form));
+        CHECK(has(finding("bad." + form), says));
+    }
+}
+
+TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side", "[doors]") {
+    const Scratch folder;
+    folder.write("near.toml", scene + of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
+                                  of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"));
+    folder.write("ball.toml", scene + "[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n");
+    const auto row = [&](const std::string& name, const std::string& form) {
+        for (auto& each : read_csv(folder.path() / "out" / name / "summary.csv"))
+            if (each["form"] == form) return each;
+        FAIL("no row " << form);
+        return std::map<std::string, std::string>{};
+    };
+    for (const std::string name : {"near", "ball"}) {
+        const Outcome map = run("map " + name +
+                                    ".toml --size 64x64 -f f32 -o out -i triangle.moller_trumbore_culling "
+                                    "-i triangle.filtered -i 'word.*' -i 'bad.*' --plugin " +
+                                    facing,
+                                folder.path());
+        INFO(map.err);
+        REQUIRE(map.code == 0);
+        for (const std::string form : {"word.front", "word.back", "word.both", "triangle.moller_trumbore_culling"}) {
+            auto each = row(name, form);
+            INFO(name << ' ' << form);
+            CHECK(std::stoi(each["agree_hit"]) > 300);
+            for (const char* wrong : {"false_hit", "false_miss", "wrong_object"}) CHECK(each[wrong] == "0");
+        }
+        auto mute = row(name, "bad.back");
+        CHECK(std::stoi(mute["false_miss"]) + std::stoi(mute["wrong_object"]) > 300);
+    }
+    // The outside of a ball shows its front: what culls backs meets it as what culls nothing does.
+    CHECK(row("ball", "word.front")["agree_hit"] == row("ball", "triangle.filtered")["agree_hit"]);
+
+    folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,5,0,0,-1,0,0\n0,0,-5,0,0,1,1,5\n");
+    const auto judged = [&](const std::string& side) {
+        const Outcome o =
+            run("judge rays.csv --triangle=-1,-1,0,0,1,0,1,-1,0 --facing " + side + " -o " + side, folder.path());
+        INFO(o.err);
+        REQUIRE(o.code == 0);
+        return read_csv(folder.path() / side / "rays/summary.csv").front();
+    };
+    CHECK(judged("front")["agree_hit"] == "1");
+    CHECK(judged("front")["agree_miss"] == "1");
+    CHECK(judged("back")["false_hit"] == "1");
+    CHECK(judged("back")["false_miss"] == "1");
+    CHECK(judged("both")["false_miss"] == "1");
+    const Outcome refused = run("judge rays.csv --sphere 0,0,0,1 --facing front", folder.path());
+    CHECK(refused.code == 2);
+    CHECK(has(refused.err, "facing is said of what has a front and a back (triangles, discs, planes)"));
+}
+
+TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
+    const Scratch folder;
+    const auto header = [&](const std::string& words) {
+        return run("list intersectors --json --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\nroots=first\\n" + words +
+                       "\\n\\n'; cat\"",
+                   folder.path());
+    };
+    const Outcome front = header("shape=triangle\\nfacing=front");
+    INFO(front.err);
+    CHECK(front.code == 0);
+    for (const auto& form : nlohmann::json::parse(front.out))
+        if (form["name"] == "a.x") CHECK(form["facing"] == "front");
+    for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
+             {"shape=sphere\\nfacing=front", "leave it out of a sphere"},
+             {"shape=tube\\nfacing=back", "leave it out of a tube"},
+             {"shape=triangle\\nfacing=ahead", "it is one of both, front, back"}}) {
+        const Outcome o = header(words);
+        INFO(words << ": " << o.err);
+        CHECK(o.code == 2);
+        CHECK(has(o.err, says));
+    }
+}
+
+}  // namespace test_facing
