@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <sstream>
 #include <string>
 
@@ -126,6 +127,33 @@ TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by
         CHECK(answers.front().hit);
         CHECK(answers.front().low > 0);
         CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
+    }
+}
+
+TEST_CASE("exact: entries of a box are told apart where their products underflow", "[exact]") {
+    // Once the third entry was answered where the second is the largest: n m of the first two lay below 2^-1000, and
+    // neither was held against the third.
+    std::vector<Problem> problems{{.ray = {0x1.d3f589a2ffaa4p-350, 0x1.b42c9d43deaa1p-467, -0x1.a8487834180eep-694,
+                                           -0x1.e03c85ef1ab3bp-639, -0x1.68f4b37afe469p-859, -0x1.3f63d3e79a6c3p-321},
+                                   .solid = {-0x1.10076565324f1p+933, -0x1.28ce4fe233f98p-148, -0x1.35ff7bebf3e05p+995,
+                                             0x1.a3003b63c8f8ep-717, -0x1.a24b3f5789123p-395, -0x1.c01be7ec08c84p+60}}};
+    std::mt19937_64 engine(11);
+    const auto power = [&engine](int low, int high) {
+        return std::ldexp(std::uniform_real_distribution<double>(1, 2)(engine),
+                          std::uniform_int_distribution<int>(low, high)(engine));
+    };
+    while (problems.size() < 20'000) {
+        Problem& p = problems.emplace_back();
+        for (std::size_t i = 0; i < 3; ++i) {
+            p.ray[i] = power(-900, -700), p.ray[3 + i] = power(-900, -300);
+            p.solid[i] = power(-600, 100), p.solid[3 + i] = 0x1p1000;
+        }
+    }
+    std::vector<Answer> answers;
+    for (const Way way : {Way::doubles, Way::one_by_one}) {
+        ask("box", way, problems, answers);
+        CHECK(std::ranges::count(answers, true, &Answer::hit) == 20'000);
+        CHECK(check(shapes[1], problems, answers, tightness_of(way), 1).differ == 0);
     }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
@@ -71,6 +72,9 @@ Met<Running<W>> first_met(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<
 ///
 /// Of such numbers x = a b and y = c d, as they round, are good to 2.1·2^-45 of themselves and 2^-1074, and x − y to
 /// 2^-53 more: a b < c d where x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.
+///
+/// Where a selection is undecided the word is NaN, with which no comparison is decided: of two entries whose products
+/// are both below 2^-1000 the larger is not known, and each of them may be far from it.
 template <class W>
 struct ByFirstWord {
     using P = typename Running<W>::P;
@@ -91,7 +95,8 @@ struct ByFirstWord {
     friend Mask operator>(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).less; }
     friend Mask operator>=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).at_most; }
     friend ByFirstWord select(const Mask& mask, const ByFirstWord& a, const ByFirstWord& b) {
-        return ByFirstWord(select(mask, a.whole, b.whole));
+        const Running<W> nothing(W(P(std::numeric_limits<double>::quiet_NaN())));
+        return ByFirstWord(select(mask.yes() || mask.no(), select(mask.yes(), a.whole, b.whole), nothing));
     }
 
 private:
