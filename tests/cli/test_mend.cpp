@@ -86,7 +86,7 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     if (!is_long()) return;  // compiling takes half a minute
     CHECK(has(r.out, "Compiled, held against their tapes to the bit on all rays"));
     int mended = 0, beside = 0;
-    for (const auto& row : read_csv(scratch.path() / "out" / "instance-far" / "mend.csv")) {
+    for (const auto& row : read_csv(scratch.path() / "out" / "instance-far.sphere" / "mend.csv")) {
         INFO(row.at("kind") << " " << row.at("form"));
         if (row.at("kind") == "all_wider") continue;
         CHECK_FALSE(row.at("time_ns").empty());

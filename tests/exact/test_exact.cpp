@@ -17,9 +17,9 @@ using namespace lostbits::exact;
 
 namespace {
 
-std::size_t random_rays() {
-    if (const char* asked = std::getenv("LOSTBITS_EXACT_RAYS")) return std::strtoull(asked, nullptr, 10);
-    return 40'000;
+std::size_t rays_or(std::size_t usual) {
+    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
+    return asked ? std::strtoull(asked, nullptr, 10) : usual;
 }
 
 constexpr std::size_t batch = 4000;
@@ -91,10 +91,10 @@ void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, cons
     }
 }
 
-void hold(const Shaped& shape) { hold(shape, random_rays(), draw_random, draw_made, draw_random); }
+void hold(const Shaped& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
 
 void hold_placed(const Shaped& shape) {
-    hold(shape, random_rays(), placed(draw_random, place_at_random), placed(draw_made, place_as_made),
+    hold(shape, rays_or(12'000), placed(draw_random, place_at_random), placed(draw_made, place_as_made),
          placed(draw_random, place_at_random, false));
 }
 
