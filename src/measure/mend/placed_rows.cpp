@@ -6,9 +6,9 @@
 #include <deque>
 #include <stdexcept>
 
-#include "intersect/doors/placed_form.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "intersect/simd/packed.hpp"
+#include "measure/mend/placed_form.hpp"
 
 namespace lostbits::measure::mend {
 
@@ -24,14 +24,14 @@ namespace {
 /// What a library exports of a form, which is there as long as the library is loaded: to the end.
 template <class F>
 struct Kernels {
-    doors::PlacedKernel<F> alone, packs;
+    PlacedKernel<F> alone, packs;
     simd::Isa isa;      ///< of the packs
     std::size_t lanes;  ///< in a register
 };
 
 /// Whole packs, where the run has the registers that they were compiled for, and the rest alone.
 template <class F>
-void answer(const Kernels<F>& kernels, doors::PlacedColumns<F> columns, std::size_t size) {
+void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
     const std::size_t whole =
         kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
     columns.size = whole;
@@ -66,7 +66,7 @@ void run(void* own, const RayBatch<F>& rays, const Target<F>& target, const HitB
 template <class F>
 intersect::table::Kernel<F> kernel_of(const doors::Library& library, const std::string& name) {
     static std::deque<Kernels<F>> all;
-    using Kernel = doors::PlacedKernel<F>;
+    using Kernel = PlacedKernel<F>;
     using doors::entry_of;
     const simd::Isa isa = simd::current_isa();
     const std::size_t bytes = isa == simd::Isa::w512 ? 64 : isa == simd::Isa::w256 ? 32 : 16;
@@ -84,7 +84,7 @@ bool is_double(const Written& form) { return form.from.format.engine == Format::
 bool are_placed(const std::vector<Written>& forms) { return !forms.empty() && forms.front().from.form->is_placed; }
 
 std::string placed_source_of(const std::vector<Written>& forms) {
-    std::string text = "#include \"intersect/doors/placed_form.hpp\"\n";
+    std::string text = "#include \"measure/mend/placed_form.hpp\"\n";
     for (std::size_t k = 0; k < forms.size(); ++k) {
         std::string solid(row_of(forms[k].from.form->shape).name);
         solid.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(solid.front())));

@@ -15,7 +15,7 @@
 #include "number/width.hpp"
 #endif
 
-namespace lostbits::intersect::doors {
+namespace lostbits::measure::mend {
 
 /// Rays and answers, structure of arrays, of one solid under its matrix as it is stored.
 template <class F>
@@ -64,22 +64,18 @@ template <class Form, template <class> class S, class T, class F>
     }
 }
 
+}  // namespace lostbits::measure::mend
+
 #if defined(LOSTBITS_ISA)
-template <class F>
-using PlacedNumber = Pack<F, Width>;
 #define LOSTBITS_PLACED_NAME(name) name##_packs
+#define LOSTBITS_PLACED_NUMBER(F) lostbits::Pack<F, lostbits::Width>
 #else
-template <class F>
-using PlacedNumber = F;
 #define LOSTBITS_PLACED_NAME(name) name##_alone
+#define LOSTBITS_PLACED_NUMBER(F) F
 #endif
-
-}  // namespace lostbits::intersect::doors
-
 /// Exports `name_alone`, or `name_packs` of an object of a register width: the answers of a form over F to one Solid.
-#define LOSTBITS_PLACED_FORM(name, Form, Solid, F)                                                     \
-    extern "C" [[gnu::visibility("default")]] void LOSTBITS_PLACED_NAME(name)(                         \
-        const lostbits::intersect::doors::PlacedColumns<F>* columns) {                                 \
-        using lostbits::intersect::doors::PlacedNumber;                                                \
-        lostbits::intersect::doors::answer_placed<Form, lostbits::Solid, PlacedNumber<F>, F>(columns); \
+#define LOSTBITS_PLACED_FORM(name, Form, Solid, F)                                                            \
+    extern "C" [[gnu::visibility("default")]] void LOSTBITS_PLACED_NAME(name)(                                \
+        const lostbits::measure::mend::PlacedColumns<F>* columns) {                                           \
+        lostbits::measure::mend::answer_placed<Form, lostbits::Solid, LOSTBITS_PLACED_NUMBER(F), F>(columns); \
     }
