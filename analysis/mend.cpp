@@ -57,10 +57,6 @@ measure::map::MapRow row_of(const MendOptions& o, const std::string& id, const c
 /// The form, what it was mended to, and the catalogue, timed in one run. Where nothing can be compiled, it says why.
 void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
     const MendRequest& request = result.request;
-    if (request.row.form->is_placed) {
-        result.no_price = "what is compiled of a form in a file is given no matrix";
-        return;
-    }
     std::vector<measure::mend::Written> written;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
@@ -170,10 +166,9 @@ Exit run(const MendOptions& o, const Common& common) {
                         .two_words = o.wider == "two-words"};
     if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
         throw InputError("--emit " + o.emit + ": a shader computes in floats; mend the form in f32, or write .hpp");
-    if (!o.emit.empty() && request.row.form->is_placed)
+    if (o.emit.ends_with(".glsl") && request.row.form->is_placed)
         throw InputError("--emit " + o.emit +
-                         ": a form in a file is given a solid and no matrix; leave out --emit, or mend the form alone, "
-                         "-i " +
+                         ": a shader is given a solid and no matrix; write .hpp, or mend the form alone, -i " +
                          std::string(intersect::hull::innermost(*request.row.form).info->name));
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
     request.limit.stop = common.stop;

@@ -43,15 +43,16 @@ struct SweepOptions {
 };
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
-    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
-               "threshold", "last good", "first seen bad", "last good after", "first bad over draws");
+    fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
+               "threshold", "from", "last good", "first seen bad", "last good after", "first bad over draws");
     for (const measure::sweep::Onset& o : onsets) {
-        if (!o.found) continue;
+        // What is bad at the last step says nothing when it is read from there.
+        if (!o.found || (o.from_last && o.from_start)) continue;
         const MapRow& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
         const auto s = o.spread();
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
-                   row.format.name, o.event, o.statistic, o.threshold,
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
+                   row.format.name, o.event, o.statistic, o.threshold, o.from_last ? "last" : "first",
                    o.from_start ? "-" : fmt::format("{:.8g}", o.last_good), o.first_bad,
                    !o.recovers     ? "-"
                    : o.good_at_end ? "to the end"
@@ -141,7 +142,7 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds.value_or(2);
-    request.recoveries = true;
+    request.recoveries = request.both_ends = true;
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);

@@ -41,7 +41,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
                                             [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (MapRow& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
-    request.recoveries = true;
+    request.recoveries = request.both_ends = true;
     output::sweep::SweepFiles::require_own_columns(request);
     request.progress = running.advancing(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);

@@ -157,6 +157,7 @@ set = ["march.hit_eps"]
     bool found = false;
     for (const auto& row : read_csv(scratch.path() / "one/s/onsets.csv")) {
         if (row.at("form") != "sdf.sphere_trace" || row.at("event") != "stagnated") continue;
+        if (row.at("read_from") != "first") continue;
         found = true;
         CHECK(row.at("found") == "1");
         const double bad = std::stod(row.at("first_bad_hit_eps"));  // half an ulp of t in [2, 4) is 2^-23

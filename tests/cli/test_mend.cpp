@@ -69,6 +69,34 @@ TEST_CASE("a mended form is written as a function of GLSL with the names of the 
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "wide.glsl"));
 }
 
+TEST_CASE("under a matrix a mended form is a function that takes the matrix, and has a price", "[mend]") {
+    const Scratch scratch;
+    const std::string words = "mend instance-far.sphere --size 24x24 -i sphere.unified@plain --bits 18 ";
+    const auto r = run(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());
+    INFO(r.err << r.out);
+    REQUIRE(r.code == 0);
+    const std::string text = contents(scratch.path() / "placed.hpp");
+    CHECK(has(text, "const Sphere<T>& sphere, const std::array<T, 12>& matrix) {"));
+    CHECK(has(text, "// The matrix leads from the solid to the world, row by row.\n"));
+    CHECK(has(text, "M03"));
+    CHECK_FALSE(has(text, "sphere.M"));
+    const auto shader = run(words + "--emit placed.glsl", scratch.path());
+    CHECK(shader.code == 2);
+    CHECK(has(shader.err, "a shader is given a solid and no matrix"));
+    if (!is_long()) return;  // compiling takes half a minute
+    CHECK(has(r.out, "Compiled, held against their tapes to the bit on all rays"));
+    int mended = 0, beside = 0;
+    for (const auto& row : read_csv(scratch.path() / "out" / "instance-far.sphere" / "mend.csv")) {
+        INFO(row.at("kind") << " " << row.at("form"));
+        if (row.at("kind") == "all_wider") continue;
+        CHECK_FALSE(row.at("time_ns").empty());
+        CHECK(number_in(row.at("single_time_ns")) > 0);
+        (row.at("kind") == "catalogue" ? beside : mended) += 1;
+    }
+    CHECK(mended > 1);
+    CHECK(beside > 10);
+}
+
 TEST_CASE("choose offers what a form is mended to, compiled and timed with the others", "[mend]") {
     if (!is_long()) return;  // compiling takes half a minute
     const Scratch scratch;

@@ -25,6 +25,7 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     std::size_t recovered = 0, for_good = 0;
     for (const auto& onset : read_csv(scratch.path() / "s/onsets.csv")) {
+        if (onset.at("read_from") != "first") continue;
         if (onset.at("found") != "1") {
             CHECK(onset.at("recovers") == "0");
             continue;
@@ -61,6 +62,33 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
     CHECK(for_good > 2);
 }
 
+TEST_CASE("an onset that is read from the last step is that of the sweep whose steps are in the other order") {
+    const Scratch scratch;
+    static_cast<void>(scratch.write("s.toml", small_sweep));
+    // A step of the axis is an octave, so that both orders have the same values.
+    const auto onsets = [&](const std::string& out, const std::string& options) {
+        REQUIRE(run("sweep s.toml -i 'sphere.*' -f f32 -q -o " + out + options, scratch.path()).code == 0);
+        return read_csv(scratch.path() / out / "s/onsets.csv");
+    };
+    const auto up = onsets("up", ""), down = onsets("down", " --set 'axis[0].from=1048576' --set 'axis[0].to=2'");
+    REQUIRE(up.size() == down.size());
+    std::size_t found = 0, inside = 0;
+    for (std::size_t i = 0; i < up.size(); ++i) {
+        auto here = up[i];
+        auto there = down[i % 2 == 0 ? i + 1 : i - 1];  // an onset and the same from the other end
+        REQUIRE(here.at("read_from") == (i % 2 == 0 ? "first" : "last"));
+        CHECK(there.at("read_from") != here.at("read_from"));
+        there["read_from"] = here.at("read_from");
+        CHECK(here == there);
+        if (here.at("read_from") == "last" && here.at("found") == "1") {
+            ++found;
+            inside += here.at("last_good_hex") != "";
+        }
+    }
+    CHECK(found > 20);
+    CHECK(inside > 3);  // of those some are good again at 2^20 radii, where they are seen to end
+}
+
 TEST_CASE("a sweep says where a form first hits the wrong solid, as its own steps do") {
     const Scratch scratch;
     static_cast<void>(scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n"));
@@ -90,7 +118,7 @@ measured = { form = "sphere.schoolbook", event = "wrong_object", threshold = 1 }
     REQUIRE(first > 4);
     int rows = 0;
     for (const auto& onset : read_csv(scratch.path() / "s/onsets.csv")) {
-        if (onset.at("event") != "wrong_object") continue;
+        if (onset.at("event") != "wrong_object" || onset.at("read_from") != "first") continue;
         ++rows;
         CHECK((onset.at("found") == "1") == (onset.at("format") == "f32"));
         if (onset.at("found") != "1") continue;

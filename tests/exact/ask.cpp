@@ -8,6 +8,7 @@
 #include <string>
 
 #include "measure/truth/truth_columns.hpp"
+#include "shapes/given_matrix.hpp"
 
 namespace lostbits::exact {
 namespace {
@@ -25,6 +26,7 @@ struct Given {
           solid(shape),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
         for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
+        if (p.is_placed) solid.placed = placement_of(p.matrix, p.is_inverse);
     }
 };
 
@@ -52,7 +54,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
 template <class S>
 struct Columns {
     std::array<std::vector<S>, 6> ray;
-    std::array<std::vector<S>, most_solid> solid;
+    std::array<std::vector<S>, most_stored> solid;
     std::vector<S> tmin, tmax;
     truth::ProblemColumns<S> columns;
 
@@ -70,6 +72,12 @@ struct Columns {
             columns.solid[k] = put(solid[k], [k](const Problem& p) { return p.solid[k]; });
         columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
         columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
+        const Problem& first = problems.front();
+        if (!first.is_placed) return;
+        columns.matrix = {true, first.is_inverse, placement_of(first.matrix).orientation};
+        for (std::size_t k = 0; k < first.matrix.size(); ++k)
+            columns.solid[most_numbers + k] =
+                put(solid[most_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
     }
 };
 
@@ -113,6 +121,7 @@ void ask_interface(std::string_view shape, std::span<const Problem> problems, st
     rays.shape = name.c_str();
     rays.solids = column(p.solid.data(), most_solid);
     rays.paired = 1;
+    if (p.is_placed) rays.matrix = column(p.matrix.data(), p.matrix.size());
     rays.format = "f64";
     lostbits_run run{};
     run.threads = 1;

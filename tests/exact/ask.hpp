@@ -21,7 +21,7 @@ enum class Way {
 /// How close t is known by that way, as a share of itself.
 double tightness_of(Way way);
 
-/// All problems of a batch have their ends open alike.
+/// All problems of a batch have their ends open alike, and matrices of one kind; through the interface, not inverses.
 void ask(std::string_view shape, Way way, std::span<const Problem> problems, std::vector<Answer>& answers);
 
 /// The shapes that lostbits has, and how many numbers a solid of each.

@@ -86,10 +86,10 @@ Findings check(const Shaped& shape, std::span<const Problem> problems, std::span
     for (std::size_t i = 0; i < problems.size(); ++i) {
         Fault fault = Fault::none;
         in_doubt = (i + 1) % each_exactly == 0, has_no_first = false;
-        if (!in_doubt) fault = fault_of(shape.quickly(Asked<Enclosed>(problems[i])), answers[i], tightness, 0x1p-80);
+        if (!in_doubt) fault = fault_of(meet(shape.quickly, problems[i]), answers[i], tightness, 0x1p-80);
         if (in_doubt) {
             ++found.exactly, has_no_first = false;
-            fault = fault_of(shape.exactly(Asked<Whole>(problems[i])), answers[i], tightness, 0);
+            fault = fault_of(meet(shape.exactly, problems[i]), answers[i], tightness, 0);
         }
         ++found.asked;
         found.hits += answers[i].hit;
@@ -110,6 +110,10 @@ std::string paste(const Shaped& shape, const Problem& p, const Answer& a) {
     for (const double x : p.ray) add(" ", x);
     text += ", solid";
     for (const double x : p.solid) add(" ", x);
+    if (p.is_placed) {
+        text += p.is_inverse ? ", under the inverse" : ", under";
+        for (const double x : p.matrix) add(" ", x);
+    }
     add(", from ", p.tmin), add(p.open_tmin ? " (open) to " : " to ", p.tmax);
     text += p.open_tmax ? " (open)" : "";
     if (!a.hit) return text + ": a miss";

@@ -17,6 +17,8 @@ struct Problem {
     std::array<double, most_solid> solid{};
     double tmin = 0, tmax = INFINITY;
     bool open_tmin = false, open_tmax = false;
+    std::array<double, 12> matrix{};  ///< [A τ], row by row, under which the solid stands, if it does
+    bool is_placed = false, is_inverse = false;
 };
 
 template <class E>
@@ -32,12 +34,13 @@ struct Vector {
     }
 };
 
-/// A problem in numbers of E.
+/// A problem in numbers of E, in the space of its solid.
 template <class E>
 struct Asked {
     Vector<E> o, d;
     std::array<E, most_solid> n;
     Counted<E> counted;
+    bool is_flat = false;  ///< the matrix leaves nothing to hit
 
     explicit Asked(const Problem& p)
         : o{E(p.ray[0]), E(p.ray[1]), E(p.ray[2])},
@@ -45,9 +48,40 @@ struct Asked {
           counted{place(E(p.tmin)), {}, p.open_tmin, p.open_tmax} {
         for (std::size_t k = 0; k < most_solid; ++k) n[k] = E(p.solid[k]);
         if (p.tmax < INFINITY) counted.to = place(E(p.tmax));
+        if (p.is_placed) enter(p);
     }
     [[nodiscard]] Vector<E> point(std::size_t k) const { return {n[k], n[k + 1], n[k + 2]}; }
+
+private:
+    /// With A's columns x, y, z, and v for a column by turns, Cramer's rule has A⁻¹v = (v·(y×z), v·(z×x), v·(x×y))/det.
+    /// Nothing is divided: the ray and all numbers of the solid are |det| times as large, at which t stays and the
+    /// normal of a plane is one.
+    void enter(const Problem& p) {
+        const auto column = [&p](std::size_t c) {
+            return Vector<E>{E(p.matrix[c]), E(p.matrix[4 + c]), E(p.matrix[8 + c])};
+        };
+        const Vector<E> x = column(0), y = column(1), z = column(2), shift = column(3);
+        if (p.is_inverse) {
+            o = o.x * x + o.y * y + o.z * z + shift, d = d.x * x + d.y * y + d.z * z;
+            is_flat = sign(dot(x, cross(y, z))) == 0;
+            return;
+        }
+        const Vector<E> yz = cross(y, z), zx = cross(z, x), xy = cross(x, y), v = o - shift;
+        E det = dot(x, yz);
+        o = {dot(v, yz), dot(v, zx), dot(v, xy)}, d = {dot(d, yz), dot(d, zx), dot(d, xy)};
+        const int side = sign(det);
+        if (side < 0) o = E(-1) * o, d = E(-1) * d, det = -det;
+        is_flat = side == 0;
+        for (E& number : n) number = det * number;
+    }
 };
+
+/// Where the ray meets a solid of a shape, or that it does not.
+template <class E>
+First<E> meet(First<E> (*shape)(const Asked<E>&), const Problem& p) {
+    const Asked<E> q(p);
+    return q.is_flat ? First<E>(std::nullopt) : shape(q);
+}
 
 template <class E>
 Chord<E> all_of_it() {

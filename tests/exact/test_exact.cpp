@@ -1,6 +1,6 @@
 // The truth of every shape against an answer that shares nothing with it: its own polynomials, its own numbers, and
 // whole numbers of GMP where those do not tell. LOSTBITS_EXACT_RAYS=1000000 says how many random rays, and a tenth as
-// many made ones; `./run test --long` asks 10^8 of each shape (CMakeLists.txt).
+// many made ones; `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +10,7 @@
 
 #include "catch.hpp"
 #include "exact/ask.hpp"
-#include "exact/draw.hpp"
+#include "exact/place.hpp"
 
 namespace test_exact {
 
@@ -18,9 +18,9 @@ using namespace lostbits::exact;
 
 namespace {
 
-std::size_t random_rays() {
-    if (const char* asked = std::getenv("LOSTBITS_EXACT_RAYS")) return std::strtoull(asked, nullptr, 10);
-    return 40'000;
+std::size_t rays_or(std::size_t usual) {
+    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
+    return asked ? std::strtoull(asked, nullptr, 10) : usual;
 }
 
 constexpr std::size_t batch = 4000;
@@ -45,8 +45,7 @@ struct Tally {
 
 /// The ways by turns, and every combination of open ends.
 template <class Draw>
-Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<Way> ways,
-              const Draw& draw) {
+Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<Way> ways, Draw draw) {
     Tally tally;
     Chance chance(seed);
     std::vector<Problem> problems(batch);
@@ -61,13 +60,26 @@ Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::in
     return tally;
 }
 
-void hold(const Shaped& shape) {
-    const std::size_t rays = random_rays();
+/// What is drawn, under matrices of every kind by turns, or of all but inverses.
+template <class Draw, class Place>
+auto placed(const Draw& draw, const Place& place, bool inverses = true) {
+    return [draw, place, inverses, batch = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
+                                              std::vector<Problem>& problems) mutable {
+        draw(shape, floats, ends, chance, problems);
+        const int kind = batch++ / 3;  // each by all ways
+        place(floats, {.is_inverse = inverses && kind % 2 == 1, .orientation = kind / 2 % 2 == 1 ? -1 : 1}, chance,
+              problems);
+    };
+}
+
+template <class Random, class Made, class Through>
+void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, const Made& draw_made,
+          const Through& draw_through) {
     const auto ways = {Way::floats_for_ulps, Way::floats, Way::doubles};
     const Tally random = ask_all(shape, rays, 1, ways, draw_random);
     const Tally made = ask_all(shape, rays / 10, 2, ways, draw_made);
     const Tally one = ask_all(shape, rays / 100, 3, {Way::one_by_one}, draw_made);
-    const Tally through = ask_all(shape, rays / 100, 4, {Way::interface}, draw_random);
+    const Tally through = ask_all(shape, rays / 100, 4, {Way::interface}, draw_through);
     for (const auto& [name, tally] : {std::pair("random", random), std::pair("made", made), std::pair("alone", one),
                                       std::pair("interface", through)}) {
         std::ostringstream counts;
@@ -78,6 +90,13 @@ void hold(const Shaped& shape) {
         CHECK(tally.hits < tally.asked);
         if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(counts.str());
     }
+}
+
+void hold(const Shaped& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
+
+void hold_placed(const Shaped& shape) {
+    hold(shape, rays_or(12'000), placed(draw_random, place_at_random), placed(draw_made, place_as_made),
+         placed(draw_random, place_at_random, false));
 }
 
 }  // namespace
@@ -103,6 +122,35 @@ TEST_CASE("exact: the cone", "[exact]") { hold(shapes[7]); }
 TEST_CASE("exact: the disc", "[exact]") { hold(shapes[8]); }
 TEST_CASE("exact: the plane", "[exact]") { hold(shapes[9]); }
 TEST_CASE("exact: the torus", "[exact]") { hold(shapes[10]); }
+
+TEST_CASE("exact: the sphere under matrices", "[exact]") { hold_placed(shapes[0]); }
+TEST_CASE("exact: the box under matrices", "[exact]") { hold_placed(shapes[1]); }
+TEST_CASE("exact: the triangle under matrices", "[exact]") { hold_placed(shapes[2]); }
+TEST_CASE("exact: the ellipsoid under matrices", "[exact]") { hold_placed(shapes[3]); }
+TEST_CASE("exact: the cylinder under matrices", "[exact]") { hold_placed(shapes[4]); }
+TEST_CASE("exact: the capsule under matrices", "[exact]") { hold_placed(shapes[5]); }
+TEST_CASE("exact: the tube under matrices", "[exact]") { hold_placed(shapes[6]); }
+TEST_CASE("exact: the cone under matrices", "[exact]") { hold_placed(shapes[7]); }
+TEST_CASE("exact: the disc under matrices", "[exact]") { hold_placed(shapes[8]); }
+TEST_CASE("exact: the plane under matrices", "[exact]") { hold_placed(shapes[9]); }
+TEST_CASE("exact: the torus under matrices", "[exact]") { hold_placed(shapes[10]); }
+
+TEST_CASE("exact: nothing is met under a matrix that is singular", "[exact]") {
+    Chance chance(6);
+    std::vector<Problem> problems(500);
+    std::vector<Answer> answers;
+    for (const Shaped& shape : shapes)
+        for (const bool is_inverse : {false, true}) {
+            draw_made(shape, false, {}, chance, problems);
+            place_as_made(false, {.is_inverse = is_inverse}, chance, problems);
+            for (Problem& p : problems)
+                for (std::size_t c = 0; c < 3; ++c) p.matrix[8 + c] = p.matrix[c] + p.matrix[4 + c];
+            ask(shape.name, Way::one_by_one, problems, answers);
+            INFO(shape.name);
+            CHECK(std::ranges::count(answers, true, &Answer::hit) == 0);
+            CHECK(check(shape, problems, answers, 0x1p-72, 1).differ == 0);
+        }
+}
 
 TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a side of a cone", "[exact]") {
     // Once answered with a miss: a t² + 2 h t + c has a = 0.

@@ -35,7 +35,8 @@ void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& requ
     one.set = std::move(set);
 }
 
-/// Whether the solids' matrices are stored as the way to the solid.
+}  // namespace
+
 bool are_inverses(const MendRequest& request) {
     if (!request.row.form->is_placed) return false;
     std::set<int> kinds;
@@ -49,8 +50,6 @@ bool are_inverses(const MendRequest& request) {
                      ": some solids stand under no matrix, or some matrices are stored as inverses and others are not: "
                      "each kind does other operations; mend the form for those of one kind");
 }
-
-}  // namespace
 
 Tape recorded(const MendRequest& request) {
     return tape::tape_of(*request.row.form, request.row.format, are_inverses(request));

@@ -31,6 +31,9 @@ struct Mended {
 /// has other answers.
 Mended mend(const MendRequest& request, std::uint64_t affordable = 600);
 
+/// Whether the matrices of the solids are stored as the way to the solid; false without any. InputError as `recorded`.
+bool are_inverses(const MendRequest& request);
+
 /// Every operation of the request's form, as its solids are stored. Each way of storing a matrix has a tape of its own,
 /// and a solid without one another: InputError where the solids are of several kinds.
 Tape recorded(const MendRequest& request);

@@ -7,6 +7,7 @@
 #include "intersect/device/temporary_folder.hpp"
 #include "intersect/process/child.hpp"
 #include "intersect/simd/packed.hpp"
+#include "measure/mend/placed_rows.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::mend {
@@ -50,12 +51,24 @@ void run_compiler(const Bench& bench, const std::string& command, const MendRequ
 }
 
 std::string source_of(const std::vector<Written>& forms) {
+    if (are_placed(forms)) return placed_source_of(forms);
     std::string text = "#include <lostbits_form.hpp>\n", names;
     for (std::size_t k = 0; k < forms.size(); ++k) {
         text += "#include \"mended" + std::to_string(k) + ".hpp\"\n";
         names += (k == 0 ? "" : ", ") + forms[k].type;
     }
     return text + "LOSTBITS_FORMULAS(" + names + ")\n";
+}
+
+/// Rows through the space of a solid take the registers of the run: work that finds none.
+speed::TimedWork alone(speed::TimedWork work) {
+    work.pass = [pass = std::move(work.pass)] {
+        const simd::Isa before = simd::current_isa();
+        set_isa(simd::Isa::scalar);
+        pass();
+        set_isa(before);
+    };
+    return work;
 }
 
 }  // namespace
@@ -80,7 +93,8 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
     }
     run_compiler(bench, workshop.compiler + " -shared mended.cpp" + packs + " -o mended.so" + flags("form.flags"),
                  request);
-    auto formulas = intersect::doors::load_formulas(bench.folder / "mended.so");
+    const fs::path library = bench.folder / "mended.so";
+    auto formulas = are_placed(forms) ? placed_rows(library, forms) : intersect::doors::load_formulas(library);
     for (std::size_t k = 0; k < forms.size(); ++k) {
         const map::MapRow& from = forms[k].from;
         MendRequest asked = request;
@@ -89,7 +103,7 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
         const map::MapRow own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
         if (!answers_as(own, *forms[k].tape, asked, judge))
             throw std::logic_error(forms[k].type + ": compiled it has other answers than its tape");
-        simd::enroll_packs({{formulas[k].row.info, formulas[k].packed}});
+        if (!own.form->is_placed) simd::enroll_packs({{formulas[k].row.info, formulas[k].packed}});
     }
     return formulas;
 }
@@ -102,9 +116,11 @@ std::vector<Price> prices_of(const MendRequest& request, const std::vector<map::
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
     for (const map::MapRow& row : rows) {
-        prices.push_back({.isa = name_of(is_packed(*row.form, isa) ? isa : simd::Isa::scalar)});
+        const bool in_packs = row.form->is_placed || is_packed(*row.form, isa);
+        prices.push_back({.isa = name_of(in_packs ? isa : simd::Isa::scalar)});
         work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
         work.push_back(on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
+        if (row.form->is_placed) work.back() = alone(work.back());
     }
     const auto times = time_interleaved(work, plan);
     for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];

@@ -115,39 +115,42 @@ void narrow(const scene::sweep::Axis& axis, double& first, double& second, Steps
     }
 }
 
+/// Steps in the order in which an onset is read.
+using Read = std::vector<const SweepStep*>;
+
 /// The last step after `bad` at which the form is good again, and where it ceases to be.
-void find_recovery(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t bad,
-                   const Event& event, StepsBetween& between, Onset& onset) {
+void find_recovery(const SweepRequest& request, const Read& steps, std::size_t bad, const Event& event,
+                   StepsBetween& between, Onset& onset) {
     std::size_t good = steps.size() - 1;
-    while (good > bad && !event.is_good(steps[good].rows[onset.row])) --good;
+    while (good > bad && !event.is_good(steps[good]->rows[onset.row])) --good;
     if (good == bad) return;
     onset.recovers = true;
     onset.good_at_end = good + 1 == steps.size();
-    onset.last_good_after = steps[good].values.front();
+    onset.last_good_after = steps[good]->values.front();
     if (onset.good_at_end) return;
-    onset.bad_again = steps[good + 1].values.front();
+    onset.bad_again = steps[good + 1]->values.front();
     narrow(
         request.sweep->axes.front(), onset.last_good_after, onset.bad_again, between,
         [&](const MapSummary& s) { return event.is_good(s); }, [](const MapSummary&) {});
 }
 
-Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row, const Event& event,
+Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, const Event& event,
              StepsBetween& between) {
     Onset onset{row, event.name, event.statistic, event.threshold};
-    onset.rays = steps.front().rows[row].rays;
-    onset.views = steps.front().rows[row].views;
-    const auto bad = std::ranges::find_if(steps, [&](const SweepStep& s) { return event.happens(s.rows[row]); });
+    onset.rays = steps.front()->rows[row].rays;
+    onset.views = steps.front()->rows[row].views;
+    const auto bad = std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row]); });
     if (bad == steps.end()) return onset;
     onset.found = true;
-    onset.first_bad = bad->values.front();
-    onset.value_at_first_bad = event.value(bad->rows[row]);
+    onset.first_bad = (*bad)->values.front();
+    onset.value_at_first_bad = event.value((*bad)->rows[row]);
     if (request.recoveries)
         find_recovery(request, steps, static_cast<std::size_t>(bad - steps.begin()), event, between, onset);
     if (bad == steps.begin()) {
         onset.from_start = true;
         return onset;
     }
-    onset.last_good = std::prev(bad)->values.front();
+    onset.last_good = (*std::prev(bad))->values.front();
     narrow(
         request.sweep->axes.front(), onset.last_good, onset.first_bad, between,
         [&](const MapSummary& s) { return !event.happens(s); },
@@ -157,11 +160,18 @@ Onset locate(const SweepRequest& request, const std::vector<SweepStep>& steps, s
 
 /// The onsets of the rays of one draw.
 std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
+    Read forwards;
+    for (const SweepStep& step : steps) forwards.push_back(&step);
+    const Read backwards(forwards.rbegin(), forwards.rend());
     std::vector<std::vector<Onset>> found(request.rows.size());
     intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
         StepsBetween between(request, row);
-        for (const Event& event : events_of(request.rows[row], request.metrics))
-            found[row].push_back(locate(request, steps, row, event, between));
+        for (const Event& event : events_of(request.rows[row], request.metrics)) {
+            found[row].push_back(locate(request, forwards, row, event, between));
+            if (!request.both_ends) continue;
+            found[row].push_back(locate(request, backwards, row, event, between));
+            found[row].back().from_last = true;
+        }
         request.progress(steps.size());
     });
     std::vector<Onset> onsets;

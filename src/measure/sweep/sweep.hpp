@@ -21,9 +21,10 @@ struct SweepStep {
 /// Where a row first crosses a threshold along the first axis.
 struct Onset {
     std::size_t row;
-    std::string event;      ///< `lost_bits`, a step of a space, an outcome, or why a march stopped
-    std::string statistic;  ///< `p50`, `p99`, `max`; `count` for the outcomes
-    double threshold;       ///< bits, ulps of a step, or 1 for a count
+    std::string event;       ///< `lost_bits`, a step of a space, an outcome, or why a march stopped
+    std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
+    double threshold;        ///< bits, ulps of a step, or 1 for a count
+    bool from_last = false;  ///< read from the last step backwards: `first`, `last` and `after` are in that order
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
@@ -35,9 +36,10 @@ struct Onset {
     std::uint64_t rays = 0, views = 0;  ///< of every step: a first failure among so many comes later among fewer
     std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where it does not happen
 
-    /// Whether both are of one row, and of the same thing that happens there.
+    /// Whether both are of one row, of the same thing that happens there, and read from the same end.
     [[nodiscard]] bool is_of_event(const Onset& other) const {
-        return row == other.row && event == other.event && statistic == other.statistic && threshold == other.threshold;
+        return row == other.row && event == other.event && statistic == other.statistic &&
+               threshold == other.threshold && from_last == other.from_last;
     }
     /// Of first_bad over all draws.
     [[nodiscard]] metric::Spread spread() const {
@@ -61,6 +63,7 @@ struct SweepRequest {
     int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
     shard::Share share = {};  ///< of the steps, and of the rows whose onsets are found
     bool recoveries = false;  ///< find where a form is good again after its first trouble, too
+    bool both_ends = false;   ///< find onsets from the last step backwards, too: where small values are the trouble
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -78,7 +81,8 @@ map::MapSummary run_place(const SweepRequest& request, std::size_t row, const st
 /// [last good, first bad] narrowed by bisection until it is 2^-9 of its value wide, or holds no number of the axis. A
 /// crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may be good again
 /// later: the last place that is, and where it is bad from then on, are found alike. Then the first crossings on
-/// further draws, where the request asks for them.
+/// further draws, where the request asks for them. Of both ends, each onset that is read from the first step is
+/// followed by the same read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Both. A share that is not the whole measures all steps of the rows whose onsets it finds by itself.

@@ -19,7 +19,7 @@ public:
     CppCode(const Tape& tape, const Intersector& form, const CppCode* like = nullptr)
         : TapeCode(tape, form, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far},
                    {fmt::format("{}.", row_of(form.shape).name),
-                    {"o",    "d",   "T",    "W",   "ray", "tmax", "wide", "narrow", "min",    "max",    "abs",
+                    {"o",    "d",   "T",    "W",   "ray", "tmax", "wide", "narrow", "min",    "max",    "abs", "matrix",
                      "sqrt", "fma", "auto", "and", "or",  "not",  "near", "far",    "select", "square", "int"}},
                    like) {}
 
@@ -119,6 +119,9 @@ std::string form_header(const Tape& tape, const Intersector& like, const FormWor
     solid.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(solid.front())));
     std::string body;
     for (const std::string& line : statements(tape, like)) body += "        " + line + "\n";
+    std::string matrix;
+    if (like.is_placed)
+        matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
     const auto uses = [&](const char* word) { return body.find(word) != std::string::npos; };
     std::string ways;
     if (uses("W"))
@@ -131,14 +134,16 @@ std::string form_header(const Tape& tape, const Intersector& like, const FormWor
         ways += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
                             words.two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
     return fmt::format(
-        "{}#pragma once\n\n#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
+        "{}#pragma once\n\n{}#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
         "namespace lostbits::intersect::{} {{\n\nstruct {} {{\n    static constexpr Info info{{\n{}    }};\n\n"
-        "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}) {{\n{}"
-        "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}    }}\n}};\n\n}}  // namespace "
+        "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}{}) {{\n{}"
+        "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
         "lostbits::intersect::{}\n",
-        words.comment, words.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name,
-        shape.name, type_name(words.name.substr(words.name.find('.') + 1)), info_of(*like.info, words), solid,
-        shape.name, shape.told_end ? ", const T& tmax" : "", ways, body, shape.name);
+        words.comment, like.is_placed ? "#include <array>\n\n" : "",
+        words.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
+        type_name(words.name.substr(words.name.find('.') + 1)), info_of(*like.info, words), solid, shape.name,
+        like.is_placed ? ", const std::array<T, 12>& matrix" : "", shape.told_end ? ", const T& tmax" : "", ways,
+        matrix, body, shape.name);
 }
 
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {

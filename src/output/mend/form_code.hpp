@@ -28,7 +28,8 @@ struct FormWords {
 /// `half_b_mended` as `HalfBMended`.
 std::string type_name(const std::string& form);
 
-/// A header that holds the form, for the catalogue or for a library of lostbits_form.hpp.
+/// A header that holds the form, for the catalogue or for a library of lostbits_form.hpp. Under a matrix `intersect`
+/// takes that as well, twelve numbers as they are stored, row by row: no list of forms takes it.
 std::string form_header(const Tape& tape, const intersect::table::Intersector& like, const FormWords& words);
 
 /// Lines that differ, as a diff has them: `- old`, `+ new`, in the order of the new text.

@@ -27,6 +27,7 @@ TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, 
       own_(tape.format_of(tape.outputs.t)) {
     Solid<double> solid(form.shape);
     if (form.is_placed) solid.placed.emplace();
+    solid_numbers_ = solid.used().size();
     inputs_ = intersect::table::input_names(form, intersect::Target<double>(solid));
     name_all(like);
     choose_inlined();
@@ -61,6 +62,7 @@ std::string TapeCode::identifier(std::string_view label) const {
 
 // Conversions have no names: the others are called alike with and without them.
 void TapeCode::name_all(const TapeCode* like) {
+    const auto first_of_matrix = static_cast<NodeId>(6 + solid_numbers_);
     std::set<std::string> used;
     if (like)
         for (const auto& [text, names] : like->known_) used.insert(names.begin(), names.end());
@@ -70,7 +72,7 @@ void TapeCode::name_all(const TapeCode* like) {
         if (n.op == TapeOp::input) {
             name = inputs_.at(static_cast<std::size_t>(n.operands[0]));
             if (name == "limit") name = "tmax";
-            else if (n.operands[0] >= 6) name.insert(0, words_.solid);
+            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, words_.solid);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
             name = new_name(n, like, used);
         }

@@ -64,6 +64,7 @@ private:
     CodeWords words_;
     FloatFormat own_;
     std::vector<std::string> inputs_, names_;
+    std::size_t solid_numbers_ = 0;  ///< inputs behind the ray; the matrix follows
     /// What the source gives no name: by what it is, and the first that is the same.
     std::map<std::string, std::vector<std::string>> known_;
     std::vector<std::string> first_names_;

@@ -101,10 +101,10 @@ void fields(Bits& bits, measure::sweep::SweepStep& step) {
 
 template <class Bits>
 void fields(Bits& bits, measure::sweep::Onset& o) {
-    auto& [row, event, statistic, threshold, found, from_start, last_good, first_bad, value_at_first_bad, recovers,
-           good_at_end, last_good_after, bad_again, rays, views, further] = o;
-    bits(row, event, statistic, threshold, found, from_start, last_good, first_bad, value_at_first_bad, recovers,
-         good_at_end, last_good_after, bad_again, rays, views, further);
+    auto& [row, event, statistic, threshold, from_last, found, from_start, last_good, first_bad, value_at_first_bad,
+           recovers, good_at_end, last_good_after, bad_again, rays, views, further] = o;
+    bits(row, event, statistic, threshold, from_last, found, from_start, last_good, first_bad, value_at_first_bad,
+         recovers, good_at_end, last_good_after, bad_again, rays, views, further);
 }
 
 template <class Bits>

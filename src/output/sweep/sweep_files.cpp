@@ -60,9 +60,12 @@ std::vector<Column> onset_columns(const SweepRequest& request) {
          "occurs"},
         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count of an outcome"},
         {"threshold", "number", "bits", "of the statistic; of a step of a space in ulps; 1 for a count"},
+        {"read_from", "string", "",
+         "first: the steps in their order; last: from the last one backwards, so that `first` and `last` below are the "
+         "other way round"},
         {"found", "boolean", "", "whether it happens within the sweep"},
         {"last_good_" + axis.name, "number", axis.unit,
-         "last value before it, in the order of the steps; missing where the first step is bad already"},
+         "last value before it, in the order of reading; missing where the step it is read from is bad already"},
         {"first_bad_" + axis.name, "number", axis.unit,
          "first value at which it is seen to happen: of the steps, narrowed by bisection between two; it may happen "
          "earlier "
@@ -135,7 +138,8 @@ void SweepFiles::finish(const std::vector<measure::sweep::SweepStep>& steps, con
         {"samples.csv", "One row per form, format and step", sample_columns(request_)}};
     if (onsets_) {
         add_onsets(*onsets_, request_, onsets);
-        resources.push_back({"onsets.csv", "One row per form, format, event and threshold", onset_columns(request_)});
+        resources.push_back(
+            {"onsets.csv", "One row per form, format, event, threshold and end of the axis", onset_columns(request_)});
     }
     if (culprits_)
         resources.push_back({"culprits.csv", "One row per form, format, step and operation that is a culprit",
@@ -155,6 +159,7 @@ void add_onsets(file::CsvWriter& table, const SweepRequest& request, const std::
             .add(o.event)
             .add(o.statistic)
             .add(o.threshold)
+            .add(std::string_view(o.from_last ? "last" : "first"))
             .add(o.found);
         table.add(good ? Cell(o.last_good) : Cell()).add(o.found ? Cell(o.first_bad) : Cell());
         table.add(good ? Cell(file::hex(o.last_good)) : Cell()).add(o.found ? Cell(file::hex(o.first_bad)) : Cell());

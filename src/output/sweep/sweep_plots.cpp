@@ -117,8 +117,8 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         spec.marks.push_back({mark.at, mark.label});
         const auto measured = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
             const MapRow& row = sweep.request.rows[o.row];
-            return o.found && row.form->info->name == mark.form && row.format == format && o.event == mark.event &&
-                   o.statistic == mark.statistic && o.threshold == mark.threshold;
+            return o.found && !o.from_last && row.form->info->name == mark.form && row.format == format &&
+                   o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
         if (measured != sweep.onsets.end())
             spec.marks.push_back(
