@@ -8,10 +8,10 @@
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "measure/speed/trade.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "output/choice/choice_text.hpp"
 #include "output/mend/form_code.hpp"
+#include "output/mend/mend_rows.hpp"
 
 namespace lostbits::output::mend {
 
@@ -144,22 +144,16 @@ std::string prices_in_words(const MendResult& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
-    const auto front = on_front(r);
     std::string text =
         "Compiled, held against their tapes to the bit on all rays, and timed (*: nothing is as accurate and as "
         "fast):\n";
     std::string rest;
-    const auto add = [&](std::size_t k, const std::string& name, const Worth& worth) {
-        (front[k] ? text : rest) += fmt::format("  {}{}: {}; {}.\n", front[k] ? "* " : "", name,
-                                                in_words(worth, r.request.wish), price_in_words(r.prices[k], own));
-    };
-    std::size_t k = 0;
-    add(k++, std::string(r.request.row.form->info->name), r.mended.own);
-    for (const Proposal& one : proposals_of(r))
-        add(k++, one.rewritten ? rules_of(*one.rewritten) : "in " + name_of_wider(r.mended.wider), *one.worth);
-    for (std::size_t c = 0; c < r.catalogue.size(); ++c, ++k)
-        if ((front[k] || c == 0) && r.catalogue[c].form != r.request.row.form)
-            add(k, std::string(r.catalogue[c].form->info->name), r.catalogue_worth[c]);
+    for (const FormRow& row : rows_of(r)) {
+        if (!row.price || !row.told) continue;
+        (row.front ? text : rest) += fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
+                                                 row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,
+                                                 in_words(*row.worth, r.request.wish), price_in_words(*row.price, own));
+    }
     return text + rest;
 }
 
@@ -241,18 +235,6 @@ std::string how_in_words(const MendResult& r, const Proposal& proposal) {
     const auto& m = r.mended;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
     return fmt::format("{} of its {} operations in {}", m.set->operations.size(), m.operations, name_of_wider(m.wider));
-}
-
-std::vector<bool> on_front(const MendResult& r) {
-    std::vector<const Worth*> worth{&r.mended.own};
-    for (const Proposal& one : proposals_of(r)) worth.push_back(one.worth);
-    for (const Worth& one : r.catalogue_worth) worth.push_back(&one);
-    std::vector<measure::speed::ParetoPoint> points;
-    for (std::size_t k = 0; k < r.prices.size(); ++k)
-        points.push_back({r.prices[k].packed.median * 1e9, worth[k]->wrong_fraction(), worth[k]->kept_bits});
-    auto front = dominated(points);
-    front.flip();
-    return front;
 }
 
 std::string in_words(const MendResult& r) {

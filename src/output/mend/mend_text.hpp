@@ -47,8 +47,6 @@ std::string rules_of(const measure::mend::Rewritten& rewritten);
 std::string how_in_words(const MendResult& result, const Proposal& proposal);
 /// The names of what the set does wider: `c, disc`.
 std::string names_of_set(const MendResult& result);
-/// Of the form, and of what is in `prices`, whether nothing beats it in accuracy and time in packs.
-std::vector<bool> on_front(const MendResult& result);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);
