@@ -250,9 +250,7 @@ int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategi
 
 int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
                     const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
-        return answer_to({scene, wish, choice, run}, "p99", result, choose_into);
-    });
+    return guarded(error, [&] { return answer_to({scene, wish, choice, run}, "p99", result, choose_into); });
 }
 
 int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words, const lostbits_choice* choice,
