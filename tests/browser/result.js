@@ -103,7 +103,10 @@ async function dark({ browser, report }) {
     assert.ok(light < 0.02, `${light} of a plot is white`);
 }
 
-/** The page of `lostbits mend` begins with what it is; lines that go and lines that come look different, in the dark too. */
+/**
+ * The page of `lostbits mend` begins with what it is; lines that go and lines that come look different, in the dark
+ * too.
+ */
 async function mended({ browser, at }) {
     const page = await browser.page(at("mend/box-slabs/index.html"));
     assert.deepEqual(await page.$$eval("main > section", (all) => all.map((e) => e.id)), ["mend", "made"]);
