@@ -94,7 +94,7 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
                      "more bits."};
     if (timed) spec.x = {"time per ray and solid in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
-    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
+    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {

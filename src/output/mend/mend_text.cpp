@@ -73,14 +73,15 @@ std::string diff_of(const MendResult& r, const Tape& now) {
     return text;
 }
 
-std::string apart_in_words(const MendResult& r, const Worth& apart) {
+/// `here`: on the rays that were searched on.
+std::string apart_in_words(const MendResult& r, const Worth& here, const Worth& apart) {
     const auto& m = r.mended;
     const std::string where = r.request.scene ? fmt::format("{}x{} other pixels, on which nothing was searched",
                                                             m.apart.width, m.apart.height)
                                               : fmt::format("all {} rays of the file", r.request.rays->rays);
     std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
                                    in_words(m.own_apart, r.request.wish));
-    if (!apart.meets(r.request.wish))
+    if (here.meets(r.request.wish) && !apart.meets(r.request.wish))
         text += fmt::format("  There it does not meet the wish: it was found for the {} alone.\n",
                             r.request.scene ? "pixels of this scene" : "rays that were kept of it");
     return text;
@@ -112,7 +113,7 @@ std::string set_in_words(const MendResult& r) {
         text += fmt::format("  {} does it, every one was tried{}.\n", sets,
                             m.set->none_of + 1 == n ? ": it is one of the smallest" : "; between, others may do");
     }
-    return text + apart_in_words(r, m.apart_worth) + rooms_in_words(r.rooms, r);
+    return text + apart_in_words(r, m.set->worth, m.apart_worth) + rooms_in_words(r.rooms, r);
 }
 
 std::string rewritten_in_words(const MendResult& r, std::size_t k) {
@@ -129,7 +130,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
                             rule->condition);
     }
     text += diff_of(r, one.tape);
-    text += apart_in_words(r, one.apart);
+    text += apart_in_words(r, one.worth, one.apart);
     return k < r.rewritten_rooms.size() ? text + rooms_in_words(r.rewritten_rooms[k], r) : text;
 }
 
@@ -180,7 +181,8 @@ MendResult result_of(const measure::mend::MendRequest& request, const measure::m
         r.catalogue_worth.push_back(worth);
     }
     for (const Proposal& proposal : proposals_of(r)) {
-        auto rooms = rooms_of_tape(request, proposal.tape);
+        std::vector<Room> rooms;
+        if (proposal.worth->meets(request.wish)) rooms = rooms_of_tape(request, proposal.tape);
         if (proposal.rewritten) r.rewritten_rooms.push_back(std::move(rooms));
         else r.rooms = std::move(rooms);
     }
