@@ -18,8 +18,8 @@ struct MendResult {
     std::vector<measure::map::MapRow> catalogue;
     std::vector<measure::mend::Worth> catalogue_worth;
     std::vector<measure::choice::Room> rooms = {};  ///< of the form with its set
-    std::vector<std::vector<measure::choice::Room>> rewritten_rooms =
-        {};  ///< of each way of writing it that meets the wish
+    /// Of each way of writing it; empty of one that fails the wish.
+    std::vector<std::vector<measure::choice::Room>> rewritten_rooms = {};
     /// The form, the set if there is one, each way of writing it, the catalogue; empty where nothing was timed.
     std::vector<measure::mend::Price> prices = {};
     std::string no_price = {};  ///< why nothing was timed although it was asked for
