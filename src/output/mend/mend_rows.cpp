@@ -89,17 +89,22 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("{} against kept bits: {} on {}", timed ? "Time" : "Wider operations",
                              r.request.row.form->info->name, r.request.id());
-    spec.subtitle = {fmt::format("Wished: {}.", choice::in_words(wish)),
-                     "Named: the form, what came of it, and the Pareto front, where fewer wrong decisions count before "
-                     "more bits."};
+    spec.subtitle = {
+        fmt::format("Wished: {}.", choice::in_words(wish)),
+        "Named: the form, what came of it, and the Pareto front, where fewer wrong decisions count before "
+        "more bits." +
+            (timed ? std::string() : " Of the catalogue: forms in " + r.request.row.format.name + " alone.")};
     if (timed) spec.x = {"time per ray and solid in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {
-        if (timed && !row.price) continue;
         const bool is_own = row.kind != "catalogue";
+        // How many operations a form of the catalogue does wider by itself is not counted.
+        const bool has_place =
+            timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
+        if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;
         points.push_back({.row = row.row,
                           .worth = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
