@@ -11,6 +11,7 @@
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/report/report_parts.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
@@ -86,6 +87,17 @@ std::string command_of(const MendOptions& o) {
     if (!o.changes.variant.empty()) words += " --variant " + o.changes.variant;
     for (const std::string& change : o.changes.set) words += " --set " + shell_word(change);
     return words;
+}
+
+void write_page(const std::filesystem::path& path, const MendResult& result, const std::string& command) {
+    output::page::Report report{
+        .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
+    report.program = "lostbits " LOSTBITS_VERSION;
+    report.mends.push_back(report::mend_part(result));
+    if (report.mends.front().timed) report.processor = measure::speed::processor_name();
+    output::file::AtomicFile file(path);
+    file.write(output::page::page(report));
+    file.commit();
 }
 
 /// The name of the form, and of its struct or function, is that of the file.
@@ -192,9 +204,13 @@ Exit run(const MendOptions& o, const Common& common) {
         header->write(emitted(result, o.emit, command));
         header->commit();
     }
-    if (files) files->finish(result);
+    if (files) {
+        files->finish(result);
+        write_page(files->folder() / "index.html", result, common.typed.of(subject) + " -o out");
+    }
     fmt::print("{}", output::mend::in_words(result));
-    if (files && !common.quiet) fmt::print("{}\n", (files->folder() / "mend.csv").string());
+    if (files && !common.quiet)
+        for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
     const bool met = mended.set || best_of(proposals_of(result), request.wish);
     return met ? Exit::done : Exit::answer_is_no;
 }

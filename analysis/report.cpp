@@ -37,7 +37,7 @@ namespace {
 using scene::claim::Claim;
 
 struct ReportOptions {
-    std::vector<std::string> subjects, forms, formats, metrics, claims, choices, offsets;
+    std::vector<std::string> subjects, forms, formats, metrics, claims, choices, mends, offsets;
     std::string size, out;
     bool all = false, no_claims = false, trade = false;
     int seeds = 2;
@@ -132,6 +132,7 @@ struct Work {
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
     std::vector<ChoiceWork> choices;
+    std::vector<report::MendWork> mends;
     std::vector<scene::file::Scene> offsets;
     std::vector<Claim> claims;
     std::uint64_t units = 0;
@@ -218,6 +219,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         auto timed = timed_rows(o);
         work.choices.push_back(report::choice_of(word, o.size, {timed, words_of(o), true}, data, o.stop));
     }
+    for (const std::string& word : o.mends.empty() && o.subjects.empty() ? defaults.mends : o.mends)
+        work.mends.push_back(report::mend_of(word, o.size, data, o.stop));
     work.offsets = report::offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size,
                                          data, o.stop);
     for (const Claim& c : claims) {
@@ -274,6 +277,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     }
     if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
+    for (const report::MendWork& mend : work.mends) report.mends.push_back(mend_part(mend, common.stop));
     if (o.trade) {
         for (const ShapeRow& solid : shape_rows) {
             const Shape shape = solid.shape;
@@ -315,6 +319,9 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("--choose", o->choices,
                      "Also what is the cheapest form for a scene and a wish: SCENE:BITS, or SCENE:BITS:max for bits of "
                      "every hit; the page then differs from run to run");
+    command.add_list("--mend", o->mends,
+                     "Also what to change in a form so that it keeps bits of every hit of a scene: SCENE:FORM:BITS, or "
+                     "SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no SUBJECT is named)");
     command.add_list("--offsets", o->offsets,
                      "Scenes whose next rays are held against every strategy of offsets (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");

@@ -131,7 +131,9 @@ typedef struct lostbits_choice {
 typedef struct lostbits_run {
     int threads;               /* 0: one per core. While several calls run, the smallest number holds for all */
     const unsigned char* stop; /* another thread sets it to 1 to end the call within a second; NULL: nobody does */
-    void (*progress)(void* own, uint64_t done, uint64_t of); /* from any thread, one at a time; or NULL */
+    /* From any thread, one at a time; or NULL. `of` is 0 where it is not known beforehand: of lostbits_mend, which
+     * counts candidates. */
+    void (*progress)(void* own, uint64_t done, uint64_t of);
     void* own;
 } lostbits_run;
 

@@ -125,6 +125,7 @@ measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
 /// Whether anything meets the wish; the result says what.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
                bool two_words, Choosing& chosen, CallRun& running) {
+    if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the solids of scene " + scene.id +
@@ -135,6 +136,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
     choice::refuse_made_rays({scene}, "mend");
     measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
     request.limit.stop = running.stop();
+    request.progress = running.advancing(0);
     const auto mended = measure::mend::mend(request);
     const output::mend::MendResult found = output::mend::result_of(request, mended);
     auto forms = result.tables.emplace_back("mend", output::mend::form_columns()).writer();
@@ -173,6 +175,26 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     output::choice::add_rooms(rooms, found);
     result.texts.push_back(output::choice::in_words(found));
     return found.meets.has_value();
+}
+
+/// What a wish is asked of, and how.
+struct Asked {
+    const lostbits_scene* scene;
+    const lostbits_wish* wish;
+    const lostbits_choice* choice;
+    const lostbits_run* run;
+};
+/// `find` puts the answer into a new result and tells whether it is yes; `usual` is the wish's `at`.
+template <class Find>
+Exit answer_to(const Asked& asked, const char* usual, lostbits_result** result, const Find& find) {
+    require(asked.scene, "scene");
+    require(asked.wish, "wish");
+    require(result, "result");
+    Choosing chosen(asked.choice);
+    CallRun running(asked.run);
+    auto found = std::make_unique<lostbits_result>();
+    const bool meets = find(*found, asked.scene->scene, wish_of(*asked.wish, usual), chosen, running);
+    return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
 }
 
 }  // namespace
@@ -228,31 +250,16 @@ int lostbits_offsets(const lostbits_scene* scene, const lostbits_words* strategi
 
 int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
                     const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
-        require(scene, "scene");
-        require(wish, "wish");
-        require(result, "result");
-        Choosing chosen(choice);
-        CallRun running(run);
-        auto found = std::make_unique<lostbits_result>();
-        const bool meets = choose_into(*found, scene->scene, wish_of(*wish, "p99"), chosen, running);
-        return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
-    });
+    return guarded(error, [&] { return answer_to({scene, wish, choice, run}, "p99", result, choose_into); });
 }
 
 int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words, const lostbits_choice* choice,
                   const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
     return guarded(error, [&] {
-        require(scene, "scene");
-        require(wish, "wish");
-        require(result, "result");
-        Choosing chosen(choice);
-        CallRun running(run);
-        auto found = std::make_unique<lostbits_result>();
-        if (wish->tolerance >= 0) throw InputError("a form is mended to keep bits of t; give no tolerance");
-        const auto asked = wish_of(*wish, "max");
-        const bool meets = mend_into(*found, scene->scene, asked, two_words != 0, chosen, running);
-        return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
+        return answer_to({scene, wish, choice, run}, "max", result,
+                         [&](auto& found, const auto& on, const auto& asked, Choosing& chosen, CallRun& running) {
+                             return mend_into(found, on, asked, two_words != 0, chosen, running);
+                         });
     });
 }
 }

@@ -1,17 +1,11 @@
 #include "analysis/report/report_parts.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <set>
-
 #include <fmt/format.h>
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
-#include "measure/choice/room.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
-#include "output/choice/choice_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/map/scene_sheet.hpp"
 #include "output/offset/offset_sheet.hpp"
@@ -194,39 +188,6 @@ SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     return part;
 }
 
-ChoiceWork choice_of(const std::string& word, const std::string& size, const choice::ChosenRows& rows,
-                     const std::filesystem::path& data, StopToken stop) {
-    const auto refuse = [&word](const std::string& why) {
-        throw InputError("--choose " + word + ": " + why +
-                         "; write a scene and the correct bits that are wanted, near-benign:18, or with the share of "
-                         "the hits that keep them, near-benign:18:max");
-    };
-    std::string rest = word;
-    const auto last = [&rest] {
-        const auto colon = rest.rfind(':');
-        const std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
-        rest.resize(colon == std::string::npos ? 0 : colon);
-        return part;
-    };
-    std::string bits = last();
-    measure::choice::Wish wish;
-    if (bits.starts_with('p') || bits == "max") {
-        try {
-            wish.quantile = measure::choice::quantile_named(bits);
-        } catch (const InputError& error) {
-            refuse(error.what());
-        }
-        bits = last();
-    }
-    if (rest.empty()) refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
-    const auto [end, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
-    if (trouble != std::errc{} || end != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
-        refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
-    auto scene = choice::load_one_scene({{rest}, size, "", {}, stop}, data);
-    auto timed = choice::timed_on(scene, rows);
-    return {std::move(scene), wish, std::move(timed)};
-}
-
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop) {
     auto scenes = choice::load_scenes({names, size, "", {}, stop}, data);
@@ -234,24 +195,6 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
         measure::offset::require_few_solids(scene);
     }
     return scenes;
-}
-
-output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
-    measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .wish = work.wish};
-    request.plan.repetitions = 5;  // as `lostbits choose --quick`
-    request.plan.least_seconds = 1e-4;
-    request.limit.stop = request.plan.stop = stop;
-    measure::choice::TimedRays timed;
-    const auto all = measure_candidates(request, timed);
-    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
-    if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
-    else chosen.obstacle = find_obstacle(request, all[*nearest(all, work.wish)].row);
-    return {.scene = work.scene.id,
-            .wish = output::choice::in_words(work.wish),
-            .words = output::choice::in_words(chosen),
-            .table = page::choice_table(chosen),
-            .front = page::plot_picture(fmt::format("Time against kept bits on {}", work.scene.id),
-                                        [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
 }
 
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {

@@ -52,6 +52,18 @@ ChoiceWork choice_of(const std::string& word, const std::string& size, const cho
 /// Short measurements, as `lostbits choose --quick`.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 
+/// A scene, a form and a wish.
+struct MendWork {
+    scene::file::Scene scene;
+    measure::choice::Wish wish;
+    measure::map::MapRow row;
+};
+/// `SCENE:FORM:BITS`, or `SCENE:FORM:BITS:AT` (without it every hit), in binary32; else as `choice_of`.
+MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
+/// Without prices, as `lostbits mend`.
+output::page::MendPart mend_part(const MendWork& work, StopToken stop);
+output::page::MendPart mend_part(const output::mend::MendResult& result);
+
 /// The scenes of these names. NothingSelected for one that offsets cannot be measured of.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop);

@@ -185,15 +185,15 @@ class Bar:
     """How far a call is, on a terminal or under a cell of a notebook: one line, written again and again."""
 
     def __init__(self, title: str) -> None:
-        self.title, self.shown = title, -1
+        self.title, self.shown = title, ""
         self.wanted = sys.stderr.isatty() or "ipykernel" in sys.modules
 
     def advance(self, _own: int, done: int, of: int) -> None:
-        share = min(100, 100 * done // max(of, 1))
+        share = f"{min(100, 100 * done // of)} %" if of else f"{done} tried"
         if self.wanted and share != self.shown:
             self.shown = share
-            print(f"\r{self.title}: {share} %", end="", file=sys.stderr, flush=True)
+            print(f"\r{self.title}: {share}", end="", file=sys.stderr, flush=True)
 
     def close(self) -> None:
-        if self.wanted and self.shown >= 0:
-            print("\r" + " " * (len(self.title) + 8) + "\r", end="", file=sys.stderr, flush=True)
+        if self.wanted and self.shown:
+            print("\r" + " " * (len(self.title) + len(self.shown) + 2) + "\r", end="", file=sys.stderr, flush=True)

@@ -48,7 +48,9 @@ function make() {
     lostbits(
         "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--seeds", "1",
         "--claims", "tilt.*,rtg7.*,sdf3.*,every.*,shader.unit-half-b-nearest*", "--trade", "--choose", "near-benign:18",
-        "--offsets", "offset-tiny,offset-thin-box", "-o", at("report"));
+        "--mend", "rtg-fig-7-3-4100-oblique:sphere.half_b:16", "--offsets", "offset-tiny,offset-thin-box", "-o",
+        at("report"));
+    lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "48x48", "-o", at("mend"));
     lostbits(
         "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
         at("large"));

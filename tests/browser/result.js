@@ -8,7 +8,7 @@ const { boxOf, settled } = require("./common.js");
 async function order({ browser, report }) {
     const page = await browser.page(report);
     const sections = await page.$$eval("main > section", (all) => all.map((e) => e.id));
-    assert.deepEqual(sections, ["maps", "sweeps", "trade", "choose", "offsets", "claims", "made"]);
+    assert.deepEqual(sections, ["maps", "sweeps", "trade", "choose", "mend", "offsets", "claims", "made"]);
     assert.equal(await page.locator("header .tiles").count(), 0);
     assert.equal(await page.locator("#claims .tiles").count(), 1);
     assert.match(await page.locator("#made pre").innerText(), /^lostbits report near-benign /);
@@ -81,7 +81,7 @@ async function dark({ browser, report }) {
     await bare.emulateMedia({ colorScheme: "light" });
     assert.ok((await filters("img")).every((f) => f === "none"));
     await bare.emulateMedia({ colorScheme: "dark" });
-    for (const where of ["#sweeps img", "#trade img", "#choose img"]) {
+    for (const where of ["#sweeps img", "#trade img", "#choose img", "#mend img"]) {
         const all = await filters(where);
         assert.ok(all.length > 0, where);
         assert.ok(all.every((f) => f.startsWith("invert(0.9)")), `${where}: ${all}`);
@@ -101,6 +101,25 @@ async function dark({ browser, report }) {
         return n / (data.length / 4);
     });
     assert.ok(light < 0.02, `${light} of a plot is white`);
+}
+
+/**
+ * The page of `lostbits mend` begins with what it is; lines that go and lines that come look different, in the dark
+ * too.
+ */
+async function mended({ browser, at }) {
+    const page = await browser.page(at("mend/box-slabs/index.html"));
+    assert.deepEqual(await page.$$eval("main > section", (all) => all.map((e) => e.id)), ["mend", "made"]);
+    assert.match(await page.locator("#opening").innerText(), /First, read under Changes/);
+    assert.match(await page.locator("#made").innerText(), /^The command\s+Made by:\s+lostbits mend box-slabs /);
+    for (const colorScheme of ["light", "dark"]) {
+        await page.emulateMedia({ colorScheme });
+        const [gone, come, rest] = await page.evaluate(
+            () => ["del", "ins", "pre.words"].map((e) => getComputedStyle(document.querySelector(`#mend ${e}`)).color));
+        assert.equal(new Set([gone, come, rest]).size, 3, `${colorScheme}: ${gone}, ${come}, ${rest}`);
+    }
+    await page.setViewportSize({ width: 400, height: 800 });
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400);
 }
 
 /**
@@ -146,5 +165,6 @@ module.exports = {
     worst,
     sideways,
     dark,
+    mended,
     shares
 };

@@ -1,4 +1,6 @@
 // `lostbits mend` and `lostbits choose --mend` from the outside.
+#include <utility>
+
 #include "catch.hpp"
 #include "counts.hpp"
 #include "program.hpp"
@@ -46,6 +48,49 @@ TEST_CASE("mend tells options of files from those of scenes", "[mend]") {
     CHECK(has(run("mend " + far_rays + " --size 8x8").err, "--size: is about a scene"));
     CHECK(has(run("mend near-benign box-one -i sphere.half_b --bits 5").err, "mending is for one scene"));
     CHECK(run("mend " + far_rays + " -i box.signs").code == 2);
+}
+
+TEST_CASE("the page of a mended form has its sentences, its changed lines and the CSV's numbers", "[mend]") {
+    const Scratch scratch;
+    const auto r = run("mend box-slabs --size 24x24 -i box.baseline --bits 20 -o out", scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const auto folder = scratch.path() / "out" / "box-slabs";
+    CHECK(has(r.out, "out/box-slabs/index.html\n"));
+    const std::string page = contents(folder / "index.html");
+    const auto at = page.find("<section id=\"mend\">");
+    REQUIRE(at != std::string::npos);
+    const std::string part = page.substr(at, page.find("</section>", at) - at);
+    const auto rows = read_csv(folder / "mend.csv");
+    REQUIRE(rows.size() > 3);
+    std::vector<std::string> expected;
+    bool catalogue = false;
+    for (const auto& row : rows) {
+        if (row.at("kind") == "catalogue") {
+            // The most accurate comes first; where it is the form itself, it stands there already.
+            if (std::exchange(catalogue, true) || row.at("form") == "box.baseline") continue;
+        } else {
+            expected.insert(expected.end(), {row.at("operations"), row.at("wider_operations")});
+        }
+        for (const char* column : {"kept_bits", "wrong", "apart_kept_bits", "apart_wrong"})
+            if (!row.at(column).empty()) expected.push_back(row.at(column));
+    }
+    std::vector<std::string> shown;
+    const std::string value = "<data value=\"";
+    for (auto next = part.find(value); next != std::string::npos; next = part.find(value, next + 1))
+        shown.push_back(part.substr(next + value.size(), part.find('"', next + value.size()) - next - value.size()));
+    CHECK(expected.size() > 12);
+    CHECK(shown == expected);
+    CHECK(has(part, "<li>t1, t2 in double: "));
+    CHECK(has(part, " no wrong decision in place of " + rows.front().at("wrong") + "<"));
+    CHECK(has(part, "<del>    - const T t1_2 = named(&quot;t1&quot;, "));
+    CHECK(has(part, "<ins>    + const W t1_2 = named(&quot;t1&quot;, "));
+    CHECK_FALSE(has(part, "named(\""));
+    CHECK(has(part, "distance: holds up to "));
+    CHECK(has(part, "other pixels, on which nothing was searched"));
+    CHECK(has(part, "data:image/png;base64,"));
+    CHECK_FALSE(has(part, "ns a ray"));
+    CHECK(has(page, "lostbits mend box-slabs "));
 }
 
 TEST_CASE("a mended form is written as a function of GLSL with the names of the source", "[mend]") {
@@ -122,6 +167,27 @@ TEST_CASE("choose offers what a form is mended to, compiled and timed with the o
         CHECK(has(contents(file), "// sphere.half_b, "));
     }
     CHECK(mended > 1);
+}
+
+TEST_CASE("with prices the page has the times of the CSV", "[mend]") {
+    if (!is_long()) return;  // compiling takes half a minute
+    const Scratch scratch;
+    const std::string scene = "rtg-fig-7-3-4100-oblique";
+    const auto r = run("mend " + scene + " --size 48x48 -i sphere.half_b --bits 16 --price -o out", scratch.path());
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const std::string page = contents(scratch.path() / "out" / scene / "index.html");
+    CHECK(has(page, "Another run measures other times"));
+    CHECK(has(page, " ns a ray</li>"));
+    int timed = 0;
+    for (const auto& row : read_csv(scratch.path() / "out" / scene / "mend.csv")) {
+        if (row.at("time_ns").empty() || (row.at("kind") == "catalogue" && row.at("front") == "0")) continue;
+        INFO(row.at("form"));
+        CHECK(has(page, "<data value=\"" + row.at("time_ns") + "\">"));
+        CHECK(has(page, "<data value=\"" + row.at("single_time_ns") + "\">"));
+        ++timed;
+    }
+    CHECK(timed > 2);
 }
 
 TEST_CASE("choose says why mended forms cannot be compiled", "[mend]") {

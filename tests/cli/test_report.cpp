@@ -187,6 +187,24 @@ TEST_CASE("a report says what is chosen for a scene and a wish, when it is asked
     CHECK(has(none, "What limits it: "));
 }
 
+TEST_CASE("a report says what to change in a form, as mend does, when it is asked to") {
+    const Scratch scratch, mended;
+    const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 32x32 ";
+    CHECK(report_of(what, scratch).find("id=\"mend\"") == std::string::npos);
+    const auto section_of = [](const std::string& page) {
+        const auto at = page.find("<section id=\"mend\">");
+        REQUIRE(at != std::string::npos);
+        return page.substr(at, page.find("</section>", at) - at);
+    };
+    const std::string part = section_of(report_of(what + "--mend near-benign:sphere.half_b:20 --force", scratch));
+    CHECK(has(part, "sphere.half_b in f32: 20 correct bits of every hit, no wrong decision <code>near-benign</code>"));
+    REQUIRE(run("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended)).code == 0);
+    CHECK(part == section_of(contents(mended.path() / "near-benign/index.html")));
+    // Where nothing meets the wish, the page says so.
+    CHECK(has(section_of(report_of(what + "--mend near-benign:sphere.half_b:24:p99 --force", scratch)),
+              "it does not meet the wish"));
+}
+
 TEST_CASE("a report that cannot be made leaves nothing") {
     const auto refused = [](const std::string& arguments, int code, const std::string& says) {
         const Scratch scratch;
@@ -207,6 +225,10 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign --choose near-benign:18:p0", 2, "p99.9");
     refused("near-benign --choose near-bening:18", 2, "did you mean \"near-benign\"?");
     refused("near-benign --choose rtg-fig-7-4:18", 2, "rtg-fig-7-4.r1e6");
+    refused("near-benign --mend near-benign:18", 2, "names no scene, or no form");
+    refused("near-benign --mend near-benign:sphere.half_b:54", 2, "0 to 53");
+    refused("near-benign --mend near-benign:box.signs:18", 2, "is not one form for the solids of that scene");
+    refused("near-benign --mend near-benign:sphere.filtered:18", 2, "not the same for every ray");
     refused("near-benign --offsets sphereflake-near", 2, "at most 1000");
     const Scratch scratch;
     const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));
@@ -226,6 +248,13 @@ TEST_CASE("data/report.toml names what exists") {
     for (const auto& name : report.offsets) {
         const auto found = lostbits::scene::file::find_scene(name, data);
         CHECK(lostbits::scene::file::load_scene(found.path, {.variant = found.variant}).size() == 1);
+    }
+    CHECK_FALSE(report.mends.empty());
+    for (const auto& word : report.mends) {
+        const auto colon = word.find(':');
+        const auto form = word.substr(colon + 1, word.find(':', colon + 1) - colon - 1);
+        CHECK(std::filesystem::exists(lostbits::scene::file::find_scene(word.substr(0, colon), data).path));
+        CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
     }
     for (const auto& name : report.sweeps)
         CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));

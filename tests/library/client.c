@@ -297,16 +297,24 @@ int client_asks_for_offsets_and_a_choice(void) {
     return 0;
 }
 
-static unsigned char stopped = 1;
+static void stop_after_some(void* stop, uint64_t done, uint64_t of) {
+    if (of == 0 && done > 100) *(unsigned char*)stop = 1;
+}
+
+static unsigned char stopped = 1, stops_later = 0;
 
 int client_stops(void) {
     lostbits_error error;
     lostbits_scene* scene = NULL;
     lostbits_result* result = NULL;
-    lostbits_run run = {0, &stopped, NULL, NULL};
+    lostbits_run run = {0, &stopped, NULL, NULL}, later = {0, &stops_later, stop_after_some, &stops_later};
+    const char *const forms[] = {"sphere.half_b"}, *const formats[] = {"f32"};
+    lostbits_choice choice = {{forms, 1}, NULL, 0, {formats, 1}, {NULL, 0}, 0, 0};
+    lostbits_wish wish = {24, -1, 0, "max"};
     HOLDS(lostbits_scene_text(scene_text, NULL, &scene, &error) == LOSTBITS_OK);
     HOLDS(lostbits_map(scene, NULL, &run, &result, &error) == LOSTBITS_INTERRUPTED);
-    HOLDS(result == NULL);
+    HOLDS(lostbits_mend(scene, &wish, 0, &choice, &later, &result, &error) == LOSTBITS_INTERRUPTED);
+    HOLDS(stops_later == 1 && result == NULL);
     HOLDS(lostbits_map(scene, NULL, NULL, &result, &error) == LOSTBITS_OK); /* and goes on */
     lostbits_result_free(result);
     lostbits_scene_free(scene);

@@ -9,6 +9,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/mend/form_code.hpp"
+#include "output/mend/mend_rows.hpp"
 #include "output/mend/shader_code.hpp"
 
 namespace lostbits::output::mend {
@@ -76,65 +77,25 @@ std::vector<int> steps_of(const Tape& tape) {
     return steps;
 }
 
-class Rows {
-public:
-    Rows(file::CsvWriter& csv, const MendResult& r) : csv_(csv), r_(r) {}
-
-    /// `timed`: whether it is the next in the order of the prices.
-    void of_form(const char* kind, std::size_t wide, const Worth& worth, const Worth* apart, bool timed = true) {
-        const std::string wider = name_of_wider(r_.mended.wider);
-        start(kind, r_.request.row);
-        csv_.add(wide == 0 ? Cell() : Cell(wider)).add(wide).add(r_.mended.operations).add({});
-        finish(worth, apart, timed);
-    }
-    void of_rewritten(const measure::mend::Rewritten& one) {
-        start("rewritten", r_.request.row);
-        const std::size_t wide = one.set ? one.set->operations.size() : 0;
-        csv_.add(wide == 0 ? Cell() : Cell(name_of_wider(r_.mended.wider))).add(wide).add(one.operations);
-        csv_.add(rules_of(one));
-        finish(one.worth, &one.apart, true);
-    }
-    void of_catalogue(const measure::map::MapRow& row, const Worth& worth) {
-        start("catalogue", row);
-        csv_.add({}).add({}).add({}).add({});
-        finish(worth, nullptr, true);
-    }
-
-private:
-    void start(const char* kind, const measure::map::MapRow& row) {
-        csv_.add(kind).add(row.form->info->name).add(row.format.name);
-    }
-    void finish(const Worth& w, const Worth* apart, bool timed) {
-        csv_.add(w.rays).add(w.hits).add(w.wrong).add(w.wrong_fraction()).add(number_or_missing(w.kept_bits));
-        csv_.add(w.meets(r_.request.wish));
-        csv_.add(apart ? Cell(apart->rays) : Cell()).add(apart ? Cell(apart->wrong) : Cell());
-        csv_.add(apart ? number_or_missing(apart->kept_bits) : Cell());
-        if (timed && next_ < r_.prices.size()) {
-            const auto& price = r_.prices[next_];
-            csv_.add(price.isa).add(price.packed.median * 1e9).add(price.single.median * 1e9);
-            csv_.add(static_cast<bool>(front_[next_++])).end_row();
-        } else {
-            csv_.add({}).add({}).add({}).add({}).end_row();
-        }
-    }
-
-    file::CsvWriter& csv_;
-    const MendResult& r_;
-    std::vector<bool> front_ = on_front(r_);
-    std::size_t next_ = 0;
-};
-
 }  // namespace
 
 void add_forms(file::CsvWriter& csv, const MendResult& r) {
-    const auto& m = r.mended;
-    Rows rows(csv, r);
-    const bool wider = r.has_set();
-    rows.of_form("own", 0, m.own, &m.own_apart);
-    if (wider) rows.of_form("wider", m.set->operations.size(), m.set->worth, &m.apart_worth);
-    rows.of_form("all_wider", m.operations, m.all, m.set ? nullptr : &m.apart_worth, false);
-    for (const auto& one : m.rewriting.found) rows.of_rewritten(one);
-    for (std::size_t k = 0; k < r.catalogue.size(); ++k) rows.of_catalogue(r.catalogue[k], r.catalogue_worth[k]);
+    for (const FormRow& row : rows_of(r)) {
+        const Worth& w = *row.worth;
+        csv.add(row.kind).add(row.row.form->info->name).add(row.row.format.name);
+        csv.add(row.wide == 0 ? Cell() : Cell(name_of_wider(r.mended.wider)));
+        csv.add(row.operations == 0 ? Cell() : Cell(row.wide));
+        csv.add(row.operations == 0 ? Cell() : Cell(row.operations));
+        csv.add(row.rules.empty() ? Cell() : Cell(row.rules));
+        csv.add(w.rays).add(w.hits).add(w.wrong).add(w.wrong_fraction()).add(number_or_missing(w.kept_bits));
+        csv.add(w.meets(r.request.wish));
+        csv.add(row.apart ? Cell(row.apart->rays) : Cell()).add(row.apart ? Cell(row.apart->wrong) : Cell());
+        csv.add(row.apart ? number_or_missing(row.apart->kept_bits) : Cell());
+        csv.add(row.price ? Cell(row.price->isa) : Cell());
+        csv.add(row.price ? Cell(row.price->packed.median * 1e9) : Cell());
+        csv.add(row.price ? Cell(row.price->single.median * 1e9) : Cell());
+        csv.add(row.price ? Cell(row.front) : Cell()).end_row();
+    }
 }
 
 void add_minimal(file::CsvWriter& csv, const MendResult& r) {

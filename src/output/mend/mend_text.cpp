@@ -8,10 +8,10 @@
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "measure/speed/trade.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "output/choice/choice_text.hpp"
 #include "output/mend/form_code.hpp"
+#include "output/mend/mend_rows.hpp"
 
 namespace lostbits::output::mend {
 
@@ -73,14 +73,15 @@ std::string diff_of(const MendResult& r, const Tape& now) {
     return text;
 }
 
-std::string apart_in_words(const MendResult& r, const Worth& apart) {
+/// `here`: on the rays that were searched on.
+std::string apart_in_words(const MendResult& r, const Worth& here, const Worth& apart) {
     const auto& m = r.mended;
     const std::string where = r.request.scene ? fmt::format("{}x{} other pixels, on which nothing was searched",
                                                             m.apart.width, m.apart.height)
                                               : fmt::format("all {} rays of the file", r.request.rays->rays);
     std::string text = fmt::format("  On {}: {}; as it was: {}.\n", where, in_words(apart, r.request.wish),
                                    in_words(m.own_apart, r.request.wish));
-    if (!apart.meets(r.request.wish))
+    if (here.meets(r.request.wish) && !apart.meets(r.request.wish))
         text += fmt::format("  There it does not meet the wish: it was found for the {} alone.\n",
                             r.request.scene ? "pixels of this scene" : "rays that were kept of it");
     return text;
@@ -112,7 +113,7 @@ std::string set_in_words(const MendResult& r) {
         text += fmt::format("  {} does it, every one was tried{}.\n", sets,
                             m.set->none_of + 1 == n ? ": it is one of the smallest" : "; between, others may do");
     }
-    return text + apart_in_words(r, m.apart_worth) + rooms_in_words(r.rooms, r);
+    return text + apart_in_words(r, m.set->worth, m.apart_worth) + rooms_in_words(r.rooms, r);
 }
 
 std::string rewritten_in_words(const MendResult& r, std::size_t k) {
@@ -129,7 +130,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
                             rule->condition);
     }
     text += diff_of(r, one.tape);
-    text += apart_in_words(r, one.apart);
+    text += apart_in_words(r, one.worth, one.apart);
     return k < r.rewritten_rooms.size() ? text + rooms_in_words(r.rewritten_rooms[k], r) : text;
 }
 
@@ -144,22 +145,16 @@ std::string prices_in_words(const MendResult& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
-    const auto front = on_front(r);
     std::string text =
         "Compiled, held against their tapes to the bit on all rays, and timed (*: nothing is as accurate and as "
         "fast):\n";
     std::string rest;
-    const auto add = [&](std::size_t k, const std::string& name, const Worth& worth) {
-        (front[k] ? text : rest) += fmt::format("  {}{}: {}; {}.\n", front[k] ? "* " : "", name,
-                                                in_words(worth, r.request.wish), price_in_words(r.prices[k], own));
-    };
-    std::size_t k = 0;
-    add(k++, std::string(r.request.row.form->info->name), r.mended.own);
-    for (const Proposal& one : proposals_of(r))
-        add(k++, one.rewritten ? rules_of(*one.rewritten) : "in " + name_of_wider(r.mended.wider), *one.worth);
-    for (std::size_t c = 0; c < r.catalogue.size(); ++c, ++k)
-        if ((front[k] || c == 0) && r.catalogue[c].form != r.request.row.form)
-            add(k, std::string(r.catalogue[c].form->info->name), r.catalogue_worth[c]);
+    for (const FormRow& row : rows_of(r)) {
+        if (!row.price || !row.told) continue;
+        (row.front ? text : rest) += fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
+                                                 row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,
+                                                 in_words(*row.worth, r.request.wish), price_in_words(*row.price, own));
+    }
     return text + rest;
 }
 
@@ -186,7 +181,8 @@ MendResult result_of(const measure::mend::MendRequest& request, const measure::m
         r.catalogue_worth.push_back(worth);
     }
     for (const Proposal& proposal : proposals_of(r)) {
-        auto rooms = rooms_of_tape(request, proposal.tape);
+        std::vector<Room> rooms;
+        if (proposal.worth->meets(request.wish)) rooms = rooms_of_tape(request, proposal.tape);
         if (proposal.rewritten) r.rewritten_rooms.push_back(std::move(rooms));
         else r.rooms = std::move(rooms);
     }
@@ -241,18 +237,6 @@ std::string how_in_words(const MendResult& r, const Proposal& proposal) {
     const auto& m = r.mended;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
     return fmt::format("{} of its {} operations in {}", m.set->operations.size(), m.operations, name_of_wider(m.wider));
-}
-
-std::vector<bool> on_front(const MendResult& r) {
-    std::vector<const Worth*> worth{&r.mended.own};
-    for (const Proposal& one : proposals_of(r)) worth.push_back(one.worth);
-    for (const Worth& one : r.catalogue_worth) worth.push_back(&one);
-    std::vector<measure::speed::ParetoPoint> points;
-    for (std::size_t k = 0; k < r.prices.size(); ++k)
-        points.push_back({r.prices[k].packed.median * 1e9, worth[k]->wrong_fraction(), worth[k]->kept_bits});
-    auto front = dominated(points);
-    front.flip();
-    return front;
 }
 
 std::string in_words(const MendResult& r) {

@@ -17,8 +17,9 @@ struct MendResult {
     /// The forms of the catalogue for the same solids in the same format, most accurate first, and what they are worth.
     std::vector<measure::map::MapRow> catalogue;
     std::vector<measure::mend::Worth> catalogue_worth;
-    std::vector<measure::choice::Room> rooms = {};                         ///< of the form with its set
-    std::vector<std::vector<measure::choice::Room>> rewritten_rooms = {};  ///< of each way of writing it
+    std::vector<measure::choice::Room> rooms = {};  ///< of the form with its set
+    /// Of each way of writing it; empty of one that fails the wish.
+    std::vector<std::vector<measure::choice::Room>> rewritten_rooms = {};
     /// The form, the set if there is one, each way of writing it, the catalogue; empty where nothing was timed.
     std::vector<measure::mend::Price> prices = {};
     std::string no_price = {};  ///< why nothing was timed although it was asked for
@@ -47,8 +48,6 @@ std::string rules_of(const measure::mend::Rewritten& rewritten);
 std::string how_in_words(const MendResult& result, const Proposal& proposal);
 /// The names of what the set does wider: `c, disc`.
 std::string names_of_set(const MendResult& result);
-/// Of the form, and of what is in `prices`, whether nothing beats it in accuracy and time in packs.
-std::vector<bool> on_front(const MendResult& result);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);

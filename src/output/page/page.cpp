@@ -6,8 +6,8 @@
 #include <cctype>
 #include <limits>
 #include <set>
+#include <sstream>
 
-#include "measure/map/summary_columns.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
@@ -181,6 +181,35 @@ std::string choices_section(const Report& report) {
     return text + "</section>\n";
 }
 
+/// Words with the lines of a diff marked.
+std::string with_diffs(const std::string& words) {
+    std::string text;
+    std::istringstream lines(words);
+    for (std::string line; std::getline(lines, line);) {
+        const char* const tag = line.starts_with("    - ") ? "del" : line.starts_with("    + ") ? "ins" : nullptr;
+        text += tag ? fmt::format("<{0}>{1}</{0}>\n", tag, html(line)) : html(line) + "\n";
+    }
+    return text;
+}
+
+std::string mends_section(const Report& report) {
+    if (report.mends.empty()) return "";
+    std::string text =
+        "<section id=\"mend\"><h2>What to change in a form</h2>\n<p>The fewest operations that must be done in wider "
+        "arithmetic so that a form meets a wish on every ray, and other ways of writing it that are the same without "
+        "rounding.";
+    if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + machine_of(report);
+    text += "</p>\n";
+    for (const MendPart& m : report.mends) {
+        text += fmt::format("<details open class=\"part\"><summary>{}: {} <code>{}</code></summary>\n<ul>\n",
+                            html(m.form), html(m.wish), html(m.scene));
+        for (const std::string& change : m.changes) text += fmt::format("<li>{}</li>\n", html(change));
+        text += fmt::format("</ul>\n{}{}<pre class=\"words\">{}</pre></details>\n", m.table, image(m.front),
+                            with_diffs(m.words));
+    }
+    return text + "</section>\n";
+}
+
 std::string offsets_section(const Report& report) {
     if (report.offsets.empty()) return "";
     std::string text = fmt::format(
@@ -221,6 +250,9 @@ std::string what_to_do(const Report& report) {
     if (!report.claims.empty())
         return "<b>First</b>, open a subject under <a href=\"#claims\">Claims</a>: each sentence stands beside the "
                "number that was measured for it.";
+    if (!report.mends.empty())
+        return "<b>First</b>, read under <a href=\"#mend\">Changes</a> what each of them keeps, and the lines to "
+               "write.";
     return "";
 }
 
@@ -247,9 +279,13 @@ std::string claims_section(const Report& report) {
 
 /// What was typed; last, since it is the result that is looked for first.
 std::string made_section(const Report& report) {
+    const std::string what =
+        report.maps.empty() && report.sweeps.empty()
+            ? ""
+            : fmt::format("{}, {}. ", counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"));
     return fmt::format(
-        "<section id=\"made\"><h2>The command</h2>\n<p>{}, {}. Made by:</p>\n<pre class=\"words\">{}</pre></section>\n",
-        counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"), html(report.command));
+        "<section id=\"made\"><h2>The command</h2>\n<p>{}Made by:</p>\n<pre class=\"words\">{}</pre></section>\n", what,
+        html(report.command));
 }
 
 std::string heading(const Report& report) {
@@ -260,6 +296,7 @@ std::string heading(const Report& report) {
     if (!report.sweeps.empty()) text += "<a href=\"#sweeps\">Sweeps</a> ";
     if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
     if (!report.choices.empty()) text += "<a href=\"#choose\">Choice</a> ";
+    if (!report.mends.empty()) text += "<a href=\"#mend\">Changes</a> ";
     if (!report.offsets.empty()) text += "<a href=\"#offsets\">Offsets</a> ";
     if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a> ";
     text += "<a href=\"#made\">Command</a></nav>\n";
@@ -269,49 +306,6 @@ std::string heading(const Report& report) {
 }
 
 }  // namespace
-
-std::string summary_table(const measure::map::MapRequest& request,
-                          const std::vector<measure::map::MapSummary>& summaries) {
-    const auto columns = measure::map::summary_columns(request.metrics);
-    const auto value = [&](std::string_view name, const measure::map::MapSummary& s) {
-        return measure::map::find_column(columns, name)->value(s);
-    };
-    std::string text =
-        "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
-        "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th><th "
-        "scope=\"col\">wrong solids</th>" +
-        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>" : "") +
-        "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
-        "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
-        "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::map::MapSummary& s = summaries[r];
-        const measure::map::MapRow& row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
-                            html(row.form->info->name), row.format.name);
-        std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
-        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit"});
-        counts.push_back("unresolved");
-        for (const char* name : counts)
-            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
-        text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
-        if (s.true_hits > 0 && !s.agreement().is_enough()) {
-            text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
-        } else {
-            for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
-                text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
-        }
-        const measure::map::WorstRay* const worst = s.worst_ray();
-        if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
-        else
-            text += fmt::format(
-                "<td><a class=\"jump\" href=\"#scene-{}\" "
-                "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
-                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name, worst->x,
-                worst->y, worst->x, worst->y);
-    }
-    return text + "</tbody></table>\n";
-}
 
 std::string page(const Report& report) {
     std::string text = fmt::format(
@@ -326,8 +320,8 @@ std::string page(const Report& report) {
     text += fmt::format("<style>{}</style>\n", page_style.text);
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
-            trades_section(report) + choices_section(report) + offsets_section(report) + claims_section(report) +
-            made_section(report) + "</main>\n";
+            trades_section(report) + choices_section(report) + mends_section(report) + offsets_section(report) +
+            claims_section(report) + made_section(report) + "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {

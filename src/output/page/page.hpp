@@ -9,6 +9,7 @@
 #include "measure/claim/claim.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/choice/choice_text.hpp"
+#include "output/mend/mend_text.hpp"
 #include "output/page/map_data.hpp"
 
 namespace lostbits::output::page {
@@ -59,6 +60,16 @@ struct ChoicePart {
     Picture front;
 };
 
+/// What a form is mended to for a scene and a wish.
+struct MendPart {
+    std::string form, scene, wish;     ///< `sphere.half_b in f32`; the scene's id
+    std::vector<std::string> changes;  ///< a sentence for each form that came out
+    std::string words;                 ///< of `mend::in_words`
+    std::string table;                 ///< HTML, see `mend_table`
+    Picture front;
+    bool timed = false;  ///< its times differ from run to run
+};
+
 /// What becomes of rays that leave the points of a scene, by every strategy.
 struct OffsetPart {
     std::string id, title, note, source;
@@ -75,6 +86,7 @@ struct Report {
     std::vector<SweepPart> sweeps;
     std::vector<TradePart> trades;
     std::vector<ChoicePart> choices = {};
+    std::vector<MendPart> mends = {};
     std::vector<OffsetPart> offsets = {};
     std::vector<scene::claim::Claim> claims;
     std::vector<measure::claim::ClaimResult> results;
@@ -89,6 +101,10 @@ struct Report {
 
 /// Every form and format, cheapest first: time, bits kept, wrong decisions, whether it meets the wish.
 [[nodiscard]] std::string choice_table(const choice::Chosen& chosen);
+
+/// The form, what came of it and the best of the catalogue: wider operations, bits kept and wrong decisions here and on
+/// rays on which nothing was searched, times if there are any; each number carries the CSV's own decimal.
+[[nodiscard]] std::string mend_table(const mend::MendResult& result);
 
 /// A table a side: what share of the rays each strategy gets wrong and how, and how much too large it is.
 [[nodiscard]] std::string offset_table(const measure::offset::OffsetRequest& request,

@@ -1,9 +1,12 @@
-// Tables of what a choice and offsets measured.
+// Tables of what maps, a choice, a mended form and offsets measured.
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "measure/map/summary_columns.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/row_names.hpp"
+#include "output/mend/mend_rows.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/offset/offset_sheet.hpp"
 #include "output/page/page.hpp"
@@ -11,6 +14,7 @@
 
 namespace lostbits::output::page {
 
+using measure::answer::Outcome;
 using measure::choice::Candidate;
 using measure::offset::both_sides;
 using measure::offset::Side;
@@ -48,6 +52,49 @@ std::string caption_of(Side side) { return fmt::format("<caption>Rays {}</captio
 
 }  // namespace
 
+std::string summary_table(const measure::map::MapRequest& request,
+                          const std::vector<measure::map::MapSummary>& summaries) {
+    const auto columns = measure::map::summary_columns(request.metrics);
+    const auto value = [&](std::string_view name, const measure::map::MapSummary& s) {
+        return measure::map::find_column(columns, name)->value(s);
+    };
+    std::string text =
+        "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
+        "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th><th "
+        "scope=\"col\">wrong solids</th>" +
+        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>" : "") +
+        "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
+        "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
+        "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        const measure::map::MapSummary& s = summaries[r];
+        const measure::map::MapRow& row = request.rows[r];
+        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
+                            html(row.form->info->name), row.format.name);
+        std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
+        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit"});
+        counts.push_back("unresolved");
+        for (const char* name : counts)
+            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
+        text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
+        if (s.true_hits > 0 && !s.agreement().is_enough()) {
+            text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
+        } else {
+            for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
+                text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
+        }
+        const measure::map::WorstRay* const worst = s.worst_ray();
+        if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
+        else
+            text += fmt::format(
+                "<td><a class=\"jump\" href=\"#scene-{}\" "
+                "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
+                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name, worst->x,
+                worst->y, worst->x, worst->y);
+    }
+    return text + "</tbody></table>\n";
+}
+
 std::string choice_table(const choice::Chosen& chosen) {
     std::string text = "<table>" + header_row({"form", "format", "registers", "ns a ray and solid", "bits kept",
                                                "rays wrong", "meets the wish"});
@@ -62,6 +109,42 @@ std::string choice_table(const choice::Chosen& chosen) {
         text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                    ? "yes: chosen"
                                                   : c.worth.meets(chosen.request.wish) ? "yes"
                                                                                        : "no");
+    }
+    return text + "</tbody></table>\n";
+}
+
+std::string mend_table(const mend::MendResult& r) {
+    const auto& wish = r.request.wish;
+    const auto proposals = proposals_of(r);
+    const mend::Proposal* const best = best_of(proposals, wish);
+    std::vector<std::string> names{"form",
+                                   "operations that round",
+                                   "of them in " + mend::name_of_wider(r.mended.wider),
+                                   "bits kept",
+                                   "rays wrong",
+                                   "on other rays: bits kept",
+                                   "rays wrong",
+                                   "meets the wish"};
+    if (!r.prices.empty()) names.insert(names.end(), {"ns a ray and solid in packs", "ns alone", "front"});
+    std::string text = "<table>" + header_row(names);
+    const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
+    for (const mend::FormRow& row : rows_of(r)) {
+        if (!row.told) continue;
+        const bool is_best = best && best->worth == row.worth, is_known = row.operations > 0;
+        text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
+        add(is_known ? static_cast<double>(row.operations) : NAN);
+        add(is_known ? static_cast<double>(row.wide) : NAN);
+        for (const auto* const worth : {row.worth, row.apart}) {
+            add(worth ? worth->kept_bits : NAN);
+            add(worth ? static_cast<double>(worth->wrong) : NAN);
+        }
+        text += fmt::format("<td>{}</td>", is_best ? "yes: to take" : row.worth->meets(wish) ? "yes" : "no");
+        if (!r.prices.empty()) {
+            add(row.price ? row.price->packed.median * 1e9 : NAN);
+            add(row.price ? row.price->single.median * 1e9 : NAN);
+            text += fmt::format("<td>{}</td>", row.front ? "yes" : row.price ? "no" : "");
+        }
+        text += "</tr>\n";
     }
     return text + "</tbody></table>\n";
 }

@@ -29,13 +29,15 @@ void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& point
         const bool named = !beaten[k] || p.named;
         spec.points.push_back({.x = p.worth.time_ns,
                                .y = p.worth.kept_bits,
-                               .x_low = p.time.low_quartile * 1e9,
-                               .x_high = p.time.high_quartile * 1e9,
+                               .x_low = p.time ? p.time->low_quartile * 1e9 : p.worth.time_ns,
+                               .x_high = p.time ? p.time->high_quartile * 1e9 : p.worth.time_ns,
                                .marker = p.marker,
                                .colour = colour_of(p.row.format),
                                .faint = !named,
                                .hollow = p.hollow,
-                               .label = named ? map::short_name(*p.row.form->info) : std::string()});
+                               .label = !named            ? std::string()
+                                        : p.label.empty() ? map::short_name(*p.row.form->info)
+                                                          : p.label});
         if (!beaten[k] && !std::isnan(p.worth.kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].worth.time_ns; });

@@ -1,6 +1,7 @@
 // What tables and pictures of time against accuracy have in common: the columns that name a kernel, and the points.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,10 +21,11 @@ void add_kernel(file::CsvWriter& csv, const measure::map::MapRow& row, std::stri
 struct FrontPoint {
     const measure::map::MapRow& row;
     measure::speed::ParetoPoint worth;
-    measure::speed::Timing time;
+    std::optional<measure::speed::Timing> time;  ///< none: what stands for it has no quartiles
     int marker = 0;
-    bool named = false;   ///< wherever it lies; those on the front always are
-    bool hollow = false;  ///< it decides too many rays wrongly
+    bool named = false;      ///< wherever it lies; those on the front always are
+    bool hollow = false;     ///< it decides too many rays wrongly
+    std::string label = {};  ///< in place of the form's name
 };
 
 /// Points with the quartiles of their times, grey where they are neither on the Pareto front nor named; the colour

@@ -13,6 +13,7 @@ struct ReportFile {
     std::vector<std::string> forms;  ///< globs
     std::vector<std::string> formats;
     std::vector<std::string> offsets;  ///< scenes whose respawned rays are measured
+    std::vector<std::string> mends;    ///< SCENE:FORM:BITS: what to change in a form
 };
 
 /// InputError with a position for anything that is not such a file.

@@ -85,8 +85,12 @@ BasicRayBlock<Real> MadeRays::ideal(int y0, int y1) const {
     return block;
 }
 
-CameraNumbers<double> MadeRays::stored(const FloatFormat& format) const {
-    return numbers_.each([&format](const Real& x) { return static_cast<double>(toml::round_to_format(x, format)); });
+const CameraNumbers<double>& MadeRays::stored(const FloatFormat& format) const {
+    const std::lock_guard alone(storing_);
+    for (const auto& [of, numbers] : stored_)
+        if (of == format) return numbers;
+    const auto rounded = [&format](const Real& x) { return static_cast<double>(toml::round_to_format(x, format)); };
+    return stored_.emplace_back(format, numbers_.each(rounded)).second;
 }
 
 template <class T>
@@ -113,8 +117,11 @@ RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
 RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
     Tape whole;
     const auto ray = by_->record(format, stored(format.shape), at, whole);
-    std::vector<std::string> names = camera::camera_number_names();
-    names.insert(names.end(), {"pixel.x", "pixel.y", "pixel.left"});
+    static const std::vector<std::string> names = [] {
+        auto all = camera::camera_number_names();
+        all.insert(all.end(), {"pixel.x", "pixel.y", "pixel.left"});
+        return all;
+    }();
     std::vector<bool> is_used(whole.nodes.size());
     for (const NodeId node : ray) is_used[static_cast<std::size_t>(node)] = true;
     for (NodeId i = whole.size() - 1; i >= 0; --i) {

@@ -1,6 +1,10 @@
 // The rays of a camera as each format makes them from the numbers that it stores, and what they ideally are.
 #pragma once
 
+#include <deque>
+#include <mutex>
+#include <utility>
+
 #include "scene/camera/makers.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
@@ -34,13 +38,16 @@ public:
     [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
 
 private:
-    [[nodiscard]] camera::CameraNumbers<double> stored(const FloatFormat& format) const;
+    /// Rounded once for each format.
+    [[nodiscard]] const camera::CameraNumbers<double>& stored(const FloatFormat& format) const;
     template <class T>
     RayBlock made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
 
     const camera::Maker* by_;
     CameraFrame<Real> frame_;
     camera::CameraNumbers<Real> numbers_;
+    mutable std::mutex storing_;
+    mutable std::deque<std::pair<FloatFormat, camera::CameraNumbers<double>>> stored_;
 };
 
 }  // namespace lostbits::scene::rays

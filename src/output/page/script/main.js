@@ -57,8 +57,9 @@ async function start() {
         clearTimeout(waiting);
         waiting = setTimeout(redraw, 100);
     });
+    // They stand open where no script can, and where there is nothing to look at but them.
     for (const part of document.querySelectorAll("details.part"))
-        part.open = false;  // they stand open where no script can
+        part.open = index.maps.length + index.sweeps.length === 0;
     settle();
     if (location.hash.includes("=")) await follow();
     else await Promise.all(listeners.map((show) => show([])));

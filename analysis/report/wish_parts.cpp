@@ -1,0 +1,133 @@
+// The parts of a report that answer a wish: a choice, and a mended form.
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "analysis/choice/scenes.hpp"
+#include "analysis/choice/select.hpp"
+#include "analysis/report/report_parts.hpp"
+#include "measure/choice/room.hpp"
+#include "output/choice/choice_files.hpp"
+#include "output/mend/mend_rows.hpp"
+#include "output/page/picture.hpp"
+
+namespace lostbits::analysis::report {
+
+namespace {
+
+namespace page = output::page;
+
+/// `REST:BITS` or `REST:BITS:AT`, as the value of an option.
+class WishWord {
+public:
+    /// `wish` is what holds where the word has no AT. InputError where there are no bits, or nothing in front of them.
+    WishWord(std::string option, std::string what, std::string example, const std::string& word,
+             measure::choice::Wish usual)
+        : wish(usual),
+          rest(word),
+          option_(std::move(option)),
+          what_(std::move(what)),
+          example_(std::move(example)),
+          word_(word) {
+        std::string bits = last();
+        if (bits.starts_with('p') || bits == "max") {
+            try {
+                wish.quantile = measure::choice::quantile_named(bits);
+            } catch (const InputError& error) {
+                refuse(error.what());
+            }
+            bits = last();
+        }
+        if (rest.empty())
+            refuse(word.find(':') == std::string::npos ? "says no bits" : "names no scene, or says no bits");
+        const auto [end, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), wish.bits);
+        if (trouble != std::errc{} || end != bits.data() + bits.size() || !(wish.bits >= 0 && wish.bits <= 53))
+            refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
+    }
+    /// Takes what stands behind the last colon.
+    std::string last() {
+        const auto colon = rest.rfind(':');
+        std::string part = colon == std::string::npos ? "" : rest.substr(colon + 1);
+        rest.resize(colon == std::string::npos ? 0 : colon);
+        return part;
+    }
+    [[noreturn]] void refuse(const std::string& why) const {
+        throw InputError(
+            fmt::format("{} {}: {}; write {} and the correct bits that are wanted, {}:18, or with the share "
+                        "of the hits that keep them, {}:18:max",
+                        option_, word_, why, what_, example_, example_));
+    }
+
+    measure::choice::Wish wish;
+    std::string rest;
+
+private:
+    std::string option_, what_, example_, word_;
+};
+
+}  // namespace
+
+ChoiceWork choice_of(const std::string& word, const std::string& size, const choice::ChosenRows& rows,
+                     const std::filesystem::path& data, StopToken stop) {
+    const WishWord said("--choose", "a scene", "near-benign", word, {});
+    auto scene = choice::load_one_scene({{said.rest}, size, "", {}, stop}, data);
+    auto timed = choice::timed_on(scene, rows);
+    return {std::move(scene), said.wish, std::move(timed)};
+}
+
+MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop) {
+    WishWord said("--mend", "a scene, a form", "near-benign:sphere.half_b", word, {.quantile = 1});
+    const std::string form = said.last();
+    if (said.rest.empty()) said.refuse("names no scene, or no form");
+    auto scene = choice::load_one_scene({{said.rest}, size, "", {}, stop}, data);
+    auto all = choice::cross(choice::select_forms({form}), choice::select_formats({"f32"}));
+    const auto rows = choice::rows_meeting({all, {form}, true}, scene.id,
+                                           [&scene](Shapes of) { return choice::are_solids(of) && scene.meets(of); });
+    if (rows.size() != 1) said.refuse(form + " is not one form for the solids of that scene");
+    choice::refuse_makers({rows.front().form}, "mend");
+    choice::refuse_made_rays({scene}, "mend");
+    return {std::move(scene), said.wish, rows.front()};
+}
+
+output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
+    measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .wish = work.wish};
+    request.plan.repetitions = 5;  // as `lostbits choose --quick`
+    request.plan.least_seconds = 1e-4;
+    request.limit.stop = request.plan.stop = stop;
+    measure::choice::TimedRays timed;
+    const auto all = measure_candidates(request, timed);
+    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    if (chosen.meets) chosen.rooms = rooms_of(request, all[*chosen.meets].row);
+    else chosen.obstacle = find_obstacle(request, all[*nearest(all, work.wish)].row);
+    return {.scene = work.scene.id,
+            .wish = output::choice::in_words(work.wish),
+            .words = output::choice::in_words(chosen),
+            .table = page::choice_table(chosen),
+            .front = page::plot_picture(fmt::format("Time against kept bits on {}", work.scene.id),
+                                        [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
+}
+
+output::page::MendPart mend_part(const MendWork& work, StopToken stop) {
+    measure::mend::MendRequest request{.scene = &work.scene, .row = work.row, .wish = work.wish};
+    request.limit.stop = stop;
+    const auto mended = measure::mend::mend(request);
+    return mend_part(output::mend::result_of(request, mended));
+}
+
+output::page::MendPart mend_part(const output::mend::MendResult& result) {
+    const auto& row = result.request.row;
+    page::MendPart part{.form = fmt::format("{} in {}", row.form->info->name, row.format.name),
+                        .scene = result.request.id(),
+                        .wish = output::choice::in_words(result.request.wish),
+                        .changes = {},
+                        .words = in_words(result),
+                        .table = page::mend_table(result),
+                        .front = page::plot_picture(fmt::format("Kept bits on {}", result.request.id()),
+                                                    [&](const auto& to) { write_front_plot(to, result); }),
+                        .timed = !result.prices.empty()};
+    for (const output::mend::FormRow& one : rows_of(result))
+        if (one.came_out()) part.changes.push_back(change_in_words(result, one));
+    return part;
+}
+
+}  // namespace lostbits::analysis::report
