@@ -34,7 +34,8 @@ const char* parts_of(SweepKind kind) {
     switch (kind) {
         case SweepKind::axes: return "steps";
         case SweepKind::cases: return "cases";
-        case SweepKind::search: return "searches";
+        case SweepKind::search:
+        case SweepKind::edge_search: return "searches";
         case SweepKind::every_float: break;
     }
     return "floats";
@@ -66,7 +67,7 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
     const auto refuse = [&name](const std::string& option, const std::string& why) {
         throw InputError(fmt::format("{}: {} {}", option, name, why));
     };
-    const bool cases = kind == SweepKind::cases, search = kind == SweepKind::search;
+    const bool cases = kind == SweepKind::cases, search = kind == SweepKind::search || kind == SweepKind::edge_search;
     if (!words.size.empty())
         refuse("--size " + words.size, cases    ? "has no picture: its rays are the cases; leave out --size"
                                        : search ? "has no picture: its rays are searched; leave out --size, and try "
@@ -92,6 +93,8 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,
                                             const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files{path};
+    if (kind == SweepKind::edge_search)
+        files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set).scene.path);
     if (kind != SweepKind::axes) return files;
     const auto scene = scene::sweep::SweepFile(path, data, read_changes(words)).scene_path();
     if (!scene.empty()) files.push_back(scene);

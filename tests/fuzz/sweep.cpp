@@ -1,5 +1,6 @@
 #include "fuzz/fuzz.hpp"
 #include "scene/sweep/case_file.hpp"
+#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -22,6 +23,10 @@ void fuzz_sweep(std::string_view bytes) {
             }
             case SweepKind::search: {
                 const scene::sweep::SearchFile file(path);
+                return;
+            }
+            case SweepKind::edge_search: {
+                const scene::sweep::EdgeSearchFile file(path, LOSTBITS_DATA_DIR);
                 return;
             }
             case SweepKind::every_float: {
