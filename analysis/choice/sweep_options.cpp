@@ -67,16 +67,19 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
     const auto refuse = [&name](const std::string& option, const std::string& why) {
         throw InputError(fmt::format("{}: {} {}", option, name, why));
     };
-    const bool cases = kind == SweepKind::cases, search = kind == SweepKind::search || kind == SweepKind::edge_search;
+    const bool cases = kind == SweepKind::cases, edges = kind == SweepKind::edge_search,
+               search = kind == SweepKind::search || edges;
+    const std::string more = edges ? "--set rays=N" : "--set starts=N";
     if (!words.size.empty())
         refuse("--size " + words.size, cases    ? "has no picture: its rays are the cases; leave out --size"
-                                       : search ? "has no picture: its rays are searched; leave out --size, and try "
-                                                  "--set starts=N for more of them"
+                                       : search ? "has no picture: its rays are searched; leave out --size, and try " +
+                                                      more + " for more of them"
                                                 : "has no picture: its rays are in the file; leave out --size");
     if (!words.steps.empty())
-        refuse("--steps " + words.steps, cases    ? "has no steps but its cases; leave out --steps"
-                                         : search ? "has no steps; try --set starts=N or --set generations=N"
-                                                  : "tries every float of its range; leave out --steps");
+        refuse("--steps " + words.steps, cases ? "has no steps but its cases; leave out --steps"
+                                         : search
+                                             ? "has no steps; try " + more + (edges ? "" : " or --set generations=N")
+                                             : "tries every float of its range; leave out --steps");
     if (!words.set.empty() && !search)
         refuse("--set " + words.set.front(),
                cases ? "names each of its cases by its numbers; copy the file and change them there"
