@@ -218,7 +218,7 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
             return "search along edges";
         }
         case SweepKind::every_float: {
-            const scene::sweep::ExhaustiveFile file(path);
+            const scene::sweep::ExhaustiveFile file(path, data);
             title = file.title;
             return "every float of " + file.axis.name;
         }

@@ -141,7 +141,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
-    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
+    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
     if (kind == K::edge_search)
         return [file = scene::sweep::EdgeSearchFile(path, data, choice::read_changes(o.changes).set)](Shapes forms) {
             return file.meets(forms);
@@ -221,7 +221,7 @@ Exit run(SweepOptions o, const Common& common) {
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(
-                std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume, divided.division));
+                std::make_unique<ExhaustiveRun>(sweep.path, data, chosen.rows, o.out, o.resume, divided.division));
     }
     const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {

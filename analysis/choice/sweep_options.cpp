@@ -98,6 +98,8 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, S
     std::vector<std::filesystem::path> files{path};
     if (kind == SweepKind::edge_search)
         files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set).scene.path);
+    if (kind == SweepKind::every_float)
+        if (const auto scene = scene::sweep::ExhaustiveFile(path, data).scene) files.push_back(scene->path);
     if (kind != SweepKind::axes) return files;
     const auto scene = scene::sweep::SweepFile(path, data, read_changes(words)).scene_path();
     if (!scene.empty()) files.push_back(scene);

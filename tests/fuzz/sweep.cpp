@@ -30,7 +30,7 @@ void fuzz_sweep(std::string_view bytes) {
                 return;
             }
             case SweepKind::every_float: {
-                const scene::sweep::ExhaustiveFile file(path);
+                const scene::sweep::ExhaustiveFile file(path, LOSTBITS_DATA_DIR);
                 if (file.floats() > 0)
                     static_cast<void>(file.group_at(0, scene::sweep::float_at(file.ranges().front().first)));
                 return;

@@ -1,29 +1,10 @@
 #include "scene/sweep/edge_search_file.hpp"
 
-#include "scene/file/beside.hpp"
+#include "scene/sweep/mesh_scene.hpp"
 
 namespace lostbits::scene::sweep {
 
 using toml::TableReader;
-
-namespace {
-
-file::Scene scene_of(TableReader& table, const std::filesystem::path& data_dir) {
-    const std::string word = table.string("scene");
-    const file::SceneName name = file::find_scene(file::beside(table.where().source, word), data_dir);
-    const auto scenes = file::load_scene(name.path, {.variant = name.variant});
-    file::Scene scene = scenes.front();
-    if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
-    if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())
-        table.fail_at("scene", "has no mesh, or other solids beside it; name a scene of meshes alone");
-    if (scene.mesh_placed)
-        table.fail_at("scene", "has its mesh under a matrix; name one whose vertices stand where they are");
-    if (scene.inputs != file::Inputs::shared)
-        table.fail_at("scene", "has inputs = \"own\"; name one whose vertices are the same in every format");
-    return scene;
-}
-
-}  // namespace
 
 EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                                const std::vector<toml::Override>& set) {
@@ -35,7 +16,7 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("edge_search");
-    scene = scene_of(table, data_dir);
+    scene = read_mesh_scene(table, data_dir);
     if (triangle::shared_edges(*scene.mesh).empty())
         table.fail_at("scene", "has a mesh of which no two triangles share an edge; name another");
     if (table.has("distance")) distance = read_range(table, "distance");
