@@ -16,6 +16,7 @@
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
+#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -211,8 +212,13 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
             title = file.title;
             return "search for " + file.metric;
         }
+        case SweepKind::edge_search: {
+            const scene::sweep::EdgeSearchFile file(path, data);
+            title = file.title;
+            return "search along edges";
+        }
         case SweepKind::every_float: {
-            const scene::sweep::ExhaustiveFile file(path);
+            const scene::sweep::ExhaustiveFile file(path, data);
             title = file.title;
             return "every float of " + file.axis.name;
         }

@@ -143,7 +143,8 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
     std::vector<MapRow> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
-    if (kind == scene::sweep::SweepKind::search || kind == scene::sweep::SweepKind::every_float) return;
+    using enum scene::sweep::SweepKind;
+    if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
         fit = choice::rows_meeting(chosen, path.stem().string(),
                                    [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });

@@ -138,19 +138,20 @@ std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_
 void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     const bool mesh = request.scene != nullptr && request.scene->mesh;
-    const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside) {
-        return mesh ? fmt::format("{:>7} {:>10} {:>15} ", crack, twice, beside) : std::string();
+    const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside, const auto& order) {
+        return mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", crack, twice, beside, order) : std::string();
     };
     fmt::print("  {:<28} {:<5} {}{:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt",
-               of_mesh("crack", "double hit", "wrong neighbour"), "wrong solid", "false hit", "false miss", "NaN",
-               "hits", "bits lost: p50", "p99");
+               of_mesh("crack", "double hit", "wrong neighbour", "out of order"), "wrong solid", "false hit",
+               "false miss", "NaN", "hits", "bits lost: p50", "p99");
     bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::map::MapSummary& s = summaries[r];
         using measure::answer::Outcome;
         fmt::print("  {:<28} {:<5} {}{:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
                    request.rows[r].format.name,
-                   of_mesh(s.count(Outcome::crack), s.count(Outcome::double_hit), s.count(Outcome::wrong_neighbour)),
+                   of_mesh(s.count(Outcome::crack), s.count(Outcome::double_hit), s.count(Outcome::wrong_neighbour),
+                           s.count(Outcome::out_of_order)),
                    s.count(measure::answer::Outcome::wrong_object), s.count(measure::answer::Outcome::false_hit),
                    s.count(measure::answer::Outcome::false_miss), s.count(measure::answer::Outcome::not_a_number),
                    s.count(measure::answer::Outcome::agree_hit), lost_or_withheld(s, lost, 0.5),

@@ -14,33 +14,18 @@
 #include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
-#include "output/file/estimate.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
-#include "output/sweep/worst_files.hpp"
 #include "sweep_exhaustive.hpp"
+#include "sweep_parts.hpp"
 
 namespace lostbits::analysis {
 
 using measure::map::MapRow;
-using output::file::Estimate;
-using output::file::Progress;
 using scene::sweep::SweepKind;
 
 namespace {
-
-struct SweepOptions {
-    std::vector<std::string> sweeps;
-    std::vector<std::string> forms{"*"};
-    std::vector<std::string> formats;
-    std::vector<std::string> metrics;
-    std::string out, against, shard;
-    choice::SweepWords changes;
-    bool worst = false;
-    bool resume = false;
-    std::optional<int> seeds;
-};
 
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
     fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
@@ -60,40 +45,6 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
                    o.further.empty() ? "" : fmt::format("{:.4g} to {:.4g}, median {:.4g}", s.low, s.high, s.median));
     }
 }
-
-/// Moves a bar on, and says on long runs how long they will take.
-class Watched {
-public:
-    Watched(const std::string& id, std::uint64_t units, const Common& common)
-        : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units, common.quiet) {}
-    [[nodiscard]] std::function<void(std::uint64_t)> advancing() {
-        return [this, move = analysis::advancing(progress_)](std::uint64_t done) {
-            estimate_.advance(done);
-            move(done);
-        };
-    }
-    void finish() { progress_.finish(); }
-
-private:
-    Progress progress_;
-    Estimate estimate_;
-};
-
-struct Chosen {
-    std::vector<MapRow> rows;
-    std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
-    measure::metric::MetricSet& made;
-    Divided& divided;
-
-    [[nodiscard]] shard::Division& division() const { return divided.division; }
-    /// The folder of a sweep in `out`, the run's own; a shard has one already.
-    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::filesystem::path& folder,
-                                                                  const std::filesystem::path& sweep,
-                                                                  const Common& common) const {
-        if (divided.division.is_shard()) return nullptr;
-        return own_folder(folder, common, choice::name_of_sweep(sweep, choice::data_folder(common.data)));
-    }
-};
 
 /// What a run over named cases leaves: the matrix.
 void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o,
@@ -174,53 +125,28 @@ void run_axes(const std::filesystem::path& path, const Chosen& chosen, const Swe
     if (common.verbose && !onsets.empty()) print_onsets(request, onsets);
 }
 
-void run_search(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
-    scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
-    search.title += o.changes.in_title();
-    measure::sweep::WorstRequest request{
-        .search = &search,
-        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
-        .metrics = {},
-        .limit = {.stop = common.stop}};
-    Solid<double> any;  // labels do not depend on its numbers
-    any.shape = search.shape;
-    request.metrics =
-        chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
-                              measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
-    const auto folder = std::filesystem::path(o.out) / search.id;
-    const auto owner = chosen.own(folder, path, common);
-    if (owner) probe(folder / "worst.csv");
-    request.share = chosen.division().share();
-    Watched progress(search.id, request.share.of_units(request.rows.size()).size(), common);
-    request.progress = progress.advancing();
-    const auto found =
-        chosen.division().result_of("sweep " + search.id, [&request] { return measure::sweep::find_worst(request); });
-    progress.finish();
-    if (!found) return;
-    if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
-        throw NothingSelected(path.string() +
-                              ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
-                              "exclude all of the other ranges");
-    }
-    output::sweep::write_worst(folder, request, *found);
-    if (!common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
-}
-
 using choice::Meets;
 
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data) {
     using K = SweepKind;
-    if (o.worst && kind != K::search)
+    const bool searches = kind == K::search || kind == K::edge_search;
+    if (o.worst && !searches)
         throw InputError(path.string() +
-                         ":1:1: --worst needs a [search] table: the ranges to search; see data/sweeps/worst");
-    if (!o.worst && kind == K::search)
-        throw InputError(path.string() + ":1:1: this file has a [search] table, which only --worst uses; add --worst");
+                         ":1:1: --worst needs a [search] table, the ranges to search, or an "
+                         "[edge_search]; see data/sweeps/worst");
+    if (!o.worst && searches)
+        throw InputError(path.string() +
+                         ":1:1: this file has a table of a search, which only --worst uses; add --worst");
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
-    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path).solid.shape);
+    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
+    if (kind == K::edge_search)
+        return [file = scene::sweep::EdgeSearchFile(path, data, choice::read_changes(o.changes).set)](Shapes forms) {
+            return file.meets(forms);
+        };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
@@ -296,7 +222,7 @@ Exit run(SweepOptions o, const Common& common) {
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(
-                std::make_unique<ExhaustiveRun>(sweep.path, chosen.rows, o.out, o.resume, divided.division));
+                std::make_unique<ExhaustiveRun>(sweep.path, data, chosen.rows, o.out, o.resume, divided.division));
     }
     const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
@@ -304,6 +230,7 @@ Exit run(SweepOptions o, const Common& common) {
             if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
             else if (kind == SweepKind::axes) run_axes(path, chosen, o, common);
             else if (kind == SweepKind::search) run_search(path, chosen, o, common);
+            else if (kind == SweepKind::edge_search) run_edge_search(path, chosen, o, common);
         } catch (const Interrupted&) {
             throw Error(Exit::interrupted, choice::interrupted_text(kind, path.stem().string()));
         }

@@ -29,9 +29,10 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
-                             const std::filesystem::path& out, bool resume, shard::Division& division)
-    : sweep_(path),
+ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
+                             const std::vector<measure::map::MapRow>& rows, const std::filesystem::path& out,
+                             bool resume, shard::Division& division)
+    : sweep_(path, data),
       path_(path),
       folder_(out / sweep_.id),
       state_file_(folder_ / output::sweep::state_file_name),
@@ -39,6 +40,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::vecto
       division_(division) {
     request_.sweep = &sweep_;
     request_.share = division.share();
+    if (sweep_.scene) request_.scene = choice::name_of_scene(*sweep_.scene, data);
     for (measure::map::MapRow row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;

@@ -17,8 +17,9 @@ class ExhaustiveRun {
 public:
     /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep and,
     /// where the run is to be resumed, for a state that it cannot go on from.
-    ExhaustiveRun(const std::filesystem::path& path, const std::vector<measure::map::MapRow>& rows,
-                  const std::filesystem::path& out, bool resume, shard::Division& division);
+    ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
+                  const std::vector<measure::map::MapRow>& rows, const std::filesystem::path& out, bool resume,
+                  shard::Division& division);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 

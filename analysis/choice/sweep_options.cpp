@@ -34,7 +34,8 @@ const char* parts_of(SweepKind kind) {
     switch (kind) {
         case SweepKind::axes: return "steps";
         case SweepKind::cases: return "cases";
-        case SweepKind::search: return "searches";
+        case SweepKind::search:
+        case SweepKind::edge_search: return "searches";
         case SweepKind::every_float: break;
     }
     return "floats";
@@ -66,16 +67,19 @@ void check_changes(const SweepWords& words, SweepKind kind, const std::string& n
     const auto refuse = [&name](const std::string& option, const std::string& why) {
         throw InputError(fmt::format("{}: {} {}", option, name, why));
     };
-    const bool cases = kind == SweepKind::cases, search = kind == SweepKind::search;
+    const bool cases = kind == SweepKind::cases, edges = kind == SweepKind::edge_search,
+               search = kind == SweepKind::search || edges;
+    const std::string more = edges ? "--set rays=N" : "--set starts=N";
     if (!words.size.empty())
         refuse("--size " + words.size, cases    ? "has no picture: its rays are the cases; leave out --size"
-                                       : search ? "has no picture: its rays are searched; leave out --size, and try "
-                                                  "--set starts=N for more of them"
+                                       : search ? "has no picture: its rays are searched; leave out --size, and try " +
+                                                      more + " for more of them"
                                                 : "has no picture: its rays are in the file; leave out --size");
     if (!words.steps.empty())
-        refuse("--steps " + words.steps, cases    ? "has no steps but its cases; leave out --steps"
-                                         : search ? "has no steps; try --set starts=N or --set generations=N"
-                                                  : "tries every float of its range; leave out --steps");
+        refuse("--steps " + words.steps, cases ? "has no steps but its cases; leave out --steps"
+                                         : search
+                                             ? "has no steps; try " + more + (edges ? "" : " or --set generations=N")
+                                             : "tries every float of its range; leave out --steps");
     if (!words.set.empty() && !search)
         refuse("--set " + words.set.front(),
                cases ? "names each of its cases by its numbers; copy the file and change them there"
@@ -92,6 +96,10 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,
                                             const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files{path};
+    if (kind == SweepKind::edge_search)
+        files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set).scene.path);
+    if (kind == SweepKind::every_float)
+        if (const auto scene = scene::sweep::ExhaustiveFile(path, data).scene) files.push_back(scene->path);
     if (kind != SweepKind::axes) return files;
     const auto scene = scene::sweep::SweepFile(path, data, read_changes(words)).scene_path();
     if (!scene.empty()) files.push_back(scene);

@@ -29,6 +29,7 @@ const char* words_of(Outcome wrong) {
         case Outcome::wrong_object: return "a hit of the wrong solid";
         case Outcome::crack: return "a crack in the mesh";
         case Outcome::double_hit: return "a double hit";
+        case Outcome::out_of_order: return "two triangles out of order";
         default: return "an answer that is not a number";
     }
 }

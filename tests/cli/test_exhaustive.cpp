@@ -163,7 +163,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
             std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
             return std::string(text);
         }();
-        static_cast<void>(scratch.write("s/unfinished.state", "lostbits-unfinished/2\nversion " + version + "\nsweep " +
+        static_cast<void>(scratch.write("s/unfinished.state", "lostbits-unfinished/3\nversion " + version + "\nsweep " +
                                                                   hash + "\nforms " + forms + "\n" + rest));
         static_cast<void>(scratch.write("s/manifest.json", R"({"schema": "lostbits-manifest/1", "program": "lostbits",
             "command": "lostbits sweep s.toml", "files": ["unfinished.state"]})"));

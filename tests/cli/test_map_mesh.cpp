@@ -3,6 +3,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -60,17 +61,21 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
 TEST_CASE("explain calls a ray at a mesh what a map calls it") {
     const Scratch folder;
     const std::string form = " -i triangle.undivided -f f32";
-    REQUIRE(run("map mesh-icosphere-edges --pixels csv" + form + " -o '" + folder.path().string() + "'").code == 0);
-    std::map<std::string, std::string> pixels;
-    for (const auto& pixel : read_csv(folder.path() / "mesh-icosphere-edges" / "triangle.undivided.f32.csv"))
-        pixels.try_emplace(pixel.at("outcome"), pixel.at("x") + "," + pixel.at("y"));
-    for (const std::string outcome : {"crack", "double_hit", "wrong_neighbour", "false_miss", "agree_hit"}) {
-        const auto told = run("explain mesh-icosphere-edges --pixel " + pixels.at(outcome) + form + " --json");
-        INFO(outcome << " at " << pixels.at(outcome));
-        REQUIRE(told.code == 0);
-        const auto json = nlohmann::json::parse(told.out);
-        CHECK(json.value("in_mesh", json.at("outcome").get<std::string>()) == outcome);
-    }
+    const auto check = [&](const std::string& scene, const std::vector<std::string>& outcomes) {
+        REQUIRE(run("map " + scene + " --pixels csv" + form + " -o '" + folder.path().string() + "'").code == 0);
+        std::map<std::string, std::string> pixels;
+        for (const auto& pixel : read_csv(folder.path() / scene / "triangle.undivided.f32.csv"))
+            pixels.try_emplace(pixel.at("outcome"), pixel.at("x") + "," + pixel.at("y"));
+        for (const std::string& outcome : outcomes) {
+            const auto told = run("explain " + scene + " --pixel " + pixels.at(outcome) + form + " --json");
+            INFO(outcome << " at " << pixels.at(outcome));
+            REQUIRE(told.code == 0);
+            const auto json = nlohmann::json::parse(told.out);
+            CHECK(json.value("in_mesh", json.at("outcome").get<std::string>()) == outcome);
+        }
+    };
+    check("mesh-icosphere-edges", {"crack", "double_hit", "wrong_neighbour", "false_miss", "agree_hit"});
+    check("mesh-sheets-far", {"out_of_order", "agree_hit"});
 }
 
 TEST_CASE("faces without area are told of, and a bad mesh ends before anything is written") {

@@ -176,6 +176,25 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
     CHECK(all.faults > 5);
 }
 
+TEST_CASE("searches along edges: the nearest ray of each outcome") {
+    const Scratch folder;
+    make(
+        "sweep mesh-edges --worst -i triangle.undivided -i triangle.baldwin_weber -f f32 -f p16 --set rays=8192 -o out",
+        folder);
+    const auto table = read_csv(folder.path() / "out/mesh-edges/worst.csv");
+    int pasted = 0;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const std::string command = cell(table, "explain", i);
+        CHECK(command.empty() == (cell(table, "found", i) == "false"));
+        if (command.empty()) continue;
+        INFO(command);
+        const auto j = explained(command, folder);
+        CHECK(j.at("in_mesh") == cell(table, "outcome", i));
+        ++pasted;
+    }
+    CHECK(pasted >= 6);
+}
+
 TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
     const Scratch folder;
     static_cast<void>(folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]

@@ -55,6 +55,8 @@ const Row rows[] = {
     {"sweep march.toml -i 'sdf.*' -f f32 -o out", 6},
     {"sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -o out", 8},
     {"sweep search.toml --worst -f f32 -f f64 -o out", 2, true},
+    {"sweep worst/mesh-edges --worst -i triangle.undivided -i triangle.woop -f f32 -f p16 --set rays=2048 -o out", 2,
+     true},
     {"sweep every.toml -i sphere.press -i sphere.unified -o out", 5},
     {"render raycast-course.pixels --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},
     {"render raycast-acne.ulp4 --size 60x40 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},

@@ -195,6 +195,8 @@ TEST_CASE(
         {"extremes/contact --set x=3", "copy the file"},
         {"near --worst --size 8x8", "--set starts=N"},
         {"near --worst --steps 8", "--set starts=N or --set generations=N"},
+        {"mesh-edges --worst --size 8x8", "--set rays=N"},
+        {"mesh-edges --worst --set ray=8", "did you mean \"rays\""},
         {"near --worst --set strats=8", "did you mean \"starts\""},
         {"exhaustive-distance --steps 8", "tries every float of its range"},
         {"exhaustive-distance --size 8x8", "leave out --size"},

@@ -1,5 +1,6 @@
 #include "fuzz/fuzz.hpp"
 #include "scene/sweep/case_file.hpp"
+#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -24,8 +25,12 @@ void fuzz_sweep(std::string_view bytes) {
                 const scene::sweep::SearchFile file(path);
                 return;
             }
+            case SweepKind::edge_search: {
+                const scene::sweep::EdgeSearchFile file(path, LOSTBITS_DATA_DIR);
+                return;
+            }
             case SweepKind::every_float: {
-                const scene::sweep::ExhaustiveFile file(path);
+                const scene::sweep::ExhaustiveFile file(path, LOSTBITS_DATA_DIR);
                 if (file.floats() > 0)
                     static_cast<void>(file.group_at(0, scene::sweep::float_at(file.ranges().front().first)));
                 return;

@@ -25,6 +25,7 @@ public:
             if (are_neighbours(truly, met))
                 outcome = cross_at_one_t(truly, met) ? Outcome::agree_hit : Outcome::wrong_neighbour;
             else if (is_crack(truly)) outcome = Outcome::crack;
+            else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
         }
         const bool met_right = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
         return met_right && in_mesh(met) && is_claimed_twice(met) ? Outcome::double_hit : outcome;
@@ -65,6 +66,15 @@ private:
             return !(here.is_hit() && there.is_hit()) || compare(here.t, there.t) == 0;
         };
         return claims(of_one_crossing) && counts_otherwise();
+    }
+    /// Whether the ray truly meets `met`, and before it a triangle that the form claims too and that is no neighbour.
+    [[nodiscard]] bool passes_a_nearer(std::int32_t met) const {
+        const Truth there = truth_at(met);
+        return there.is_hit() && claims([&](std::int32_t s) {
+                   if (s == met || !in_mesh(s) || are_neighbours(s, met)) return false;
+                   const Truth here = truth_at(s);
+                   return here.is_hit() && compare(here.t, there.t) < 0;
+               });
     }
     /// Whether one of the two numbers is odd: of triangles of the mesh that the form claims, and of those that the ray
     /// truly crosses, of which several at one t count once.

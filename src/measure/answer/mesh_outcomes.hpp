@@ -1,4 +1,4 @@
-// What only meshes have: crossings that a form does not see, or sees twice.
+// What only meshes have: crossings that a form does not see, sees twice, or puts in the wrong order.
 #pragma once
 
 #include <span>
@@ -30,6 +30,8 @@ struct BandAnswers {
 /// `double_hit`: the form claims the triangle that it hits first and a neighbour of it, where the ray crosses the mesh
 /// once: it misses one of the two, or meets both at one t; again its crossings are an odd number more or less. At a
 /// fold the ray meets both, one after the other, and nothing is counted twice.
+/// `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
+/// that the ray truly meets before: each is decided rightly, but the computed t of the nearer is not the smaller.
 void take_meshes_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
 /// The same of one ray that truly hits the solid `truly` first; `before`: as if solids had no edges in common.
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);

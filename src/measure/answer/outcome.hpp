@@ -12,8 +12,9 @@
 namespace lostbits::measure::answer {
 
 /// Error metrics exist on `agree_hit` alone. `not_a_number` is a form that claims a hit at NaN; `wrong_object` is a hit
-/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit` and `wrong_neighbour` are
-/// of meshes alone, and the last of them is no error. Files number outcomes: new ones stand last.
+/// where there is one, but on another solid than the ray meets first; `crack`, `double_hit`, `wrong_neighbour`
+/// and `out_of_order` are of meshes alone, and `wrong_neighbour` is no error. Files number outcomes: new ones stand
+/// last.
 enum class Outcome : std::uint8_t {
     agree_hit,
     agree_miss,
@@ -24,12 +25,13 @@ enum class Outcome : std::uint8_t {
     wrong_object,
     crack,
     double_hit,
-    wrong_neighbour
+    wrong_neighbour,
+    out_of_order
 };
 
-inline constexpr std::array<std::string_view, 10> outcome_names{
-    "agree_hit",  "agree_miss",   "false_hit", "false_miss", "not_a_number",
-    "unresolved", "wrong_object", "crack",     "double_hit", "wrong_neighbour"};
+inline constexpr std::array<std::string_view, 11> outcome_names{
+    "agree_hit",    "agree_miss", "false_hit",  "false_miss",      "not_a_number", "unresolved",
+    "wrong_object", "crack",      "double_hit", "wrong_neighbour", "out_of_order"};
 /// So many of them, from the first, are there where a ray has one solid to hit.
 inline constexpr std::size_t outcomes_of_one_solid = 6;
 /// So many where it has several that are not a mesh.
@@ -38,7 +40,8 @@ inline constexpr std::size_t outcomes_without_mesh = 7;
 /// The ways in which a decision can be wrong. Of several kinds in one summary the most frequent counts, the first here
 /// of equally frequent ones.
 inline constexpr std::array wrong_decisions{Outcome::not_a_number, Outcome::false_miss, Outcome::false_hit,
-                                            Outcome::wrong_object, Outcome::crack,      Outcome::double_hit};
+                                            Outcome::wrong_object, Outcome::crack,      Outcome::double_hit,
+                                            Outcome::out_of_order};
 inline constexpr bool is_wrong(Outcome outcome) {
     return std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end();
 }

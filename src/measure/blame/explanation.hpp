@@ -58,7 +58,7 @@ struct Explanation {
     double inherent = 0;                   ///< bits of the envelope; NaN for a miss
     double beyond = 0;                     ///< lost bits beyond the envelope, see `truth::excess_bits`
     std::optional<TrueSolid> missed = {};  ///< where the form hits another solid than the ray; of a march never
-    /// What a map calls the ray, where it is of a mesh: a crack, a double hit or a wrong neighbour.
+    /// What a map calls the ray, where it is of a mesh: a crack, a double hit, a wrong neighbour or out of order.
     std::optional<answer::Outcome> in_mesh = {};
     /// Forms of the same shape in the same format that are right on the ray and lose less around it, the least first.
     std::vector<Standing> better = {};

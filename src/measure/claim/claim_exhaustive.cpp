@@ -33,8 +33,8 @@ std::size_t ray_of(const Claim& claim, const ExhaustiveFile& file) {
 }
 
 /// The range of a claim, as a file with that range alone and with its one ray.
-ExhaustiveFile narrowed(const Claim& claim, const std::filesystem::path& path) {
-    ExhaustiveFile file(path);
+ExhaustiveFile narrowed(const Claim& claim, const std::filesystem::path& path, const std::filesystem::path& data_dir) {
+    ExhaustiveFile file(path, data_dir);
     const std::size_t ray = ray_of(claim, file);
     file.rays = {file.rays[ray]};
     if (claim.from.has_value() != claim.to.has_value())
@@ -83,7 +83,8 @@ std::size_t event_of(const Claim& claim) {
     }
     scene::toml::fail(claim.where, "no onset of \"" + claim.onset +
                                        "\" at that threshold; over every float there are false_miss, false_hit, "
-                                       "not_a_number (1) and lost_bits (1, 4, 8, 12)");
+                                       "not_a_number, of meshes wrong_object, crack, double_hit and out_of_order "
+                                       "(1), and lost_bits (1, 4, 8, 12)");
 }
 
 /// The float that the number was taken from: an onset, the first wrong decision, or the worst error.
@@ -143,19 +144,20 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
         result.state = ClaimResult::State::broken;
         result.trouble = std::to_string(all.count(Outcome::unresolved)) + " floats have no proved truth";
     }
-    if (const auto place = witness_place(claim, all)) result.witness = witness_at(request, *place);
+    // What names a ray by its numbers names its solids so, and a mesh has too many.
+    if (const auto place = witness_place(claim, all); place && !file.mesh) result.witness = witness_at(request, *place);
     return result;
 }
 
 }  // namespace
 
 void measure_exhaustive(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
-                        truth::TruthLimit limit, std::vector<ClaimResult>& results) {
+                        const ClaimRequest& run, std::vector<ClaimResult>& results) {
     for (const std::size_t i : places) {
         if (!claims[i].exhaustive)
             scene::toml::fail(claims[i].where, "sweep \"" + claims[i].sweep +
                                                    "\" tries every float; write `exhaustive = true` in claim.given");
-        results[i] = measure_one(claims[i], narrowed(claims[i], path), limit);
+        results[i] = measure_one(claims[i], narrowed(claims[i], path, run.data_dir), {.stop = run.stop});
     }
 }
 

@@ -39,7 +39,7 @@ void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places&
                    int draw, std::vector<ClaimResult>& results);
 /// About a sweep over every float.
 void measure_exhaustive(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                        const std::filesystem::path& path, truth::TruthLimit limit, std::vector<ClaimResult>& results);
+                        const std::filesystem::path& path, const ClaimRequest& run, std::vector<ClaimResult>& results);
 /// About the worst ray that a search finds.
 void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
                     std::vector<ClaimResult>& results);

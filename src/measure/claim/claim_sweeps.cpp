@@ -67,8 +67,9 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, places, path, {.stop = run.stop}, results);
         case SweepKind::search:
+        case SweepKind::edge_search:
             scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
-        case SweepKind::every_float: return measure_exhaustive(claims, places, path, {.stop = run.stop}, results);
+        case SweepKind::every_float: return measure_exhaustive(claims, places, path, run, results);
         case SweepKind::axes: break;
     }
     for (const std::size_t i : places) {

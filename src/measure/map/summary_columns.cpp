@@ -54,7 +54,9 @@ Columns outcome_columns() {
         {"wrong_object_fraction", Kind::number, "1", "wrong_object among the rays that truly hit",
          [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }},
         {"wrong_fraction", Kind::number, "1",
-         "not_a_number, false_hit, false_miss, wrong_object, crack and double_hit among all rays whose truth is known",
+         "not_a_number, false_hit, false_miss, wrong_object, crack, double_hit and out_of_order among all rays whose "
+         "truth is "
+         "known",
          [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }},
         {.name = "crack",
          .kind = Kind::count,
@@ -74,6 +76,12 @@ Columns outcome_columns() {
          .meaning = "rays of which the form hits a neighbour of the triangle met; no wrong decision",
          .value = outcome<Outcome::wrong_neighbour>,
          .of_meshes = true},
+        {.name = "out_of_order",
+         .kind = Kind::count,
+         .unit = "",
+         .meaning = "rays of which the form claims a triangle and answers one that is truly behind it and no neighbour",
+         .value = outcome<Outcome::out_of_order>,
+         .of_meshes = true},
         {.name = "crack_fraction",
          .kind = Kind::number,
          .unit = "1",
@@ -85,6 +93,12 @@ Columns outcome_columns() {
          .unit = "1",
          .meaning = "double_hit among the rays that truly hit",
          .value = [](const S& s) { return fraction(s.count(Outcome::double_hit), s.true_hits); },
+         .of_meshes = true},
+        {.name = "out_of_order_fraction",
+         .kind = Kind::number,
+         .unit = "1",
+         .meaning = "out_of_order among the rays that truly hit",
+         .value = [](const S& s) { return fraction(s.count(Outcome::out_of_order), s.true_hits); },
          .of_meshes = true}};
     constexpr std::array of_claims_alone{"not_a_number_fraction", "wrong_object_fraction", "wrong_fraction"};
     for (SummaryColumn& c : columns)
@@ -265,7 +279,7 @@ Columns fault_columns() {
          .kind = Kind::category,
          .unit = "",
          .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_object, or of meshes "
-                    "crack or double_hit; the other columns of a fault are of its first ray",
+                    "crack, double_hit or out_of_order; the other columns of a fault are of its first ray",
          .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};
     add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",

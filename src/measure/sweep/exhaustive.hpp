@@ -36,6 +36,7 @@ struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile* sweep = nullptr;
     std::vector<map::MapRow> rows;  ///< all in binary32
     truth::TruthLimit limit{};
+    std::string scene = {};   ///< of a sweep across a mesh: as a command line names it
     shard::Share share = {};  ///< of the blocks into which every binade is cut
     /// Called with so many more floats tried, each counted once a ray and form.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

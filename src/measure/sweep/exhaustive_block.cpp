@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measure/sweep/box_of_row.hpp"
+#include "measure/sweep/mesh_floats.hpp"
 #include "measure/sweep/ulp_columns.hpp"
 #include "number/error.hpp"
 
@@ -25,7 +26,7 @@ public:
         : ulps_(ulps), floats_(floats), onto_(onto), left_(left) {}
 
     void add() {
-        for (std::size_t o = 0; o < onto_.outcomes.size(); ++o) onto_.outcomes[o] += ulps_.counts()[o];
+        for (std::size_t o = 0; o < ulps_.counts().size(); ++o) onto_.outcomes[o] += ulps_.counts()[o];
         add_wrong();
         add_worst();
         for (std::size_t e = 0; e < first_events.size(); ++e) {
@@ -51,7 +52,8 @@ private:
         if (!any(Outcome::false_hit) && !any(Outcome::false_miss) && !any(Outcome::not_a_number)) return;
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             const Outcome o = first_events[e].outcome;
-            if (first_events[e].lost_bits > 0 || onto_.first[e] || !any(o)) continue;
+            if (first_events[e].lost_bits > 0 || !is_of_one_solid(first_events[e]) || onto_.first[e] || !any(o))
+                continue;
             std::size_t i = 0;
             while (ulps_.outcome(i) != o) ++i;
             onto_.first[e] = floats_.at(i);
@@ -153,6 +155,7 @@ std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, tru
 }
 
 std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCounts& stages) {
+    if (request.sweep.mesh) return try_mesh_floats(request, stages);
     AxisColumns columns(request.sweep, request.ray, chunk_size);
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);

@@ -4,11 +4,18 @@
 
 #include "measure/sweep/axis_columns.hpp"
 #include "measure/sweep/box_of_row.hpp"
+#include "measure/sweep/exhaustive_block.hpp"
+#include "measure/sweep/mesh_floats.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::sweep {
 
 FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place) {
+    if (request.sweep->mesh) {
+        const auto truths = rows_by_truth(request.rows, request.limit);
+        const MeshAnswer there = mesh_answer_at({*request.sweep, request.rows, truths, ray, {place, place}}, row);
+        return {there.outcome, static_cast<float>(there.t), there.truth, there.ulps};
+    }
     const map::MapRow& form = request.rows[row];
     const bool unit = form.form->info->direction == intersect::Direction::unit;
     const truth::Length length = unit ? truth::Length::distance : truth::Length::parameter;

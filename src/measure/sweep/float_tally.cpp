@@ -8,6 +8,12 @@ namespace lostbits::measure::sweep {
 
 std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
 
+std::uint64_t FloatTally::wrong() const {
+    std::uint64_t all = 0;
+    for (const answer::Outcome o : answer::wrong_decisions) all += count(o);
+    return all;
+}
+
 void FloatTally::append(const FloatTally& after) {
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
     if (after.worst && (!worst || std::fabs(after.worst->ulps) > std::fabs(worst->ulps))) worst = after.worst;

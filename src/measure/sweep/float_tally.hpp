@@ -14,13 +14,21 @@ struct FirstEvent {
     answer::Outcome outcome;  ///< of a wrong decision
     int lost_bits = 0;        ///< 0: the outcome; otherwise so many bits are lost, and the outcome is `agree_hit`
 };
-inline constexpr std::array<FirstEvent, 7> first_events{{{answer::Outcome::false_miss},
-                                                         {answer::Outcome::false_hit},
-                                                         {answer::Outcome::not_a_number},
-                                                         {answer::Outcome::agree_hit, 1},
-                                                         {answer::Outcome::agree_hit, 4},
-                                                         {answer::Outcome::agree_hit, 8},
-                                                         {answer::Outcome::agree_hit, 12}}};
+inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::false_miss},
+                                                          {answer::Outcome::false_hit},
+                                                          {answer::Outcome::not_a_number},
+                                                          {answer::Outcome::agree_hit, 1},
+                                                          {answer::Outcome::agree_hit, 4},
+                                                          {answer::Outcome::agree_hit, 8},
+                                                          {answer::Outcome::agree_hit, 12},
+                                                          {answer::Outcome::wrong_object},
+                                                          {answer::Outcome::crack},
+                                                          {answer::Outcome::double_hit},
+                                                          {answer::Outcome::out_of_order}}};
+/// Whether it can happen where a ray has one solid to hit.
+inline constexpr bool is_of_one_solid(const FirstEvent& event) {
+    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_solid;
+}
 
 /// A form on one ray over floats in their order. Floats are named by their place among all (scene/sweep/float_order).
 struct FloatTally {
@@ -42,7 +50,7 @@ struct FloatTally {
         friend bool operator==(const Padding&, const Padding&) = default;
     };
 
-    std::array<std::uint64_t, answer::outcomes_of_one_solid> outcomes{};
+    std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
     std::optional<Worst> worst;
     /// No float's error is larger in size; −1 where none is a hit for both.
@@ -56,10 +64,7 @@ struct FloatTally {
 
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     [[nodiscard]] std::uint64_t floats() const;
-    [[nodiscard]] std::uint64_t wrong() const {
-        return count(answer::Outcome::false_hit) + count(answer::Outcome::false_miss) +
-               count(answer::Outcome::not_a_number);
-    }
+    [[nodiscard]] std::uint64_t wrong() const;
     /// What is known of these floats and of those that come after them.
     void append(const FloatTally& after);
     friend bool operator==(const FloatTally&, const FloatTally&) = default;

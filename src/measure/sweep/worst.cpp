@@ -22,12 +22,7 @@ constexpr int litter = 32;
 
 /// The number `steps` places after x in the format's order.
 double step_from(double x, std::int64_t steps, const FloatFormat& f) {
-    const std::int64_t n = truth::ordinal(x, f) + steps;
-    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
-    const std::int64_t size = std::abs(n), e = size / binade, m = size % binade;
-    const double y = e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
-                            : std::ldexp(static_cast<double>(binade + m), f.emin + static_cast<int>(e) - f.precision);
-    return n < 0 ? -y : y;
+    return truth::number_at(truth::ordinal(x, f) + steps, f);
 }
 
 /// A ray and a solid as one list of numbers, in the order of the search's ranges.

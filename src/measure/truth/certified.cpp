@@ -161,4 +161,12 @@ std::int64_t ordinal(double x, const FloatFormat& f) {
     return x < 0 ? -n : n;
 }
 
+double number_at(std::int64_t n, const FloatFormat& f) {
+    const std::int64_t binade = std::int64_t{1} << (f.precision - 1);
+    const std::int64_t size = std::abs(n), e = size / binade, m = size % binade;
+    const double y = e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
+                            : std::ldexp(static_cast<double>(binade + m), f.emin + static_cast<int>(e) - f.precision);
+    return n < 0 ? -y : y;
+}
+
 }  // namespace lostbits::measure::truth

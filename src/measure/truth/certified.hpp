@@ -57,5 +57,7 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
 /// |x|/2^emin-scaled position in the format's ordering: 0 for zero, +1 per representable number, negative below zero.
 /// Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
+/// The finite number of that ordinal.
+double number_at(std::int64_t ordinal, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

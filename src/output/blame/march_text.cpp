@@ -35,6 +35,7 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
         case Outcome::crack:
         case Outcome::double_hit:
         case Outcome::wrong_neighbour:
+        case Outcome::out_of_order:
         case Outcome::agree_hit: break;
     }
     const measure::truth::Certified& t = ray.true_t(*form.info);

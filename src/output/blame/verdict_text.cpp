@@ -55,7 +55,8 @@ std::string outcome_sentence(const Explanation& x) {
                                file::decimal(x.standing.t), file::decimal(x.true_t.value_or(0)));
         case Outcome::crack:
         case Outcome::double_hit:
-        case Outcome::wrong_neighbour:  // of a whole mesh; what is explained is an answer of one solid
+        case Outcome::wrong_neighbour:
+        case Outcome::out_of_order:  // of a whole mesh; what is explained is an answer of one solid
         case Outcome::agree_hit: break;
     }
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}",
@@ -172,6 +173,7 @@ std::string fares(const measure::blame::Standing& s) {
         case Outcome::crack: return "a crack in the mesh";
         case Outcome::double_hit: return "a double hit";
         case Outcome::wrong_neighbour: return "a hit of the triangle beside";
+        case Outcome::out_of_order: return "two triangles out of order";
         case Outcome::unresolved: break;
     }
     return "its true answer could not be proved";
@@ -261,6 +263,9 @@ std::string mesh_sentence(const Explanation& x) {
                    "the mesh once.\n";
         case Outcome::wrong_neighbour:
             return "Of the mesh this is a wrong neighbour, and no wrong decision: the triangles share a vertex.\n";
+        case Outcome::out_of_order:
+            return "Of the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
+                   "one, and its t there is not the smaller.\n";
         case Outcome::agree_hit:
             return x.in_mesh ? "Of the mesh this is a correct hit: the ray meets both triangles at one t.\n" : "";
         default: return "";

@@ -91,7 +91,7 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     };
     const double least = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
                          count("wrong_object", 0) + count("crack", 0) + count("double_hit", 0) +
-                         count("wrong_neighbour", 0);
+                         count("wrong_neighbour", 0) + count("out_of_order", 0);
     return {least, least + count("not_a_number", 0) + count("unresolved", 0)};
 }
 

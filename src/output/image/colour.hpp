@@ -21,8 +21,8 @@ static_assert(sizeof(Rgb8) == 3);
 /// at least 25 for every eye, also a deuteranope's and a protanope's (tests hold the distances); their lightness
 /// differs too, so that a grey print still tells them apart. `agree_hit` is drawn with its metric's colour, and with
 /// this one where the metric has no value there, or in a map of classes alone. Beside the ramp there is room for these
-/// seven; the three of meshes are 20 apart from them and from it for an ordinary eye, and 10 for the two others.
-inline constexpr std::array<Rgb8, 10> outcome_colours{{
+/// seven; the four of meshes are 20 apart from them and from it for an ordinary eye, and 10 for the two others.
+inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
     {231, 231, 231},  // agree_miss: neutral, recedes
     {114, 51, 0},     // false_hit: brown
@@ -33,6 +33,7 @@ inline constexpr std::array<Rgb8, 10> outcome_colours{{
     {200, 0, 65},     // crack: crimson
     {110, 235, 255},  // double_hit: light cyan
     {245, 175, 180},  // wrong_neighbour: pale pink
+    {127, 154, 195},  // out_of_order: steel blue
 }};
 
 /// One fixed colour a reason for a march to stop, in the order of `Stop` (intersect/march.hpp).

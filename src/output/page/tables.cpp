@@ -62,7 +62,9 @@ std::string summary_table(const measure::map::MapRequest& request,
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
         "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th><th "
         "scope=\"col\">wrong solids</th>" +
-        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>" : "") +
+        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>"
+                                          "<th scope=\"col\">out of order</th>"
+                                        : "") +
         "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
         "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
@@ -72,7 +74,7 @@ std::string summary_table(const measure::map::MapRequest& request,
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
         std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
-        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit"});
+        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit", "out_of_order"});
         counts.push_back("unresolved");
         for (const char* name : counts)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));

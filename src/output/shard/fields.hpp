@@ -4,6 +4,7 @@
 
 #include "measure/claim/claim.hpp"
 #include "measure/contract/suspect.hpp"
+#include "measure/edges/nearest.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "measure/map/map.hpp"
@@ -117,6 +118,18 @@ template <class Bits>
 void fields(Bits& bits, measure::sweep::WorstFound& w) {
     auto& [outcome, value, ray, solid, t, truth, distance, evaluations] = w;
     bits(outcome, value, ray, solid, t, truth, distance, evaluations);
+}
+
+template <class Bits>
+void fields(Bits& bits, measure::edges::NearestRay& ray) {
+    auto& [distance, numbers, faces, t, truth] = ray;
+    bits(distance, numbers, faces, t, truth);
+}
+
+template <class Bits>
+void fields(Bits& bits, measure::edges::EdgeFinding& finding) {
+    auto& [nearest, rays] = finding;
+    bits(nearest, rays);
 }
 
 template <class Bits>

@@ -37,9 +37,14 @@ void put_subject(std::vector<Column>& columns, const std::string& of) {
         {"to_hex", "string", of, "the last"}};
 }
 
-void put_outcomes(std::vector<Column>& columns) {
+/// Of those that can occur.
+std::size_t outcomes_of(const ExhaustiveRequest& request) {
+    return request.sweep->mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
+}
+
+void put_outcomes(std::vector<Column>& columns, const ExhaustiveRequest& request) {
     columns.push_back({"floats", "integer", "", "how many were tried: counted"});
-    for (const auto name : std::span(measure::answer::outcome_names).first(measure::answer::outcomes_of_one_solid))
+    for (const auto name : std::span(measure::answer::outcome_names).first(outcomes_of(request)))
         columns.push_back({std::string(name), "integer", "", "floats with this outcome"});
 }
 
@@ -81,7 +86,7 @@ std::vector<Column> binade_columns(const ExhaustiveRequest& request) {
     columns.insert(columns.begin() + 4,
                    {"binade", "string", "",
                     "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart"});
-    put_outcomes(columns);
+    put_outcomes(columns, request);
     put_worst(columns, request);
     put_wrong(columns, request.sweep->axis.unit);
     return columns;
@@ -90,7 +95,7 @@ std::vector<Column> binade_columns(const ExhaustiveRequest& request) {
 std::vector<Column> statement_columns(const ExhaustiveRequest& request) {
     std::vector<Column> columns;
     put_subject(columns, request.sweep->axis.unit);
-    put_outcomes(columns);
+    put_outcomes(columns, request);
     columns.push_back({"right_up_to_hex", "string", request.sweep->axis.unit,
                        "the last float before the first wrong decision; missing where none is wrong, or the first is"});
     put_wrong(columns, request.sweep->axis.unit);
@@ -131,9 +136,9 @@ void add_ends(CsvWriter& csv, const scene::sweep::FloatRange& floats) {
     csv.add(hex_cell(floats.first)).add(hex_cell(floats.last));
 }
 
-void add_outcomes(CsvWriter& csv, const FloatTally& tally) {
+void add_outcomes(CsvWriter& csv, const ExhaustiveRequest& request, const FloatTally& tally) {
     csv.add(tally.floats());
-    for (const std::uint64_t n : tally.outcomes) csv.add(n);
+    for (const std::uint64_t n : std::span(tally.outcomes).first(outcomes_of(request))) csv.add(n);
 }
 
 /// A ray and a form.
@@ -192,7 +197,7 @@ void ExhaustiveFiles::write_binades(const ExhaustiveState& state) {
                 add_subject(binades_, request_, ray, row);
                 binades_.add(binades[b].binade.name());
                 add_ends(binades_, binades[b].floats);
-                add_outcomes(binades_, tally);
+                add_outcomes(binades_, request_, tally);
                 add_worst(binades_, request_, {ray, row}, tally);
                 add_wrong(binades_, request_, {ray, row}, tally);
                 binades_.end_row();
@@ -203,6 +208,7 @@ void ExhaustiveFiles::write_binades(const ExhaustiveState& state) {
 
 void ExhaustiveFiles::write_onsets(const RangeFinding& f) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
+        if (!request_.sweep->mesh && !is_of_one_solid(first_events[e])) continue;
         const bool bits = first_events[e].lost_bits > 0;
         add_subject(onsets_, request_, f.ray, f.row);
         add_ends(onsets_, f.floats);
@@ -226,7 +232,7 @@ void ExhaustiveFiles::write_onsets(const RangeFinding& f) {
 void ExhaustiveFiles::write_statement(const RangeFinding& f) {
     add_subject(statements_, request_, f.ray, f.row);
     add_ends(statements_, f.floats);
-    add_outcomes(statements_, f.tally);
+    add_outcomes(statements_, request_, f.tally);
     const auto good = f.tally.first_wrong ? f.before(f.tally.first_wrong->place) : std::nullopt;
     statements_.add(good ? hex_cell(*good) : Cell());
     add_wrong(statements_, request_, {f.ray, f.row}, f.tally);

@@ -20,7 +20,7 @@ using measure::sweep::FloatTally;
 
 namespace {
 
-constexpr std::string_view heading = "lostbits-unfinished/2";
+constexpr std::string_view heading = "lostbits-unfinished/3";
 
 /// Whole numbers with spaces between them; what there is not is `-`.
 std::string tally_text(std::size_t place, const FloatTally& t) {
@@ -88,7 +88,7 @@ std::optional<FloatTally::Wrong> read_wrong(StateWords& in) {
     const auto outcome = in.optional<int>();
     if (place.has_value() != outcome.has_value()) in.damaged();
     if (!place) return std::nullopt;
-    if (*outcome < 0 || *outcome >= static_cast<int>(measure::answer::outcomes_of_one_solid)) in.damaged();
+    if (*outcome < 0 || *outcome >= static_cast<int>(measure::answer::outcome_names.size())) in.damaged();
     return FloatTally::Wrong{*place, static_cast<Outcome>(*outcome)};
 }
 

@@ -1,7 +1,9 @@
 #include "output/sweep/exhaustive_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -19,13 +21,31 @@ using scene::sweep::float_at;
 namespace {
 
 std::string_view failure(Outcome o) {
-    return o == Outcome::false_hit    ? "a false hit"
-           : o == Outcome::false_miss ? "a false miss"
-                                      : "a hit at a t that is not a number";
+    switch (o) {
+        case Outcome::false_hit: return "a false hit";
+        case Outcome::false_miss: return "a false miss";
+        case Outcome::wrong_object: return "a hit of another triangle";
+        case Outcome::crack: return "a crack";
+        case Outcome::double_hit: return "a double hit";
+        case Outcome::out_of_order: return "two triangles out of order";
+        default: return "a hit at a t that is not a number";
+    }
 }
 
 /// `1 float`, `2 floats`.
 std::string count_text(std::uint64_t n) { return fmt::format("{} float{}", n, n == 1 ? "" : "s"); }
+
+/// ` (12 crack, 3 double hit)`.
+std::string kinds_text(const FloatTally& tally) {
+    std::vector<std::string> kinds;
+    for (const Outcome o : measure::answer::wrong_decisions) {
+        if (tally.count(o) == 0) continue;
+        kinds.push_back(
+            fmt::format("{} {}", tally.count(o), measure::answer::outcome_names[static_cast<std::size_t>(o)]));
+        std::ranges::replace(kinds.back(), '_', ' ');
+    }
+    return fmt::format(" ({})", fmt::join(kinds, ", "));
+}
 
 }  // namespace
 
@@ -62,8 +82,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure(wrong.outcome))
                  : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
-    text += fmt::format("; it decides wrongly for {} in all, the last at {}", count_text(tally.wrong()),
-                        float_text(tally.last_wrong->place));
+    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}", count_text(tally.wrong()),
+                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
     return text;
@@ -71,7 +91,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
 
 std::string explain_float(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place) {
     const scene::rays::RayGroup group = request.sweep->group_at(ray, float_at(place));
-    return blame::explain_command(blame::name_of_ray(&group), request.rows[row]);
+    const std::string scene = request.sweep->mesh ? request.scene + " " : "";
+    return blame::explain_command(scene + blame::name_of_ray(&group), request.rows[row]);
 }
 
 }  // namespace lostbits::output::sweep

@@ -172,7 +172,8 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
 
 std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
     std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
-    for (const Outcome o : {Outcome::wrong_object, Outcome::crack, Outcome::double_hit, Outcome::not_a_number}) {
+    for (const Outcome o :
+         {Outcome::wrong_object, Outcome::crack, Outcome::double_hit, Outcome::out_of_order, Outcome::not_a_number}) {
         const auto occurs = [&](const SweepStep& step) {
             for (std::size_t r = 0; r < step.rows.size(); ++r) {
                 if (sweep.request.rows[r].format == format && step.rows[r].count(o) > 0) return true;
@@ -191,6 +192,7 @@ std::string wrong_title(Outcome outcome) {
         case Outcome::wrong_object: return "Hits of the wrong solid";
         case Outcome::crack: return "Cracks";
         case Outcome::double_hit: return "Double hits";
+        case Outcome::out_of_order: return "Triangles out of order";
         default: return "Answers that are not a number";
     }
 }

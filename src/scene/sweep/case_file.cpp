@@ -254,8 +254,9 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
 SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     const Node* const axis = root.find("axis");
-    return root.find("case") != nullptr     ? SweepKind::cases
-           : root.find("search") != nullptr ? SweepKind::search
+    return root.find("case") != nullptr          ? SweepKind::cases
+           : root.find("search") != nullptr      ? SweepKind::search
+           : root.find("edge_search") != nullptr ? SweepKind::edge_search
            : root.find("ray") != nullptr || (axis != nullptr && axis->kind == Node::Kind::table)
                ? SweepKind::every_float
                : SweepKind::axes;

@@ -74,7 +74,7 @@ private:
 };
 
 /// What a sweep file holds, by its tables.
-enum class SweepKind { axes, cases, search, every_float };
+enum class SweepKind { axes, cases, search, edge_search, every_float };
 SweepKind sweep_kind(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::sweep

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "scene/sweep/convention.hpp"
+#include "scene/sweep/mesh_scene.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"
@@ -77,13 +78,14 @@ std::optional<float> exact_float(const Real& x) {
 }
 
 void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
-    const auto of_solid = number_paths(solid.shape);
     std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
-    all.insert(all.end(), of_solid.begin(), of_solid.end());
+    if (!mesh) std::ranges::copy(number_paths(solid.shape), std::back_inserter(all));
     const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
     if (found == all.size())
-        table.fail_at("set", "names \"" + path + "\", which is not a number of the ray or of its " +
-                                 std::string(name_of(solid.shape)) + "; " + toml::did_you_mean(path, all));
+        table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
+                                 (mesh ? std::string(", and those of a mesh stay")
+                                       : " or of its " + std::string(name_of(solid.shape))) +
+                                 "; " + toml::did_you_mean(path, all));
     auto& places = found < 6 ? ray_places : solid_places;
     const std::size_t place = found < 6 ? found : found - 6;
     if (std::ranges::find(places, place) != places.end())
@@ -95,6 +97,8 @@ void ExhaustiveFile::read_range(TableReader& table) {
     if (table.optional_boolean("all").value_or(false)) {
         for (const char* key : {"from", "to"})
             table.reject(key, "cannot be combined with all = true, which takes every float there is; leave one out");
+        if (mesh)
+            table.fail_at("all", "takes NaN and infinities, and no ray that has one crosses a mesh; write from and to");
         if (!solid_places.empty())
             table.fail_at(
                 "all",
@@ -128,6 +132,7 @@ void ExhaustiveFile::read_axis(TableReader table) {
 }
 
 void ExhaustiveFile::check_solids(TableReader& file) const {
+    if (mesh) return;
     const std::string name(name_of(solid.shape));
     if (solid_places.empty()) {
         if (const auto broken = broken_limit(solid))
@@ -153,7 +158,8 @@ void ExhaustiveFile::read_solid(TableReader& file) {
         if (file.has(row.name)) found.push_back(row.shape);
     }
     if (found.size() != 1)
-        toml::fail(file.where(), "a sweep over every float has one solid: " + tables + " table; write one");
+        toml::fail(file.where(), "a sweep over every float has one solid, " + tables +
+                                     " table, or scene = \"…\", whose mesh its rays cross; write one of them");
     solid = Solid<float>(found.front());
     TableReader table = file.table(name_of(solid.shape));
     for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
@@ -164,13 +170,23 @@ void ExhaustiveFile::read_solid(TableReader& file) {
     table.reject_unknown_keys();
 }
 
-ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path) {
+void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& data_dir) {
+    for (const ShapeRow& row : shape_rows)
+        file.reject(row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
+    scene = read_mesh_scene(file, data_dir);
+    mesh = rays::shared_mesh(*scene);
+    solid = Solid<float>(triangle::Mesh::shape);
+    text_hash ^= hash_of(scene->path);
+}
+
+ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) {
     const Node root = toml::read_toml(path);
     text_hash = hash_of(path);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);
-    read_solid(file);
+    if (file.has("scene")) read_scene(file, data_dir);
+    else read_solid(file);
     for (TableReader& table : file.tables("ray")) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
@@ -228,7 +244,8 @@ rays::RayGroup ExhaustiveFile::group_at(std::size_t ray, float value) const {
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     rays::RayGroup group = rays::group_of({wide(r.origin), wide(r.direction)});
     if (told_end(solid.shape)) group.rays.tmax = {static_cast<double>(rays[ray].tmax)};
-    group.solids = {transformed(solid_at(value), [](float x) { return static_cast<double>(x); })};
+    if (mesh) group.mesh = mesh;
+    else group.solids = {transformed(solid_at(value), [](float x) { return static_cast<double>(x); })};
     return group;
 }
 

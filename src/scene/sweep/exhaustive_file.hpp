@@ -3,25 +3,29 @@
 
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "intersect/info.hpp"
+#include "scene/file/scene.hpp"
 #include "scene/rays/rays.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/sweep/float_order.hpp"
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::sweep {
 
-/// A sweep file with one `[axis]` table, `[[ray]]` tables, and a `[sphere]` or a `[box]`. All numbers are binary32.
+/// A sweep file with one `[axis]` table, `[[ray]]` tables, and a solid (`[sphere]`, say) or a scene whose mesh the rays
+/// cross. All numbers are binary32.
 class ExhaustiveFile : public SweepHead {
 public:
-    /// InputError with a position for anything that is not such a sweep.
-    explicit ExhaustiveFile(const std::filesystem::path& path);
+    /// InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
+    ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
 
-    std::uint64_t text_hash = 0;  ///< of the bytes of the file
+    std::uint64_t text_hash = 0;  ///< of the bytes of the file, and of its scene's
     /// All forms are judged as if touching were this; absent: each by its own word.
     std::optional<intersect::Touching> convention;
 
@@ -36,7 +40,10 @@ public:
         float tmax = std::numeric_limits<float>::infinity();  ///< where it ends (boxes only)
     };
     std::vector<NamedRay> rays;
-    Solid<float> solid;
+    Solid<float> solid;  ///< of a sweep across a mesh any triangle
+    /// The triangles of its scene, of which no number moves; null where there is one solid.
+    std::shared_ptr<const rays::MeshColumns> mesh;
+    std::optional<file::Scene> scene;
 
     /// What is tried, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
     [[nodiscard]] const std::vector<FloatRange>& ranges() const { return ranges_; }
@@ -52,6 +59,7 @@ public:
 
 private:
     void read_solid(toml::TableReader& file);
+    void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir);
     void read_axis(toml::TableReader table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);

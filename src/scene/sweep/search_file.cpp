@@ -6,16 +6,12 @@ namespace lostbits::scene::sweep {
 
 using toml::TableReader;
 
-namespace {
-
 SearchedRange read_range(TableReader& table, std::string_view key) {
     const auto ends = table.numbers(key, 2);
     const SearchedRange range{static_cast<double>(ends[0]), static_cast<double>(ends[1])};
     if (!(range.low <= range.high)) table.fail_at(key, "must be [low, high] with low <= high");
     return range;
 }
-
-}  // namespace
 
 double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid) {
     const auto [centre, radius] = ball_around(solid);

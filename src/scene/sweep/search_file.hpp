@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/sweep/sweep_head.hpp"
@@ -18,6 +19,9 @@ struct SearchedRange {
     double low = 0, high = 0;
     [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
 };
+
+/// `key = [low, high]`. InputError with a position where low is above high.
+SearchedRange read_range(toml::TableReader& table, std::string_view key);
 
 /// From the origin of a ray to the centre of a round solid.
 double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid);

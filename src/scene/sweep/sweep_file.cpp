@@ -118,7 +118,7 @@ SweepFile::Mark read_mark(TableReader& mark) {
         m.event = measured->has("event")
                       ? known(*measured, "event",
                               {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_object", "crack",
-                               "double_hit", "max_dist", "max_steps", "stagnated"})
+                               "double_hit", "out_of_order", "max_dist", "max_steps", "stagnated"})
                       : "lost_bits";
         m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
                       : m.event == "lost_bits"   ? "p50"

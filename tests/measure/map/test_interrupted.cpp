@@ -87,7 +87,7 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     const auto& metrics = testing::case_metrics;
     const scene::sweep::SweepFile sweep(sweeps / "sphere-distance.toml", data);
     const scene::sweep::CaseFile cases(sweeps / "extremes/contact.toml");
-    const scene::sweep::ExhaustiveFile floats(sweeps / "exhaustive-distance.toml");
+    const scene::sweep::ExhaustiveFile floats(sweeps / "exhaustive-distance.toml", LOSTBITS_DATA_DIR);
     const scene::sweep::SearchFile search(sweeps / "worst/near.toml");
     measure::sweep::ExhaustiveState state;
     const testing::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");

@@ -1,4 +1,5 @@
-// Cracks, double hits and wrong neighbours, counted again from every triangle's own answer and own truth.
+// Cracks, double hits, wrong neighbours and triangles out of order, counted again from every triangle's own answer and
+// own truth.
 #include <algorithm>
 #include <map>
 #include <vector>
@@ -64,6 +65,14 @@ public:
                 const auto there = met.find(first);
                 wrong += truly == met.end() || !beside(first, truly->first) ||
                          (there != met.end() && compare(there->second.t, truly->second.t) == 0);
+            } else if (outcome == Outcome::out_of_order || outcome == Outcome::wrong_object) {
+                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto nearer = [&](std::size_t s) {
+                    return met.contains(s) && !beside(s, first) && compare(met[s].t, met[first].t) < 0;
+                };
+                const bool passed = met.contains(first) && std::ranges::any_of(claimed, nearer);
+                wrong +=
+                    truly == met.end() || beside(first, truly->first) || passed != (outcome == Outcome::out_of_order);
             } else if (outcome == Outcome::agree_hit) {
                 const auto there = met.find(static_cast<std::size_t>(result.answers->object[i]));
                 wrong += there == met.end() || compare(there->second.t, truly->second.t) != 0;
@@ -104,8 +113,9 @@ scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std
 
 TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcome][mesh]") {
     std::map<Outcome, std::uint64_t> counts;
-    for (const auto& scene : {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}),
-                              smaller("mesh-grid-vertices", {}), smaller("mesh-tube-far", {{"mesh[0].along", "16"}})}) {
+    for (const auto& scene :
+         {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
+          smaller("mesh-tube-far", {{"mesh[0].along", "16"}}), smaller("mesh-sheets-far", {})}) {
         measure::map::MapRequest request{
             .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
@@ -126,7 +136,7 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
         }
     }
     for (const Outcome seen : {Outcome::agree_hit, Outcome::agree_miss, Outcome::false_hit, Outcome::crack,
-                               Outcome::double_hit, Outcome::wrong_neighbour})
+                               Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
         CHECK(counts[seen] > 5);
 }
 

@@ -137,7 +137,7 @@ struct Compared {
 
 Compared compare(const std::string& text, const std::vector<MapRow>& rows) {
     const TextFile written(text);
-    const ExhaustiveFile file(written.path());
+    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto request = request_of(file, rows);
     const auto state = run(request);
     const auto binades = sweep::binades_of(file);
@@ -207,7 +207,7 @@ TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, 
 TEST_CASE("all bit patterns: the rows of infinities, NaNs and zeros, and every float is counted") {
     const TextFile written(
         sweep_text("set = \"ray.direction.x\"\nall = true", ray("over", "0.5, 0.25, 4", "0, 0, -1"), cube));
-    const ExhaustiveFile file(written.path());
+    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto binades = sweep::binades_of(file);
     CHECK(binades.size() == 516);
     CHECK(std::accumulate(binades.begin(), binades.end(), std::uint64_t{0},
@@ -233,7 +233,7 @@ TEST_CASE("a run that is stopped goes on from its state and finds the same") {
     const TextFile written(
         sweep_text("set = \"ray.origin.z\"\nfrom = 2048\nto = 8192",
                    ray("half", "0.5, 0.25, 0", "0, 0, -1") + ray("miss", "0.75, 0.75, 0", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path());
+    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.unit_half_b", "f32")});
     const auto at_once = run(request);
     CHECK(at_once.tried == file.floats());
@@ -262,7 +262,7 @@ TEST_CASE("a run that is stopped goes on from its state and finds the same") {
 TEST_CASE("any number of threads finds the same") {
     const TextFile written(sweep_text("set = \"ray.origin.x\"\nfrom = \"0x1.cp-1\"\nto = \"0x1.2p0\"",
                                       ray("from 16", "0, 0, 16", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path());
+    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.press", "f32")});
     std::vector<sweep::ExhaustiveState> found;
     for (const std::size_t threads : {1U, 2U, 5U}) {
@@ -275,9 +275,10 @@ TEST_CASE("any number of threads finds the same") {
 
 TEST_CASE("the padding that no float needs more of is that of the slabs, behind a box too") {
     // The ray that parts the slabs further than any other, at the floats around its origin.
-    const ExhaustiveFile boxes(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-padding-origin.toml");
-    const ExhaustiveFile triangles(std::filesystem::path(LOSTBITS_DATA_DIR) /
-                                   "sweeps/exhaustive-behind-box-origin.toml");
+    const ExhaustiveFile boxes(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-padding-origin.toml",
+                               LOSTBITS_DATA_DIR);
+    const ExhaustiveFile triangles(
+        std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-behind-box-origin.toml", LOSTBITS_DATA_DIR);
     const auto most = [](ExhaustiveFile file, std::size_t ray, const intersect::table::Intersector& form) {
         file.narrow(Real(-0x1.0008p-24), Real(-0x1.fff0p-25), {});
         file.rays = {file.rays[ray]};

@@ -94,7 +94,7 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
 TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
     const auto legend = map::widest_legend(1, true);
     REQUIRE(legend.size() == outcome_colours.size() - 1);
-    CHECK(legend.back().label == "wrong neighbour");
+    CHECK(legend.back().label == "out of order");
     CHECK(legend.back().colour == outcome_colours.back());
     CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
     for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());

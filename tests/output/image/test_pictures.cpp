@@ -26,7 +26,8 @@ std::vector<lostbits::output::image::LegendEntry> legend_of(const std::string& c
             {"wrong solid", outcome_colours[6], count},
             {"crack", outcome_colours[7], count},
             {"double hit", outcome_colours[8], count},
-            {"wrong neighbour", outcome_colours[9], count}};
+            {"wrong neighbour", outcome_colours[9], count},
+            {"out of order", outcome_colours[10], count}};
 }
 
 /// No two samples of a small field alike, and none a colour of the page.

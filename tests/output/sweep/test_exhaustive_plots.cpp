@@ -32,7 +32,8 @@ const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 
 /// A sweep that was run.
 struct Ran {
-    Ran(const std::string& text, const std::vector<MapRow>& rows) : written(text), file(written.path()) {
+    Ran(const std::string& text, const std::vector<MapRow>& rows)
+        : written(text), file(written.path(), LOSTBITS_DATA_DIR) {
         request.sweep = &file;
         request.rows = rows;
         measure::sweep::run_exhaustive(request, state);

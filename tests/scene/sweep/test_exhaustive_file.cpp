@@ -41,13 +41,13 @@ const std::string good_box = replaced(
 
 ExhaustiveFile swept(const std::string& text) {
     const Scratch folder;
-    return ExhaustiveFile(folder.write("s.toml", text));
+    return {folder.write("s.toml", text), LOSTBITS_DATA_DIR};
 }
 
 std::string error(const std::string& what, const std::string& by, const std::string& in = good_sweep) {
     const Scratch folder;
     const fs::path file = folder.write("s.toml", replaced(in, what, by));
-    return error_in(folder, [&] { const ExhaustiveFile unused(file); });
+    return error_in(folder, [&] { const ExhaustiveFile unused(file, LOSTBITS_DATA_DIR); });
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

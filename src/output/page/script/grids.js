@@ -29,8 +29,9 @@ function layoutOf(sweep, rows) {
     };
 }
 
-const wrongOutcomes = ["not_a_number", "false_miss", "false_hit", "wrong_object", "crack", "double_hit"].map(
-    (name) => outcomeNames.indexOf(name));
+const wrongOutcomes = [
+    "not_a_number", "false_miss", "false_hit", "wrong_object", "crack", "double_hit", "out_of_order"
+].map((name) => outcomeNames.indexOf(name));
 
 /** The most frequent wrong outcome, the first of equals, where more than half of the rays have one. */
 function mostlyWrong(counts) {

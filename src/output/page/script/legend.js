@@ -53,7 +53,7 @@ async function drawLegend() {
     }
     if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
     if (!metric.marches && !metric.every_ray) {
-        const wrongOnes = ["false_hit", "false_miss", "wrong_object", "crack", "double_hit"].map(
+        const wrongOnes = ["false_hit", "false_miss", "wrong_object", "crack", "double_hit", "out_of_order"].map(
             (name) => outcomeNames.indexOf(name));  // a culprit is named for those too
         index.outcomes.forEach(([name, colour], o) => {
             if (metric.blamed && wrongOnes.includes(o)) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
 #include "number/rounded.hpp"
 #include "shapes/on_one_line.hpp"
@@ -90,6 +91,16 @@ Topology topology_of(const Mesh& mesh) {
         found.border += static_cast<std::size_t>(of.size() == 1);
         found.over_shared += static_cast<std::size_t>(of.size() > 2);
         found.turned += static_cast<std::size_t>(of.size() == 2 && of[0].runs_up == of[1].runs_up);
+    });
+    return found;
+}
+
+std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
+    std::vector<SharedEdge> found;
+    for_each_edge(mesh, [&](std::span<const Edge> of) {
+        if (of.size() == 2)
+            found.push_back(
+                {{of[0].low, of[0].high}, {std::min(of[0].face, of[1].face), std::max(of[0].face, of[1].face)}});
     });
     return found;
 }

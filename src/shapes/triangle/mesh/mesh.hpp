@@ -61,6 +61,14 @@ struct Topology {
 /// O(n log n) for n faces.
 Topology topology_of(const Mesh& mesh);
 
+/// An edge of two faces.
+struct SharedEdge {
+    std::array<std::uint32_t, 2> ends;   ///< places among the vertices
+    std::array<std::uint32_t, 2> faces;  ///< in rising order
+};
+/// Every edge of exactly two faces, by its ends. O(n log n) for n faces.
+std::vector<SharedEdge> shared_edges(const Mesh& mesh);
+
 /// All of them as one, in their order.
 Mesh joined(std::vector<Mesh> meshes);
 

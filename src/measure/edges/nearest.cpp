@@ -1,0 +1,253 @@
+#include "measure/edges/nearest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "intersect/process/parallel.hpp"
+#include "measure/culling/culling.hpp"
+#include "measure/truth/missing.hpp"
+#include "number/rounded.hpp"
+#include "scene/rays/random.hpp"
+#include "scene/rays/solid_list.hpp"
+
+namespace lostbits::measure::edges {
+
+using answer::Outcome;
+using scene::triangle::SharedEdge;
+
+namespace {
+
+constexpr std::size_t eyes = 16, rays_of_eye = 32;
+
+/// A ray of a litter.
+struct Aimed {
+    Ray<double> ray;
+    double distance;  ///< in lengths of the edge
+    std::size_t edge;
+};
+
+/// Whether the ray truly meets, where it meets the answered triangle, another one that the form claims too.
+bool is_tie(const map::BandResult& result, std::size_t i) {
+    const auto& candidates = *result.inputs->candidates;
+    const auto met = static_cast<std::size_t>(result.answers->object[i]);
+    const truth::Truth there = result.band->truth_of_solid(i, met, result.convention);
+    for (std::size_t pair = candidates.first(i); pair < candidates.first(i + 1); ++pair) {
+        if (result.answers->claimed[pair] == 0 || candidates.solid(pair) == met) continue;
+        const truth::Truth here = result.band->truth_of_solid(i, candidates.solid(pair), result.convention);
+        if (there.is_hit() && here.is_hit() && compare(here.t, there.t) == 0) return true;
+    }
+    return false;
+}
+
+/// What is remembered of a litter: the nearest ray with the outcome.
+class Judge final : public map::MapSink {
+public:
+    Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
+          const map::MapRow& row)
+        : wanted_(wanted), edges_(edges), litter_(litter), row_(row) {}
+
+    void band(const map::BandResult& result) override {
+        for (std::size_t i = 0; i < litter_.size(); ++i) {
+            const auto& faces = edges_[litter_[i].edge].faces;
+            const truth::Truth truth = result.truth(i);
+            if (!truth.is_hit() || std::ranges::find(faces, static_cast<std::uint32_t>(truth.object)) == faces.end())
+                continue;
+            ++rays;
+            if (result.outcomes[i] != wanted_ || (nearest && litter_[i].distance >= nearest->distance)) continue;
+            if (wanted_ == Outcome::double_hit && is_tie(result, i)) continue;
+            nearest = {.distance = litter_[i].distance,
+                       .ray = litter_[i].ray,
+                       .faces = faces,
+                       .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
+                       .truth = result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)};
+            place = i;
+        }
+    }
+
+    std::uint64_t rays = 0;
+    std::optional<NearestRay> nearest;
+    std::size_t place = 0;
+
+private:
+    Outcome wanted_;
+    const std::vector<SharedEdge>& edges_;
+    const std::vector<Aimed>& litter_;
+    const map::MapRow& row_;
+};
+
+/// The mesh as every row is given it.
+struct Subject {
+    explicit Subject(const scene::file::Scene& scene)
+        : columns(scene::rays::shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
+
+    [[nodiscard]] Vec<double> corner(std::uint32_t face, std::size_t k) const {
+        const auto& numbers = (*columns)[face].numbers;
+        return {numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
+    }
+    /// Across the face, to the side to which it is wound; of any length.
+    [[nodiscard]] Vec<double> normal(std::uint32_t face) const {
+        return cross(corner(face, 1) - corner(face, 0), corner(face, 2) - corner(face, 0));
+    }
+    /// The ends of an edge.
+    [[nodiscard]] std::array<Vec<double>, 2> ends(const SharedEdge& edge) const {
+        const auto& corners = columns->mesh().faces[edge.faces[0]];
+        const auto of = [&](std::uint32_t vertex) {
+            return corner(edge.faces[0],
+                          static_cast<std::size_t>(std::ranges::find(corners, vertex) - corners.begin()));
+        };
+        return {of(edge.ends[0]), of(edge.ends[1])};
+    }
+
+    std::shared_ptr<const scene::rays::MeshColumns> columns;
+    std::vector<SharedEdge> edges;
+};
+
+/// Where an eye stands: from a point of an edge so far away in a direction.
+struct Eye {
+    std::size_t edge = 0;
+    double along = 0;  ///< of the way from one end of the edge to the other
+    Vec<double> away;  ///< of length 1
+    double distance = 0;
+};
+
+/// One outcome of one row.
+class Search {
+public:
+    Search(const EdgeRequest& request, const Subject& subject, const map::MapRow& row, std::size_t wanted)
+        : request_(request),
+          file_(*request.search),
+          subject_(subject),
+          row_(row),
+          wanted_(wanted),
+          format_(row.format.shape.precision < binary32.precision ? row.format.shape : binary32),
+          random_(file_.seed) {}
+
+    void run(EdgeFinding& finding) {
+        const std::int64_t litters =
+            (file_.rays + eyes * rays_of_eye - 1) / static_cast<std::int64_t>(eyes * rays_of_eye);
+        for (std::int64_t k = 0; k < litters; ++k) {
+            std::vector<Eye> drawn;
+            const std::vector<Aimed> litter = next_litter(drawn);
+            const Judge judge = judged(litter);
+            finding.rays[wanted_] += judge.rays;
+            if (!judge.nearest || (best_ && judge.nearest->distance >= best_->distance)) continue;
+            // Among more rays a form is asked about more triangles: the boxes are as wide as the farthest needs.
+            if (!judged({litter[judge.place]}).nearest) continue;
+            best_ = judge.nearest;
+            best_eye_ = drawn[judge.place / rays_of_eye];
+        }
+        finding.nearest[wanted_] = best_;
+    }
+
+private:
+    Vec<double> random_vector() { return {random_.between(-1, 1), random_.between(-1, 1), random_.between(-1, 1)}; }
+
+    /// To the side to which the edge's faces are wound.
+    Vec<double> random_direction(const SharedEdge& edge) {
+        Vec<double> v = random_vector();
+        while (!(dot(v, v) <= 1 && dot(v, v) > 0x1p-20)) v = random_vector();
+        Vec<double> outward(0, 0, 0);
+        for (const std::uint32_t face : edge.faces) {
+            const Vec<double> n = subject_.normal(face);
+            outward = outward + 1 / length(n) * n;
+        }
+        return (dot(v, outward) < 0 ? -1 : 1) / length(v) * v;
+    }
+
+    Eye anywhere() {
+        Eye eye;
+        eye.edge = static_cast<std::size_t>(random_.below(static_cast<int>(subject_.edges.size())));
+        eye.along = random_.unit();
+        eye.away = random_direction(subject_.edges[eye.edge]);
+        return eye;
+    }
+
+    Eye near(const Eye& best) {
+        Eye eye = best;
+        const double step = std::ldexp(1, -random_.below(24));
+        eye.along = std::clamp(eye.along + step * random_.between(-1, 1), 0.0, 1.0);
+        eye.away = eye.away + step * random_vector();
+        eye.away = 1 / length(eye.away) * eye.away;
+        return eye;
+    }
+
+    Eye draw() {
+        Eye eye = best_ && random_.below(2) == 0 ? near(best_eye_) : anywhere();
+        const double high = best_ ? best_->distance : file_.distance.high,
+                     low = std::min(high, std::max(file_.distance.low, high / 16)), u = random_.unit();
+        eye.distance = high / (1 + (high / low - 1) * u * u * u);
+        return eye;
+    }
+
+    std::vector<Aimed> next_litter(std::vector<Eye>& drawn) {
+        std::vector<Aimed> litter;
+        const auto stored = [this](Vec<double> v) {
+            for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, format_);
+            return v;
+        };
+        while (drawn.size() < eyes) {
+            const Eye eye = drawn.emplace_back(draw());
+            const auto [a, b] = subject_.ends(subject_.edges[eye.edge]);
+            const double size = length(b - a);
+            const Vec<double> point = a + eye.along * (b - a), origin = stored(point + eye.distance * size * eye.away),
+                              to = point - origin;
+            const Vec<double> direction = stored((1 + random_.unit()) / length(to) * to);
+            for (std::size_t k = 0; k < rays_of_eye; ++k)
+                litter.push_back({{origin, k == 0 ? direction : moved(direction)}, length(to) / size, eye.edge});
+        }
+        return litter;
+    }
+
+    Vec<double> moved(Vec<double> direction) {
+        for (int k = 0; k < 3; ++k) {
+            const std::int64_t steps = random_.below(2 * file_.ulps + 1) - file_.ulps;
+            direction[k] = truth::number_at(truth::ordinal(direction[k], format_) + steps, format_);
+        }
+        return direction;
+    }
+
+    Judge judged(const std::vector<Aimed>& litter) const {
+        request_.limit.stop.check();
+        scene::rays::RayGroup group;
+        for (const Aimed& one : litter) group.rays.push(one.ray);
+        group.rays.width = static_cast<int>(litter.size());
+        group.rays.y1 = 1;
+        group.mesh = subject_.columns;
+        culling::Culler culler(scene::rays::solid_list_of(group), group.rays);
+        truth::Band band(std::move(group), request_.limit, &culler);
+        const auto inputs = band.inputs(
+            row_.format, {.unit_rays = row_.form->info->direction == intersect::Direction::unit, .own_truth = false});
+        map::MapSummary summary(metrics_);
+        Judge judge(sought[wanted_], subject_.edges, litter, row_);
+        map::measure_row({row_, metrics_, &judge}, band, inputs, summary);
+        return judge;
+    }
+
+    const EdgeRequest& request_;
+    const scene::sweep::EdgeSearchFile& file_;
+    const Subject& subject_;
+    const map::MapRow& row_;
+    std::size_t wanted_;
+    FloatFormat format_;  ///< of the numbers of rays
+    scene::rays::Random random_;
+    std::vector<const metric::Metric*> metrics_{metric::find_metric("lost_bits"), metric::find_metric("ulp_error")};
+    std::optional<NearestRay> best_;
+    Eye best_eye_;
+};
+
+}  // namespace
+
+std::vector<EdgeFinding> find_nearest(const EdgeRequest& request) {
+    const Subject subject(request.search->scene);
+    const auto units = request.share.of_units(request.rows.size());
+    std::vector<EdgeFinding> found(units.size());
+    intersect::process::in_parallel(std::size_t{0}, found.size() * sought.size(), [&](std::size_t k) {
+        Search(request, subject, request.rows[units.first + k / sought.size()], k % sought.size())
+            .run(found[k / sought.size()]);
+        request.progress(1);
+    });
+    return found;
+}
+
+}  // namespace lostbits::measure::edges

@@ -1,0 +1,22 @@
+#include "scene/sweep/mesh_scene.hpp"
+
+#include "scene/file/beside.hpp"
+
+namespace lostbits::scene::sweep {
+
+file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir) {
+    const std::string word = table.string("scene");
+    const file::SceneName name = file::find_scene(file::beside(table.where().source, word), data_dir);
+    const auto scenes = file::load_scene(name.path, {.variant = name.variant});
+    const file::Scene& scene = scenes.front();
+    if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
+    if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())
+        table.fail_at("scene", "has no mesh, or other solids beside it; name a scene of meshes alone");
+    if (scene.mesh_placed)
+        table.fail_at("scene", "has its mesh under a matrix; name one whose vertices stand where they are");
+    if (scene.inputs != file::Inputs::shared)
+        table.fail_at("scene", "has inputs = \"own\"; name one whose vertices are the same in every format");
+    return scene;
+}
+
+}  // namespace lostbits::scene::sweep

@@ -1,0 +1,154 @@
+// The search along edges: what it finds is there, lies within its range, and is the same on any number of threads.
+#include "measure/edges/nearest.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/answer/one_ray.hpp"
+#include "measure/rows.hpp"
+#include "number/rounded.hpp"
+#include "scratch.hpp"
+
+namespace test_nearest {
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using lostbits::test::Scratch;
+using measure::answer::Outcome;
+using measure::edges::EdgeFinding;
+using measure::edges::NearestRay;
+using measure::truth::Truth;
+using scene::sweep::EdgeSearchFile;
+
+namespace {
+
+std::string search_text(const std::string& more) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[edge_search]\n" + more;
+}
+
+EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
+    return EdgeSearchFile(folder.write("edges.toml", search_text(more)), LOSTBITS_DATA_DIR);
+}
+
+std::vector<EdgeFinding> found_by(const EdgeSearchFile& search, const std::vector<measure::map::MapRow>& rows) {
+    return measure::edges::find_nearest({.search = &search, .rows = rows});
+}
+
+bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {
+    const auto same_ray = [](const std::optional<NearestRay>& x, const std::optional<NearestRay>& y) {
+        if (!x || !y) return x.has_value() == y.has_value();
+        return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
+               x->faces == y->faces && x->truth == y->truth && (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
+    };
+    return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
+        return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray);
+    });
+}
+
+/// Whether a form claims one triangle of the scene, asked about it alone.
+bool claims(const measure::map::MapRow& row, const Ray<double>& ray, const Solid<double>& triangle) {
+    const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
+                 d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    double t, near, far;
+    std::uint8_t hit;
+    const auto of = [](const double& x) { return std::span(&x, 1); };
+    row.form->rounded(row.format.shape, {of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, triangle,
+                      {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
+    return hit != 0;
+}
+
+}  // namespace
+
+TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by triangle", "[edges]") {
+    const Scratch folder;
+    const auto search =
+        search_of(folder, "scene = \"mesh-icosphere-near\"\ndistance = [1, \"0x1p22\"]\nrays = 32768\n");
+    const auto solids = scene::rays::shared_solids(search.scene);
+    const std::vector rows{row("triangle.undivided", "f32"), row("triangle.havel_herout", "f32"),
+                           row("triangle.plucker", "f32"), row("triangle.filtered", "f32")};
+    const auto found = found_by(search, rows);
+    REQUIRE(found.size() == rows.size());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        for (std::size_t k = 0; k < measure::edges::sought.size(); ++k) {
+            CHECK(found[r].rays.at(k) > 16384);
+            const auto& nearest = found[r].nearest.at(k);
+            if (!nearest) continue;
+            INFO(rows[r].form->info->name << ", " << k);
+            const Ray<double>& ray = nearest->ray;
+            CHECK(search.distance.holds(nearest->distance));
+            for (const Vec<double>& v : {ray.origin, ray.direction})
+                for (int axis = 0; axis < 3; ++axis) CHECK(rounding::to_format(v[axis], 0, binary32) == v[axis]);
+            std::vector<std::size_t> claimed, met;
+            for (std::size_t s = 0; s < solids.size(); ++s) {
+                if (claims(rows[r], ray, solids[s])) claimed.push_back(s);
+                if (measure::truth::find_truth(ray, solids[s], {}, rows[r].convention()).is_hit()) met.push_back(s);
+            }
+            const auto is_of_edge = [&](std::size_t s) {
+                return std::ranges::find(nearest->faces, static_cast<std::uint32_t>(s)) != nearest->faces.end();
+            };
+            CHECK(std::ranges::any_of(met, is_of_edge));
+            const auto neighbours = std::ranges::count_if(claimed, [&](std::size_t s) {
+                return search.scene.mesh->share_a_vertex(s, nearest->faces[0]) ||
+                       search.scene.mesh->share_a_vertex(s, nearest->faces[1]);
+            });
+            if (measure::edges::sought.at(k) == Outcome::crack) CHECK(std::ranges::none_of(claimed, is_of_edge));
+            else CHECK(neighbours >= 2);
+            CHECK(claimed.size() % 2 != met.size() % 2);
+        }
+    }
+    CHECK(found[0].nearest[0].has_value());
+    CHECK(found[0].nearest[1].has_value());
+    CHECK(found[1].nearest[0].has_value());
+    CHECK(found[2].nearest[1].has_value());
+    CHECK_FALSE(found[2].nearest[0].has_value());
+    for (const auto& nothing : found[3].nearest) CHECK_FALSE(nothing.has_value());
+}
+
+TEST_CASE("a search along edges does not depend on rows beside, on shards or on being asked again", "[edges]") {
+    const Scratch folder;
+    const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 5\n");
+    const std::vector rows{row("triangle.undivided", "f32"), row("triangle.projection", "f32")};
+    const auto all = found_by(search, rows), again = found_by(search, rows);
+    CHECK(equal(all, again));
+    CHECK(equal(found_by(search, {rows[1]}), {all[1]}));
+    const auto second = measure::edges::find_nearest({.search = &search, .rows = rows, .share = {2, 2}});
+    CHECK(equal(second, {all[1]}));
+    const auto other = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 6\n");
+    CHECK_FALSE(equal(found_by(other, rows), all));
+}
+
+TEST_CASE("more rays find nothing farther", "[edges]") {
+    const Scratch folder;
+    const std::string scene = "scene = \"mesh-icosphere-near\"\n";
+    const auto few = search_of(folder, scene + "rays = 2048\n"), many = search_of(folder, scene + "rays = 16384\n");
+    const std::vector rows{row("triangle.undivided", "f32")};
+    const auto a = found_by(few, rows).front().nearest, b = found_by(many, rows).front().nearest;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        REQUIRE(a.at(k).has_value());
+        REQUIRE(b.at(k).has_value());
+        CHECK(b.at(k)->distance <= a.at(k)->distance);
+    }
+    CHECK((b[0]->distance < a[0]->distance || b[1]->distance < a[1]->distance));
+}
+
+TEST_CASE("a search along edges refuses what has none", "[edges]") {
+    const Scratch folder;
+    const auto refuses = [&](const std::string& more, const std::string& why) {
+        try {
+            search_of(folder, more);
+            FAIL("accepted: " << more);
+        } catch (const InputError& error) {
+            INFO(error.what());
+            CHECK(std::string(error.what()).find(why) != std::string::npos);
+        }
+    };
+    refuses("scene = \"near-benign\"\n", "has no mesh");
+    refuses("scene = \"mesh-icosphere-near\"\ndistance = [4, 2]\n", "low <= high");
+    refuses("scene = \"mesh-icosphere-near\"\ndistance = [0, 2]\n", "above 0");
+    refuses("scene = \"mesh-icosphere-near\"\nulps = -1\n", "ulps");
+    refuses("scene = \"mesh-icosphere-near\"\nrayz = 5\n", "rayz");
+    refuses("scene = \"mesh-icosphere-nea\"\n", "mesh-icosphere-near");
+}
+
+}  // namespace test_nearest
