@@ -219,7 +219,7 @@ const offered = [
         'playcanvas.sphere': ['bounding-sphere.js:16, intersectsRay with a point', 'roots=first'],
         'playcanvas.box': ['bounding-box.js:79, intersectsRay with a point', 'roots=first'],
         'playcanvas.box_test': ['bounding-box.js:114, intersectsRay without a point', 'roots=none'],
-        'playcanvas.triangle': ['tri.js:22, intersectsRay with a point', 'roots=first', 'at_origin=miss'] }],
+        'playcanvas.triangle': ['tri.js:21, intersectsRay with a point', 'roots=first', 'at_origin=miss'] }],
     [cannon, 'cannon-es', 'dist/cannon-es.js', {
         'cannon.sphere': ['4987, Ray._intersectSphere', 'roots=first'],
         'cannon.box': ['5031, Ray._intersectConvex of a Box', 'roots=first'],
