@@ -121,9 +121,10 @@ void try_inside(Trial& trial) {
 
 void try_touching(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
-    q.ray[0] = 2;  // a tangent; of a box a ray in the plane of a face
+    q.ray[0] = 2;                                // a tangent; of a box a ray in the plane of a face
+    if (!ends_of(q, trial.shape)) q.ray[0] = 1;  // a triangle has narrowed to half where y = 0
     const Reply touch = trial.ask(q);
-    q.ray[0] = -2;
+    q.ray[0] = -q.ray[0];
     const Reply other = trial.ask(q);
     const bool promised = trial.contract.touching == Touching::hit;
     const std::string what(row_of(trial.shape).words.touching);
@@ -142,7 +143,7 @@ void try_touching(Trial& trial) {
 
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;
-    const bool leaves = c.inside != Inside::miss && c.roots != Roots::near_only;
+    const bool leaves = has_inside(trial.shape) && c.inside != Inside::miss && c.roots != Roots::near_only;
     const Reply in = trial.ask(along(trial.shape, -2, 1)), out = trial.ask(along(trial.shape, -2, -1));
     if (c.roots == Roots::both) {  // the table takes the one that counts
         if (in.hit != 1) trial.broken("a ray that starts on the surface and goes in misses");
