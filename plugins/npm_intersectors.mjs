@@ -24,8 +24,11 @@ const three = async () => {
     const set = (r) => { ray.origin.fromArray(r, 0); ray.direction.fromArray(r, 3); return ray; };
     const sphere = (s) => new Sphere(at.clone().set(s[0], s[1], s[2]), s[3]);
     const box = (b) => new Box3(at.clone().set(b[0], b[1], b[2]), at.clone().set(b[3], b[4], b[5]));
+    const corner = (c, k) => at.clone().set(c[k], c[k + 1], c[k + 2]);
     const t = (point) => (point === null ? null : [caught.t, caught.t]);
     return {
+        'three.triangle': (c, v = [0, 3, 6].map((k) => corner(c, k))) => (r) =>
+            t(set(r).intersectTriangle(v[0], v[1], v[2], false, caught)),
         'three.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectSphere(v, caught)),
         'three.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsSphere(v),
         'three.box': (s, v = box(s)) => (r) => t(set(r).intersectBox(v, caught)),
@@ -42,6 +45,7 @@ const cesium = async () => {
         point.fromElements(r[3], r[4], r[5], ray.direction);
         return ray;
     };
+    const parameter = (t) => (t === undefined ? null : [t, t]);
     const interval = (i) => (i === undefined ? null : [i.start, i.stop]);
     const at = (s, k) => new point(s[k], s[k + 1], s[k + 2]);
     return {
@@ -50,6 +54,8 @@ const cesium = async () => {
             interval(tests.rayEllipsoid(set(r, s), v)),
         'cesium.ellipsoid_radii': (s, v = new ellipsoid(s[3], s[4], s[5])) => (r) =>
             interval(tests.rayEllipsoid(set(r, s), v)),
+        'cesium.triangle': (c, v = [0, 3, 6].map((k) => at(c, k))) => (r) =>
+            parameter(tests.rayTriangleParametric(set(r), v[0], v[1], v[2])),
         'cesium.box': (s, v = new cuboid(at(s, 0), at(s, 3))) => (r) =>
             interval(tests.rayAxisAlignedBoundingBox(set(r), v)),
     };
@@ -64,15 +70,18 @@ const babylon = async () => {
         return ray;
     };
     const at = (s, k) => new Vector3(s[k], s[k + 1], s[k + 2]);
+    const parameter = (met) => (met === null ? null : [met.distance, met.distance]);
     return {
+        'babylon.triangle': (c, v = [0, 3, 6].map((k) => at(c, k))) => (r) =>
+            parameter(set(r).intersectsTriangle(v[0], v[1], v[2])),
         'babylon.sphere_test': (s, v = { center: at(s, 0), radius: s[3] }) => (r) => set(r).intersectsSphere(v),
         'babylon.box_test': (s, lo = at(s, 0), hi = at(s, 3)) => (r) => set(r).intersectsBoxMinMax(lo, hi),
     };
 };
 
 const playcanvas = async () => {
-    const [{ Ray }, { BoundingSphere }, { BoundingBox }, { Vec3 }] = await Promise.all(
-        ['shape/ray', 'shape/bounding-sphere', 'shape/bounding-box', 'math/vec3'].map(
+    const [{ Ray }, { BoundingSphere }, { BoundingBox }, { Tri }, { Vec3 }] = await Promise.all(
+        ['shape/ray', 'shape/bounding-sphere', 'shape/bounding-box', 'shape/tri', 'math/vec3'].map(
             (f) => within(`playcanvas/build/playcanvas/src/core/${f}.js`)));
     const ray = new Ray();
     const self = () => point, point = { t: NaN, copy: self, add: self, mulScalar: (t) => (point.t = t, point) };
@@ -85,6 +94,11 @@ const playcanvas = async () => {
         'playcanvas.sphere': (s, v = new BoundingSphere(new Vec3(s[0], s[1], s[2]), s[3])) => (r) =>
             (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
         'playcanvas.box': (s, v = box(s)) => (r) => (v.intersectsRay(set(r), point) ? [point.t, point.t] : null),
+        // It tells a point only where it is given a Vec3.
+        'playcanvas.triangle': (c, v = [0, 3, 6].map((k) => new Vec3(c[k], c[k + 1], c[k + 2]))) => {
+            const triangle = new Tri(v[0], v[1], v[2]), met = Object.assign(new Vec3(), point);
+            return (r) => (triangle.intersectsRay(set(r), met) ? [point.t, point.t] : null);
+        },
         'playcanvas.box_test': (s, v = box(s)) => (r) => v.intersectsRay(set(r)),
     };
 };
@@ -129,6 +143,8 @@ const ogl = async () => {
     // From inside it tells where the ray leaves. intersectBounds asks by these comparisons before.
     const inside = (b, o) => !(o[0] < b[0] || o[0] > b[3] || o[1] < b[1] || o[1] > b[4] || o[2] < b[2] || o[2] > b[5]);
     return {
+        'ogl.triangle': (c, v = [0, 3, 6].map((k) => at(c, k))) => (r) =>
+            t(set(r).intersectTriangle(v[0], v[1], v[2], false)),
         'ogl.sphere': (s, v = { center: at(s, 0), radius: s[3] }) => (r) => t(set(r).intersectSphere(v)),
         'ogl.box': (s, b = s.slice(), v = { min: at(s, 0), max: at(s, 3) }) => (r) =>
             (inside(b, r) ? [0, 0] : t(set(r).intersectBox(v))),
@@ -144,6 +160,8 @@ const yuka = async () => {
     const t = (met) => (met === null ? null : [met.t, met.t]);
     return {
         'yuka.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectBoundingSphere(v, point)),
+        'yuka.triangle': (c, v = { a: at(c, 0), b: at(c, 3), c: at(c, 6) }) => (r) =>
+            t(set(r).intersectTriangle(v, false, point)),
         'yuka.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsBoundingSphere(v),
         // From inside as three, which it follows.
         'yuka.box': (s, v = new AABB(at(s, 0), at(s, 3))) => (r) =>
@@ -165,6 +183,8 @@ const rapier = async () => {
         'rapier.sphere': (s) => cast(new R.Ball(s[3]), { x: s[0], y: s[1], z: s[2] }, false),
         'rapier.box': (b) => cast(new R.Cuboid(half(b[0], b[3]), half(b[1], b[4]), half(b[2], b[5])),
             { x: middle(b[0], b[3]), y: middle(b[1], b[4]), z: middle(b[2], b[5]) }, true),
+        'rapier.triangle': (c, v = [0, 3, 6].map((k) => ({ x: c[k], y: c[k + 1], z: c[k + 2] }))) =>
+            cast(new R.Triangle(v[0], v[1], v[2]), { x: 0, y: 0, z: 0 }, false),
         // A cylinder of rapier lies along y: it is turned by what takes y to the axis.
         'rapier.cylinder': (c) => {
             const v = [0, 1, 2].map((k) => c[k + 3] - c[k]), height = Math.hypot(...v);
@@ -182,34 +202,41 @@ const offered = [
         'three.sphere': ['307, intersectSphere', 'roots=first'],
         'three.sphere_test': ['345, intersectsSphere', 'roots=none'],
         'three.box': ['449, intersectBox', 'roots=first', 'inside=exit'],
-        'three.box_test': ['521, intersectsBox', 'roots=none'] }],
+        'three.box_test': ['521, intersectsBox', 'roots=none'],
+        'three.triangle': ['538, intersectTriangle', 'roots=first'] }],
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
         'cesium.sphere': ['349, raySphere', 'roots=both', 'at_origin=exit'],
         'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=miss'],
         'cesium.ellipsoid_radii': ['420, rayEllipsoid, about the centre', 'shape=ellipsoid', 'roots=both',
             'at_origin=miss'],
-        'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'] }],
+        'cesium.box': ['509, rayAxisAlignedBoundingBox', 'roots=both'],
+        'cesium.triangle': ['83, rayTriangleParametric', 'roots=near'] }],
     [babylon, '@babylonjs/core', 'Culling/ray.core.js', {
         'babylon.sphere_test': ['151, intersectsSphere', 'roots=none'],
-        'babylon.box_test': ['55, intersectsBoxMinMax', 'roots=none'] }],
+        'babylon.box_test': ['55, intersectsBoxMinMax', 'roots=none'],
+        'babylon.triangle': ['175, intersectsTriangle', 'roots=first'] }],
     [playcanvas, 'playcanvas', 'core/shape', {
         'playcanvas.sphere': ['bounding-sphere.js:16, intersectsRay with a point', 'roots=first'],
         'playcanvas.box': ['bounding-box.js:79, intersectsRay with a point', 'roots=first'],
-        'playcanvas.box_test': ['bounding-box.js:114, intersectsRay without a point', 'roots=none'] }],
+        'playcanvas.box_test': ['bounding-box.js:114, intersectsRay without a point', 'roots=none'],
+        'playcanvas.triangle': ['tri.js:21, intersectsRay with a point', 'roots=first', 'at_origin=miss'] }],
     [cannon, 'cannon-es', 'dist/cannon-es.js', {
         'cannon.sphere': ['4987, Ray._intersectSphere', 'roots=first'],
         'cannon.box': ['5031, Ray._intersectConvex of a Box', 'roots=first'],
         'cannon.aabb_test': ['1241, AABB.overlapsRay', 'roots=none'] }],
     [ogl, 'ogl', 'src/extras/Raycast.js', {
         'ogl.sphere': ['271, intersectSphere', 'roots=first', 'at_origin=miss'],
-        'ogl.box': ['287, intersectBox', 'roots=first'] }],
+        'ogl.box': ['287, intersectBox', 'roots=first'],
+        'ogl.triangle': ['310, intersectTriangle', 'roots=first', 'at_origin=miss'] }],
     [yuka, 'yuka', 'build/yuka.module.js', {
         'yuka.sphere': ['5511, intersectBoundingSphere', 'roots=first'],
         'yuka.sphere_test': ['5553, intersectsBoundingSphere', 'roots=none'],
-        'yuka.box': ['5587, intersectAABB', 'roots=first'] }],
+        'yuka.box': ['5587, intersectAABB', 'roots=first'],
+        'yuka.triangle': ['5901, intersectTriangle', 'roots=first'] }],
     [rapier, '@dimforge/rapier3d-compat', 'parry 0.31.1', {
         'rapier.sphere': ['query/ray/ray_ball.rs, Ball.castRay', 'roots=first', 'at_origin=exit', ...single],
         'rapier.box': ['query/ray/ray_aabb.rs, Cuboid.castRay, solid', 'roots=first', ...single],
+        'rapier.triangle': ['query/ray/ray_triangle.rs, Triangle.castRay', 'roots=first', ...single],
         'rapier.cylinder': ['query/ray/ray_support_map.rs, Cylinder.castRay', 'shape=cylinder', 'roots=first',
             'at_origin=exit', ...single] }],
 ];
@@ -222,7 +249,8 @@ for (const [load, name, file, contracts] of offered) {
         const made = await load();
         for (const [form, [where, ...words]] of Object.entries(contracts)) {
             const said = words.find((word) => word.startsWith('shape='))?.slice(6);
-            const shape = said ?? (form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' : 'box');
+            const shape = said ?? (form.includes('sphere') || form.includes('ellipsoid') ? 'sphere' :
+                form.includes('triangle') ? 'triangle' : 'box');
             // Of both roots the near one is cut to the ray: an entry at the origin is passed over with what is behind.
             const clipped = words.includes('roots=both') && words.some((word) => word.startsWith('at_origin'));
             header += [`name=${form}`, `title=${where.split(' ')[1].replace(',', '')} of ${name}`,
@@ -230,7 +258,7 @@ for (const [load, name, file, contracts] of offered) {
                 ...['format=f64', 'direction=unit'].filter((w) => !words.some((o) => o.startsWith(w.split('=')[0]))),
                 ...words.filter((word) => !word.startsWith('shape=')),
                 `flags=no_end${clipped ? ',clipped' : ''}`].join('\n') + '\n';
-            forms.push({ of: made[form], numbers: { sphere: 4, box: 6, ellipsoid: 6, cylinder: 7 }[shape],
+            forms.push({ of: made[form], numbers: { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7 }[shape],
                 Numbers: words.includes('format=f32') ? Float32Array : Float64Array });
         }
     } catch (error) {

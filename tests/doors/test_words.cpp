@@ -54,10 +54,10 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
         REQUIRE(at != std::string::npos);
         return o.out.substr(at, o.out.find(" in binary32", at + form.size() + 12) - at);
     };
-    for (const std::string form :
-         {"clipped",   "clipped_ahead", "zero",      "misses",      "exit_at_origin", "near",         "signed_near",
-          "near_line", "insists",       "box_exit",  "box_clipped", "box_near",       "endless",      "segment",
-          "centre",    "at_origin",     "thickness", "points",      "in_range",       "box_in_range", "blocks"}) {
+    for (const std::string form : {"clipped",     "clipped_ahead", "zero",    "misses",    "exit_at_origin", "near",
+                                   "signed_near", "near_line",     "insists", "box_exit",  "box_clipped",    "box_near",
+                                   "endless",     "segment",       "centre",  "at_origin", "thickness",      "points",
+                                   "in_range",    "box_in_range",  "blocks",  "triangle",  "open_triangle"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": does as it says"));
     }
@@ -74,6 +74,8 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
              {"near", "say LB_FIRST (first_root, roots=first)"},
              {"behind", "or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss"},
              {"endless", "say LB_NO_END (ignores_end, flags=no_end)"},
+             {"open_triangle", "a ray through an edge misses; say LB_MISS (touching_misses, touching=miss)"},
+             {"at_triangle", "a surface at the origin is passed over; say LB_MISS (origin_misses, at_origin=miss)"},
              {"open_at_start", "both ends of a range belong to it, start <= t <= end"},
              {"forgets_the_start", "a range that begins behind the solid, where t = 8, hits"},
              {"thickness", "the thickness; hand over near + thickness"}}) {

@@ -99,6 +99,26 @@ Answer<float> signed_near(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
     return r.hit ? Answer<float>(static_cast<float>(r.near)) : miss;
 }
+/// By the signs of three edges and t; of an open one an edge is outside, and so is t = 0.
+template <bool open>
+Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
+    double v[3][3];
+    for (int k = 0; k < 3; ++k)
+        v[0][k] = double(s.a[k]) - r.origin[k], v[1][k] = double(s.b[k]) - r.origin[k],
+        v[2][k] = double(s.c[k]) - r.origin[k];
+    const auto sign = [&](const double(&a)[3], const double(&b)[3]) {
+        return r.direction[0] * (a[1] * b[2] - a[2] * b[1]) + r.direction[1] * (a[2] * b[0] - a[0] * b[2]) +
+               r.direction[2] * (a[0] * b[1] - a[1] * b[0]);
+    };
+    const double w[3] = {sign(v[1], v[2]), sign(v[2], v[0]), sign(v[0], v[1])}, sum = w[0] + w[1] + w[2];
+    double t = 0;  // of a unit direction
+    for (int k = 0; k < 3; ++k) {
+        const double share = w[k] / sum;
+        if (!(open ? share > 0 : share >= 0)) return miss;
+        for (int i = 0; i < 3; ++i) t += share * v[k][i] * r.direction[i];
+    }
+    return t < 0 || (open && t == 0) ? miss : Answer<float>(static_cast<float>(t));
+}
 /// The first root in the ray's range; from inside of a box, where the range begins.
 Answer<float> in_range(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
@@ -178,6 +198,7 @@ static_assert(LOSTBITS_PLUGIN_ABI == 1 && LB_LINE == 1 && LB_NO_END == 2 && LB_O
 
 using S = Sphere<float>;
 using B = Box<float>;
+constexpr Form open(const char* name) { return form<triangle<true>>(name).first_root().unit_direction(); }
 
 }  // namespace
 
@@ -203,6 +224,10 @@ LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses
                form<in_range>("word.in_range").first_root().in_range(),                         //
                form<box_in_range>("word.box_in_range").first_root().in_range(),                 //
                form<sphere_blocks>("word.blocks").in_range(),                                   //
+               form<triangle<false>>("word.triangle").first_root().unit_direction(),            //
+               open("word.open_triangle").touching_misses().origin_misses(),                    //
+               open("bad.open_triangle").origin_misses(),                                       //
+               open("bad.at_triangle").touching_misses(),                                       //
                form<open_at_start>("bad.open_at_start").first_root().in_range(),                //
                form<forgets_the_start>("bad.forgets_the_start").first_root().in_range(),        //
                form<unsigned_near>("bad.unsigned_near").near_root(),                            //

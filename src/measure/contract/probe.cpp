@@ -178,12 +178,6 @@ void try_behind(Trial& trial) {
                          (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near), by which t < 0 is a miss" : ""));
 }
 
-/// Not of a surface without thickness.
-bool has_inside(Shape shape) {
-    const auto ends = ends_of(along(shape, 1, 1), shape);
-    return ends && ends->near < ends->far;
-}
-
 void try_aside(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it

@@ -42,6 +42,12 @@ inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
+/// Not of a surface without thickness.
+inline bool has_inside(Shape shape) {
+    const auto ends = ends_of(along(shape, 1, 1), shape);
+    return ends && ends->near < ends->far;
+}
+
 /// What is tried of one form.
 class Trial {
 public:

@@ -1,0 +1,115 @@
+// The truth of rays at one triangle in packs, beside the exact predicates of CGAL that decide the same, in one run:
+// compare ratios, not times. The truth also knows t, to 2^-33 of it for binary32 and 2^-72 for binary64; the predicates
+// know the decision alone.
+//
+//   build/bench/bench_triangle
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+
+#include "intersect/simd/packed.hpp"
+#include "measure/speed/timing_work.hpp"
+#include "measure/truth/truth_columns.hpp"
+#include "predicates.hpp"
+
+namespace {
+
+using namespace lostbits;
+using measure::truth::ProblemColumns;
+using measure::truth::Tightness;
+
+constexpr std::size_t ray_count = 4096;
+
+/// Numbers on a grid that is coarse enough for origin + direction to be exact in double, which the predicates take.
+template <class S>
+struct RaysAtTriangle {
+    std::array<std::vector<S>, 6> columns;
+    std::array<S, 9> numbers;
+    std::vector<bench::RayOfPoints> rays;
+    std::array<bench::Point, 3> corners;
+
+    /// From `distance` away in all directions; every second through the inside, the others beside it or through it, or,
+    /// of `edges`, all of them through a point of an edge as near as the grid has one.
+    RaysAtTriangle(double distance, bool edges) {
+        const double step = std::ldexp(1, (sizeof(S) == 4 ? -21 : -50) + std::ilogb(distance));
+        const auto on_grid = [step](double x) { return std::nearbyint(x / step) * step; };
+        std::mt19937_64 engine(20261127);
+        const auto between = [&engine](double lo, double hi) {
+            return lo + (hi - lo) * static_cast<double>(engine() >> 11) * 0x1p-53;
+        };
+        const bench::Point shape[3] = {{-0.9, -0.7, 0.4}, {0.8, -0.5, -0.3}, {0.1, 0.9, -0.2}};
+        for (std::size_t v = 0; v < 3; ++v)
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[v][k] = on_grid(shape[v][k]);
+                numbers[3 * v + k] = static_cast<S>(corners[v][k]);
+            }
+        for (std::size_t i = 0; i < ray_count; ++i) {
+            double u = between(0, 1), v = between(0, 1);
+            if (edges) v = 0;
+            else if (i % 2 == 0 && u + v > 1) u = 1 - u, v = 1 - v;
+            const std::size_t first = i % 3;
+            bench::RayOfPoints ray;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double a = corners[first][k], b = corners[(first + 1) % 3][k], c = corners[(first + 2) % 3][k];
+                ray.from[k] = on_grid(between(-distance, distance));
+                ray.through[k] = on_grid(a + u * (b - a) + v * (c - a));
+                columns[k].push_back(static_cast<S>(ray.from[k]));
+                columns[k + 3].push_back(static_cast<S>(ray.through[k] - ray.from[k]));
+            }
+            rays.push_back(ray);
+        }
+    }
+    [[nodiscard]] ProblemColumns<S> problems() const {
+        ProblemColumns<S> p{.size = ray_count, .ray = {}, .shape = Shape::triangle, .solid = {}};
+        for (std::size_t k = 0; k < 6; ++k) p.ray[k] = columns[k];
+        for (std::size_t k = 0; k < 9; ++k) p.solid[k] = std::span(&numbers[k], 1);
+        return p;
+    }
+};
+
+/// False where a decision differs.
+template <class S>
+bool print(const char* name, double distance, bool edges) {
+    const RaysAtTriangle<S> set(distance, edges);
+    static measure::truth::TruthColumns truth;
+    std::vector<unsigned char> hit(ray_count), met(ray_count);
+    const auto problems = set.problems();
+    const auto tightness = sizeof(S) == 4 ? Tightness::ulps_of_binary32 : Tightness::certified;
+    const auto find = [&] { find_truth_columns(problems, {.tightness = tightness}, truth); };
+    std::vector<measure::speed::TimedWork> work{{[&] { by_orientations(set.rays, set.corners, hit); }, ray_count, true},
+                                                {[&] { by_do_intersect(set.rays, set.corners, met); }, ray_count, true},
+                                                {find, ray_count, true}};
+    const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 31});
+    std::size_t hits = 0, other = 0;
+    for (std::size_t i = 0; i < ray_count; ++i) {
+        const bool yes = truth.decision[i] == measure::truth::Truth::Decision::hit;
+        hits += yes;
+        other += yes != (hit[i] != 0);
+    }
+    std::printf("%-8s %-10s %6zu %12.1f %12.1f %12.1f", sizeof(S) == 4 ? "binary32" : "binary64", name, hits,
+                1e9 * measure::speed::timing_of(samples[0]).median, 1e9 * measure::speed::timing_of(samples[1]).median,
+                1e9 * measure::speed::timing_of(samples[2]).median);
+    for (const std::size_t rival : {0, 1})
+        std::printf(" %13.2f", measure::speed::ratio_of(samples[rival], samples[2]).median);
+    std::printf("   %llu %llu\n", static_cast<unsigned long long>(truth.stages.binary64),
+                static_cast<unsigned long long>(truth.stages.double_double));
+    if (other != 0) std::printf("  %zu decisions differ\n", other);
+    return other == 0;
+}
+
+}  // namespace
+
+int main() {
+    intersect::simd::set_isa(intersect::simd::Isa::w256);
+    std::printf("%-8s %-10s %6s %12s %12s %12s %13s %13s   %s\n", "numbers", "rays", "hits", "orient., ns",
+                "do_int., ns", "truth, ns", "orient./truth", "do_int./truth",
+                "rays settled by binary64 and double-double, of 4096");
+    bool same = true;
+    for (const auto& [name, distance, edges] :
+         {std::tuple{"near", 4.0, false}, {"100 away", 128.0, false}, {"edges", 4.0, true}}) {
+        same = print<float>(name, distance, edges) && same;
+        same = print<double>(name, distance, edges) && same;
+    }
+    return same ? 0 : 1;
+}

@@ -1,0 +1,28 @@
+// GLM 0.9.9.8, gtx/intersect.inl:34, intersectRayTriangle: "the intersection of a ray and a triangle"
+// (gtx/intersect.hpp:46), Moller and Trumbore's test by the sign of the determinant. It asks neither whether the
+// triangle lies behind, nor how large it is: a determinant within epsilon of 0 is a parallel ray.
+#define GLM_ENABLE_EXPERIMENTAL
+#include <glm/glm.hpp>
+#include <glm/gtx/intersect.hpp>
+#include <lostbits_plugin.hpp>
+
+using namespace lostbits_plugin;
+
+template <class T>
+glm::vec<3, T> vec(const T (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+template <class T>
+Answer<T> triangle(const Ray<T>& ray, const Triangle<T>& s) {
+    T t = 0;
+    glm::vec<2, T> uv(0);
+    if (!glm::intersectRayTriangle(vec(ray.origin), vec(ray.direction), vec(s.a), vec(s.b), vec(s.c), uv, t))
+        return miss;
+    return {t};
+}
+
+constexpr Form contract(Form form) {
+    return form.first_root().ignores_end().from("GLM 0.9.9.8, gtx/intersect.inl:34, intersectRayTriangle");
+}
+
+LOSTBITS_FORMS(contract(form<triangle<float>>("glm.triangle")), contract(form<triangle<double>>("glm.triangle")))
