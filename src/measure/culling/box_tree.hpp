@@ -22,10 +22,10 @@ namespace lostbits::measure::culling {
 ///
 /// For forms of a solid with a length, which they square, its box is wider by √(64 u B) as well, with B of the index
 /// of spheres (`culling.hpp`): as √(r² + x) ≤ r + √x, that covers all that rounding can make a form of spheres claim.
-/// Forms of other shapes lose more along an axis, and what a form is asked about is a renderer's choice too: Embree's
-/// robust boxes are wider by 3 ulp, pbrt's by 2γ(3). A form can also claim a hit of a triangle whose box the ray passes
-/// at a distance, for where the ray lies in the plane of the triangle all of its signs are rounding; nobody asks it
-/// there.
+/// Forms of other shapes lose more along an axis, and quartics in t of tori more at any distance. What a form is asked
+/// about is a renderer's choice too: Embree's robust boxes are wider by 3 ulp, pbrt's by 2γ(3). A form can also claim a
+/// hit of a triangle whose box the ray passes at a distance, for where the ray lies in the plane of the triangle all of
+/// its signs are rounding; nobody asks it there.
 class BoxTree : public SolidIndex {
 public:
     /// So many solids are asked without any index.
