@@ -4,6 +4,7 @@
 #include "intersect/form_list.hpp"
 #include "shapes/cone/forms/crossed.hpp"
 #include "shapes/cone/forms/dot_products.hpp"
+#include "shapes/cone/forms/embree.hpp"
 #include "shapes/cone/forms/framed.hpp"
 #include "shapes/cone/forms/moment.hpp"
 #include "shapes/cone/forms/quilez.hpp"
@@ -15,7 +16,8 @@ using ConeForms = FormList<  //
     cone::QuilezCone,        //
     cone::CrossedConeAxis,   //
     cone::InConeFrame,       //
-    cone::ByMoment           //
+    cone::ByMoment,          //
+    cone::EmbreeCone         //
     >;
 
 }  // namespace lostbits::intersect::cone

@@ -3,7 +3,9 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/tube/forms/celeritas.hpp"
+#include "shapes/tube/forms/detray.hpp"
 #include "shapes/tube/forms/framed.hpp"
+#include "shapes/tube/forms/framed_moment.hpp"
 #include "shapes/tube/forms/mitsuba.hpp"
 #include "shapes/tube/forms/pbrt_interval.hpp"
 #include "shapes/tube/forms/triple_product.hpp"
@@ -11,13 +13,15 @@
 
 namespace lostbits::intersect::tube {
 
-using TubeForms = FormList<  //
-    tube::AlongUnitAxis,     //
-    tube::InFrameOfTube,     //
-    tube::CeleritasTube,     //
-    tube::PbrtTube,          //
-    tube::MitsubaTube,       //
-    tube::ByDistanceOfLines  //
+using TubeForms = FormList<   //
+    tube::AlongUnitAxis,      //
+    tube::InFrameOfTube,      //
+    tube::CeleritasTube,      //
+    tube::PbrtTube,           //
+    tube::MitsubaTube,        //
+    tube::ByDistanceOfLines,  //
+    tube::DetrayTube,         //
+    tube::FramedMoment        //
     >;
 
 }  // namespace lostbits::intersect::tube
