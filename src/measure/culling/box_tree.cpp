@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
+
+#include "shapes/hull.hpp"
 
 namespace lostbits::measure::culling {
 
@@ -37,23 +38,32 @@ struct Spread {
     }
 };
 
-/// The box of a solid that is the hull of its corners, else, and under a matrix, of the ball around it. Nothing where
-/// it is not finite, round, or under a stored inverse.
-std::optional<std::array<float, 6>> box_of(const Solid<double>& solid) {
-    const ShapeRow& row = row_of(solid.shape);
-    if ((row.round && !solid.placed) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
-    Vec<double> lo, hi;
-    if (row.edges && !solid.placed) {
-        lo = hi = solid.point(0);
-        for (std::size_t k = 3; k < row.numbers; k += 3)
-            for (int i = 0; i < 3; ++i)
-                lo[i] = std::min(lo[i], solid.point(k)[i]), hi[i] = std::max(hi[i], solid.point(k)[i]);
-    } else {
+/// How far a form can be off that squares lengths, beside the box of the solid.
+double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatFormat& format) {
+    if (solid.placed || !length_key(solid.shape)) return 0;
+    const auto ball = ball_around(solid);
+    const double sum = sum_of_squares(rays.origin, length(ball.centre) + ball.radius);
+    if (!squares_are_safe(sum, ball.radius, rays, format)) return HUGE_VAL;
+    return std::sqrt(std::ldexp(64, -format.precision) * sum);
+}
+
+/// The box of a solid, under a matrix that of the ball around it, wider by `growth`. Nothing where it is not finite,
+/// and where the solid has none: a plane, or one under a stored inverse.
+std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth) {
+    if (!has_hull(solid.shape) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
+    Hull<double> hull;
+    if (solid.placed) {
         const auto ball = ball_around(solid);
         const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
-        lo = ball.centre - Vec<double>(reach, reach, reach), hi = ball.centre + Vec<double>(reach, reach, reach);
+        hull = {ball.centre - Vec<double>(reach, reach, reach), ball.centre + Vec<double>(reach, reach, reach)};
+    } else {
+        hull = hull_of(solid);
     }
-    const std::array box{below(lo.x), below(lo.y), below(lo.z), above(hi.x), above(hi.y), above(hi.z)};
+    std::array<float, 6> box;
+    for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        box[i] = below(hull.lo[k] - growth), box[i + 3] = above(hull.hi[k] + growth);
+    }
     if (!std::ranges::all_of(box, [](float x) { return std::isfinite(x); })) return std::nullopt;
     return box;
 }
@@ -68,33 +78,36 @@ std::array<float, 6> around(const std::array<float, 6>& a, const std::array<floa
 
 std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, const RayBounds& bounds,
                                              const FloatFormat* format) {
-    if (solids.size() == 0 || !std::isfinite(bounds.origin) || !(bounds.least_direction > 0)) return nullptr;
-    std::vector<Corners> boxes;
-    boxes.reserve(solids.size());
-    double reach = 0, condition = 1;
-    for (std::size_t i = 0; i < solids.size(); ++i) {
+    if (!std::isfinite(bounds.origin) || !(bounds.least_direction > 0)) return nullptr;
+    std::shared_ptr<BoxTree> tree(new BoxTree);
+    const double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
+    std::vector<Corners> boxes(solids.size());
+    double reach = 0, widest = rounding, growth_of_all = 0;
+    for (std::uint32_t i = 0; i < solids.size(); ++i) {
         const Solid<double> solid = solids[i];
-        const auto box = box_of(solid);
-        if (!box) return nullptr;
+        const double growth = format ? growth_of(solid, bounds, *format) : 0;
+        const auto box = box_of(solid, growth);
         const Spread spread(solid);
-        reach = std::max(reach, spread.size), condition = std::max(condition, spread.condition);
-        boxes.push_back(*box);
+        // Under a matrix a rounded inverse is off by κu of itself, and what it is off by in the space of the solid
+        // becomes κ times as much in the world.
+        const double its_rounding = solid.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
+        if (!box || (solid.placed && format && !(its_rounding < 0x1p-5))) {
+            tree->asked_each_.push_back(i);
+            if (tree->asked_each_.size() > most_asked_each) return nullptr;
+            continue;
+        }
+        tree->order_.push_back(i);
+        boxes[i] = *box;
+        reach = std::max(reach, spread.size), widest = std::max(widest, its_rounding);
+        growth_of_all = std::max(growth_of_all, growth);
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
-    std::shared_ptr<BoxTree> tree(new BoxTree);
-    // Under a matrix a rounded inverse is off by κu of itself, and what it is off by in the space of the solid becomes
-    // κ times as much in the world.
-    double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
-    if (solids[0].placed && format) {
-        rounding *= 2 * condition * condition;
-        if (!(rounding < 0x1p-5)) return nullptr;
-    }
+    if (tree->order_.empty()) return nullptr;
     // |(x, y, z)| ≤ √3 max |x|.
-    tree->margin_ = (0x1p-40 + std::min(rounding, 0x1p-5)) * (bounds.origin + 1.75 * reach);
-    tree->order_.resize(boxes.size());
-    std::iota(tree->order_.begin(), tree->order_.end(), 0U);
-    tree->nodes_.reserve(boxes.size());
-    tree->build(boxes, 0, static_cast<std::uint32_t>(boxes.size()));
+    tree->margin_ = (0x1p-40 + std::min(widest, 0x1p-5)) * (bounds.origin + 1.75 * reach);
+    tree->behind_ = growth_of_all;
+    tree->nodes_.reserve(tree->order_.size());
+    tree->build(boxes, 0, static_cast<std::uint32_t>(tree->order_.size()));
     tree->nodes_.shrink_to_fit();
     return tree;
 }
@@ -127,11 +140,12 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std:
 }
 
 void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    found.clear();
+    found = asked_each_;
     const Vec<double>&o = ray.origin, &d = ray.direction;
     const Vec<double> inverse(1 / d.x, 1 / d.y, 1 / d.z);
+    const double before = behind_ == 0 ? 0 : -behind_ / length(d);
     const auto may_meet = [&](const Corners& box) {
-        double enter = 0, leave = HUGE_VAL;
+        double enter = before, leave = HUGE_VAL;
         for (int k = 0; k < 3; ++k) {
             const double lo = static_cast<double>(box[static_cast<std::size_t>(k)]) - margin_ - o[k],
                          hi = static_cast<double>(box[static_cast<std::size_t>(k + 3)]) + margin_ - o[k];

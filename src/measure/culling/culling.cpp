@@ -15,11 +15,6 @@ constexpr std::size_t least_solids = 64;
 
 double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// B of the class's comment, for spheres that end within `reach` of the world's origin.
-double sum_of(double origin, double reach) {
-    return origin * origin + reach * reach + (origin + reach) * (origin + reach);
-}
-
 /// B at most, and the radius of the smallest sphere.
 struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
@@ -38,7 +33,7 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
         reach = std::max(reach, one);
         e.least_radius = std::min(e.least_radius, s.radius);
     }
-    e.sum = sum_of(rays.origin, reach);
+    e.sum = sum_of_squares(rays.origin, reach);
     return e;
 }
 
@@ -54,14 +49,6 @@ struct Around {
     }
     [[nodiscard]] Vec<double> middle() const { return low / 2.0 + high / 2.0; }
 };
-
-/// Forms square lengths, multiply by |d|² and by 4, and Newton's step once more by about as much.
-bool squares_are_safe(const Extent& e, const RayBounds& rays, const FloatFormat& f) {
-    const double d2 = rays.direction * rays.direction, least_d2 = rays.least_direction * rays.least_direction;
-    const double largest = 64 * std::max({e.sum * d2, e.sum * d2 * d2, e.sum, d2}),
-                 smallest = e.least_radius * e.least_radius * std::min({1.0, least_d2, least_d2 * least_d2});
-    return std::log2(largest) < f.emax && std::log2(smallest) > f.emin + f.precision;
-}
 
 }  // namespace
 
@@ -84,6 +71,17 @@ RayBounds join(const RayBounds& a, const RayBounds& b) {
             std::max(a.direction, b.direction)};
 }
 
+double sum_of_squares(double origin, double reach) {
+    return origin * origin + reach * reach + (origin + reach) * (origin + reach);
+}
+
+bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& f) {
+    const double d2 = rays.direction * rays.direction, least_d2 = rays.least_direction * rays.least_direction;
+    const double largest = 64 * std::max({sum * d2, sum * d2 * d2, sum, d2}),
+                 smallest = radius * radius * std::min({1.0, least_d2, least_d2 * least_d2});
+    return std::log2(largest) < f.emax && std::log2(smallest) > f.emin + f.precision;
+}
+
 namespace {
 
 /// A form that marches wants its solids one by one in memory.
@@ -91,7 +89,9 @@ SolidList<double> shared_of(const scene::file::Scene& scene) {
     return scene.march ? SolidList(scene::rays::shared_solids(scene)) : scene::rays::shared_solid_list(scene);
 }
 
-/// What is known of spheres is known of spheres alone; a tree is over all others.
+bool are_many(const SolidList<double>& solids) { return solids.size() >= least_solids || solids.mesh() != nullptr; }
+
+/// A flake of millions takes a byte a sphere in an index of spheres, and some 60 in a tree.
 std::shared_ptr<const SolidIndex> index_of(const SolidList<double>& solids, const RayBounds& bounds,
                                            const FloatFormat* format) {
     if (auto spheres = SphereIndex::make(solids, bounds, format)) return spheres;
@@ -122,7 +122,7 @@ Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
 
 Culler::Culler(SolidList<double> solids, const scene::rays::RayBlock& rays)
     : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(solids)) {
-    truth_ = index_of(stored_, bounds_, nullptr);
+    if (are_many(stored_)) truth_ = index_of(stored_, bounds_, nullptr);
 }
 
 std::shared_ptr<const SolidIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
@@ -135,7 +135,7 @@ std::shared_ptr<const SolidIndex> Culler::for_own_truth(const FloatFormat& forma
 std::shared_ptr<const SolidIndex> Culler::index_in(Indices& known, const FloatFormat& format,
                                                    const SolidList<double>& solids, bool widened) {
     const auto [place, fresh] = known.try_emplace({format.precision, format.emin, format.emax});
-    if (fresh && (solids.size() >= least_solids || solids.mesh() != nullptr)) {
+    if (fresh && are_many(solids)) {
         // The rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
         place->second = index_of(
@@ -150,8 +150,10 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& so
                                                      const FloatFormat* format) {
     if (solids.size() < least_solids || !std::isfinite(rays.origin) || !(rays.least_direction > 0)) return nullptr;
     const auto extent = extent_of(solids, rays);
-    if (!extent || !squares_are_safe(*extent, rays, binary64) || (format && !squares_are_safe(*extent, rays, *format)))
-        return nullptr;
+    const auto safe_in = [&](const FloatFormat& f) {
+        return squares_are_safe(extent->sum, extent->least_radius, rays, f);
+    };
+    if (!extent || !safe_in(binary64) || (format && !safe_in(*format))) return nullptr;
     std::shared_ptr<SphereIndex> index(new SphereIndex);
     index->solids_ = solids;
     index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
@@ -163,7 +165,8 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& so
 }
 
 double SphereIndex::reach(const Vec<double>& centre, double radius) const {
-    return std::sqrt(radius * radius + rounding_ * sum_of(origin_, size_of(centre) + radius)) * (1 + 0x1p-20) + margin_;
+    return std::sqrt(radius * radius + rounding_ * sum_of_squares(origin_, size_of(centre) + radius)) * (1 + 0x1p-20) +
+           margin_;
 }
 
 void SphereIndex::make_balls() {

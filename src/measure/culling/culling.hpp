@@ -26,6 +26,13 @@ struct RayBounds {
 RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
+/// B of the index of spheres, for rays that begin within `origin` of the world's origin and solids that end within
+/// `reach` of it.
+double sum_of_squares(double origin, double reach);
+/// Whether what forms for a sphere with this B and this radius square stays in the format. They square lengths,
+/// multiply by |d|² and by 4, and Newton's step once more by about as much.
+bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& format);
+
 /// Candidates among n spheres for rays within stated bounds: supersets, never missing one that matters.
 ///
 /// For the truth: the spheres that the line comes within 2^-40 of the picture's size of (that covers this file's

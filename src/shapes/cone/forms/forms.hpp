@@ -4,6 +4,7 @@
 #include "intersect/form_list.hpp"
 #include "shapes/cone/forms/crossed.hpp"
 #include "shapes/cone/forms/dot_products.hpp"
+#include "shapes/cone/forms/embree.hpp"
 #include "shapes/cone/forms/filtered.hpp"
 #include "shapes/cone/forms/framed.hpp"
 #include "shapes/cone/forms/moment.hpp"
@@ -17,6 +18,7 @@ using ConeForms = FormList<  //
     cone::CrossedConeAxis,   //
     cone::InConeFrame,       //
     cone::ByMoment,          //
+    cone::EmbreeCone,        //
     cone::FilteredCone       //
     >;
 

@@ -3,8 +3,10 @@
 
 #include "intersect/form_list.hpp"
 #include "shapes/tube/forms/celeritas.hpp"
+#include "shapes/tube/forms/detray.hpp"
 #include "shapes/tube/forms/filtered.hpp"
 #include "shapes/tube/forms/framed.hpp"
+#include "shapes/tube/forms/framed_moment.hpp"
 #include "shapes/tube/forms/mitsuba.hpp"
 #include "shapes/tube/forms/pbrt_interval.hpp"
 #include "shapes/tube/forms/triple_product.hpp"
@@ -19,6 +21,8 @@ using TubeForms = FormList<   //
     tube::PbrtTube,           //
     tube::MitsubaTube,        //
     tube::ByDistanceOfLines,  //
+    tube::DetrayTube,         //
+    tube::FramedMoment,       //
     tube::FilteredTube        //
     >;
 

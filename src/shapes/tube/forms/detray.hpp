@@ -1,0 +1,41 @@
+// detray's cylinder: everything divided by dx² + dy² at once, half b squared added to (r² − ox² − oy²)/a, plain roots;
+// a direction within an ulp of the axis meets nothing.
+#pragma once
+
+#include "shapes/cylinder/forms/axis_frame.hpp"
+#include "shapes/tube/forms/parts.hpp"
+
+namespace lostbits::intersect::tube {
+
+struct DetrayTube {
+    static constexpr Info info{
+        .name = "tube.detray",
+        .title = "divided by a at once, k^2 added, no line within an ulp of the axis",
+        .source =
+            "detray 7c3f18e, core/include/detray/navigation/intersection/soa/ray_cylinder_portal_intersector.hpp:75, "
+            "cut off at both ends",
+        .direction = Direction::unit,
+        .roots = Roots::first_only,
+        .formats = Formats::binary32_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
+        const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
+        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const T a = named("rd_perp_2", square(d.x) + square(d.y)), over_a = T(1) / a;
+        const T c = named("rad_diff", square(tube.radius) - (square(o.x) + square(o.y)));
+        const T k = named("k", -over_a * (o.x * d.x + o.y * d.y));
+        const T disc = named("discr", over_a * c + square(k)), root = sqrt(disc);
+        return first_between_ends<T>(disc < T(0) || a < ulp<T>(), {k - root, k + root}, o.z, d.z, frame.height);
+    }
+
+private:
+    /// numeric_limits<float>::epsilon().
+    template <Number T>
+    static T ulp() {
+        return T(1) / (T(4096) * T(2048));
+    }
+};
+
+}  // namespace lostbits::intersect::tube

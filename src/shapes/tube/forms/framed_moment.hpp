@@ -1,0 +1,30 @@
+// An instance along z, with the moment o × d there: disc = r² (dx² + dy²) − (ox dy − oy dx)², so that no square of the
+// distance is subtracted, and stable roots.
+#pragma once
+
+#include "shapes/cylinder/forms/axis_frame.hpp"
+#include "shapes/tube/forms/parts.hpp"
+
+namespace lostbits::intersect::tube {
+
+struct FramedMoment {
+    static constexpr Info info{
+        .name = "tube.framed_moment",
+        .title = "taken into a frame along the axis, moment, stable roots",
+        .source = "this project: Lagrange's identity in the frame of pbrt's cylinder",
+        .roots = Roots::first_only,
+    };
+
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
+        const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
+        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const T a = named("a", square(d.x) + square(d.y)), minus_h = named("h'", -(o.x * d.x + o.y * d.y));
+        const T r2 = square(tube.radius), w = named("w", o.x * d.y - o.y * d.x);
+        const T disc = named("disc", r2 * a - square(w)), c = named("c", square(o.x) + square(o.y) - r2);
+        return first_between_ends<T>(disc < T(0), sphere::unified_roots<T>(a, minus_h, c, sqrt(disc)), o.z, d.z,
+                                     frame.height);
+    }
+};
+
+}  // namespace lostbits::intersect::tube
