@@ -58,11 +58,11 @@ public:
         if (a.is_zero() || b.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : unknown();
         const DoubleDouble p = two_product(a.hi_, b.hi_);
         const double spread = std::fabs(a.hi_) * b.radius_ + std::fabs(b.hi_) * a.radius_ + a.radius_ * b.radius_;
-        const bool one_word = a.lo_ == 0 && b.lo_ == 0;
-        if (one_word) return in_range(p.hi) ? finish(p, spread, are_points(a, b), either(a, b)) : unknown();
-        const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
         // A midpoint of zero inside a wide ball is a legitimate factor: only its radius counts.
-        if (!in_range(r.hi) && !(a.hi_ == 0 || b.hi_ == 0)) return unknown();
+        const bool of_zero = a.hi_ == 0 || b.hi_ == 0, one_word = a.lo_ == 0 && b.lo_ == 0;
+        if (one_word) return in_range(p.hi) || of_zero ? finish(p, spread, are_points(a, b), either(a, b)) : unknown();
+        const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
+        if (!in_range(r.hi) && !of_zero) return unknown();
         return finish(r, spread, false, either(a, b));
     }
     friend Ball operator/(const Ball& a, const Ball& b) {

@@ -18,18 +18,20 @@ using number::wide::Proving;
 using Told = std::optional<Beyond>;
 
 constexpr Beyond missed(Way way) { return {false, -1, way}; }
+/// 0 without a sign.
+constexpr Beyond hit_at(double t, Way way) { return {true, t + 0.0, way}; }
 
 /// t to within 8u of itself.
 Told told(const FirstMet<Proving<double>>& met, double u) {
     if (met.hit.is_no()) return missed(Way::wider);
     const double t = met.t.word();
-    if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return Beyond{true, t, Way::wider};
+    if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::wider);
     return std::nullopt;
 }
 Told told(const FirstMet<Ball>& met, double u) {
     if (met.hit.is_no()) return missed(Way::two_words);
     const double t = met.t.hi();
-    if (met.hit.is_yes() && met.t.is_bounded() && met.t.radius() <= 8 * u * t) return Beyond{true, t, Way::two_words};
+    if (met.hit.is_yes() && met.t.is_bounded() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
     return std::nullopt;
 }
 /// Both ends are rounded, so that a t which is subnormal, zero or too large is told too.
@@ -39,7 +41,7 @@ Told told(const FirstMet<Interval>& met, double u) {
     const double low = mpfr_get_d(met.t.lower(), MPFR_RNDN), high = mpfr_get_d(met.t.upper(), MPFR_RNDN);
     constexpr double tiny = std::numeric_limits<double>::denorm_min();
     if (!(low == high || high - low <= 4 * u * low + tiny)) return std::nullopt;
-    return Beyond{true, low, Way::exact};
+    return hit_at(low, Way::exact);
 }
 
 template <template <class> class S, class E>

@@ -95,9 +95,11 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
     } else {
         using P = decltype(number::wide::untold(ray.origin.x));
         const Vec<T>&o = ray.origin, &d = ray.direction;
-        const Solid<T> whole(solid);
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
-            return std::array<T, 6 + sizeof...(i)>{o.x, o.y, o.z, d.x, d.y, d.z, whole.numbers[i]...};
+            std::array<T, 6 + sizeof...(i)> all{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
+            std::size_t k = 6;
+            solid.each([&](const T& x) { all[k++] = x; });
+            return all;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
         const Proved<T, P> known = prove<S, T, P>(numbers.data());

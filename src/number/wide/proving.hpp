@@ -46,6 +46,7 @@ public:
     explicit Proving(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
     /// An input: exact.
     explicit Proving(const T& w) : w_(w), e_(0) {}
+    Proving(const T& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const T& word() const { return w_; }
     /// No less than how far x can be from the word.
@@ -111,8 +112,6 @@ public:
     }
 
 private:
-    Proving(const T& w, const P& e) : w_(w), e_(e) {}
-
     [[nodiscard]] P size() const {
         using lostbits::abs;
         return abs(untold(w_));
