@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "measure/metric/barycentric.hpp"
 #include "measure/metric/errors_of_rays.hpp"
 #include "measure/metric/errors_of_t.hpp"
 #include "measure/metric/hit_point.hpp"

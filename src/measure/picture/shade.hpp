@@ -81,7 +81,7 @@ Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::
 
 /// At a point of a surface: its unit normal, and the unit vectors to the light and to the eye.
 template <Number T>
-struct Facing {
+struct DirectionsAt {
     Vec<T> normal, to_light, to_eye;
 };
 
@@ -90,8 +90,8 @@ struct Facing {
 /// the light (N·L ≤ 0) has no highlight, being in its own sphere's shadow. The source has no max(0, ·): there N·L < 0
 /// takes ambient light away. A NaN stays one: max(0, x) gives x.
 template <Number T>
-Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const Facing<T>& facing_of) {
-    const auto& [n, l, v] = facing_of;
+Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shadowed, const DirectionsAt<T>& point) {
+    const auto& [n, l, v] = point;
     if (!rule.diffuse) return paint.colour;
     const T zero(0);
     const T facing = dot(n, l);

@@ -189,6 +189,17 @@ const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const 
     return closed && matters(convention, *closed) ? &apart_.at(key(i, convention)) : nullptr;
 }
 
+bool Band::shows_side(std::size_t i, Facing facing) const {
+    if (truths_.object[i] < 0) return false;
+    return with_ray(i, [&](const auto& ray, const auto& solids) {
+        const auto solid = lift_solid<Ball>(solids[static_cast<std::size_t>(truths_.object[i])]);
+        return with_span(lift_ray<Ball>(ray), solid, [facing](const auto& span) {
+            if constexpr (requires { faces(span, facing); }) return faces(span, facing).is_yes();
+            else return true;
+        });
+    });
+}
+
 bool Band::asks_anew(std::size_t i, Convention convention) const {
     const Truth* const whole = truths_.find_whole(i);
     if (convention.by_shape)
@@ -199,8 +210,10 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
-    // What is met from both sides or from none is all that may be met from one.
-    if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss) return true;
+    // Who meets nothing from either side meets nothing from one; what comes first does so among those that count, too.
+    if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
+        (whole || !shows_side(i, convention.facing)))
+        return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray begins elsewhere
     if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;

@@ -85,6 +85,8 @@ public:
 private:
     static std::size_t key(std::size_t i, intersect::Convention convention);
     void find_truth_of_all();
+    /// Whether what ray i truly meets first is proved to be met from a side that counts.
+    [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
 
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,

@@ -7,6 +7,7 @@
 #include "counts.hpp"
 #include "intersect/packs_and_alone.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
+#include "measure/truth/band.hpp"
 #include "measure/truth/truth.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "shapes/given_matrix.hpp"
@@ -101,6 +102,39 @@ TEST_CASE("which of two triangles comes first is asked of those that face the ra
         mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
         CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
     }
+}
+
+TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth][triangle]") {
+    Seeded rng(5);
+    scene::rays::RayBlock rays;
+    std::vector<Solid<double>> solids;
+    for (int i = 0; i < 12; ++i) solids.emplace_back(whole_sample(rng, 20).triangle);
+    const int count = static_cast<int>(draws(4000));
+    for (int i = 0; i < count; ++i) {
+        TriangleSample s = whole_sample(rng, 20);
+        const Triangle<double> at = solids[static_cast<std::size_t>(i) % solids.size()].triangle();
+        // Half of them through a vertex, where triangles are touched.
+        aim(s, i % 2 == 0 ? at.a : 0.25 * at.a + 0.25 * at.b + 0.5 * at.c, static_cast<double>(rng.integer(0, 3)));
+        rays.push(s.ray);
+    }
+    rays.width = count, rays.y1 = 1;
+    const measure::truth::Band band(rays, solids);
+    int different = 0;
+    for (const Facing facing : {Facing::front, Facing::back}) {
+        for (const AtOrigin at_origin : {AtOrigin::hit, AtOrigin::miss}) {
+            intersect::Convention asked(at_origin);
+            asked.facing = facing;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const Truth alone = find_truth(rays[i], solids, {}, asked), there = band.truth(i, asked);
+                INFO(i << ", facing " << static_cast<int>(facing));
+                REQUIRE(there.decision == alone.decision);
+                REQUIRE(there.object == alone.object);
+                REQUIRE(compare(there.t, alone.t) == 0);
+                different += there.object != band.truth(i, {}).object;
+            }
+        }
+    }
+    CHECK(different > 100);
 }
 
 TEST_CASE("packs say of triangles what the truth of each ray says", "[truth][triangle]") {

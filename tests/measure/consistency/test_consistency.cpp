@@ -181,6 +181,8 @@ TEST_CASE("consistency: only checks that can be asked are", "[measure][consisten
     CHECK(names("near-benign", "sphere.half_b") ==
           Names{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"});
     CHECK(names("near-benign", "sphere.unit_half_b") == Names{"beyond", "end", "before", "packs", "reverse", "placed"});
+    CHECK(names("triangle-edge.plain", "triangle.moller_trumbore_culling") ==
+          Names{"beyond", "end", "before", "segment", "short", "packs", "placed"});
     CHECK(names("offset-touching", "sphere.half_b").size() == checks().size());
     CHECK_THROWS_AS(consistency_value(CheckSummary(), "disagree", "x"), InputError);
     CHECK(std::isnan(consistency_value(CheckSummary(), "disagree_fraction", "x")));

@@ -7,7 +7,6 @@
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
-#include "measure/metric/barycentric.hpp"
 #include "measure/metric/hit_point.hpp"
 #include "number/recorded.hpp"
 #include "shapes/given_matrix.hpp"

@@ -27,7 +27,7 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
     if (shape == Shape::sphere) group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 3})};
     else if (shape == Shape::box) group.solids = {Solid<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
     else if (shape == Shape::triangle)
-        group.solids = {Solid<double>(Triangle<double>{{-3, -8, -8}, {-3, 8, -8}, {-3, 0, 16}})};
+        group.solids = {Solid<double>(Triangle<double>{{-3, -8, -8}, {-3, 0, 16}, {-3, 8, -8}})};
     else if (shape == Shape::ellipsoid) group.solids = {Solid<double>(Ellipsoid<double>{{0, 0, 0}, {3, 2, 4}})};
     else if (shape == Shape::cylinder) group.solids = {Solid<double>(Cylinder<double>{{0, 0, -4}, {0, 0, 4}, 3})};
     else if (shape == Shape::capsule) group.solids = {Solid<double>(Capsule<double>{{0, 0, -4}, {0, 0, 4}, 3})};
