@@ -20,7 +20,7 @@ namespace page = output::page;
 /// `REST:BITS` or `REST:BITS:AT`, as the value of an option.
 class WishWord {
 public:
-    /// `wish` is what holds where the word has no AT. InputError where there are no bits, or nothing in front of them.
+    /// `usual` holds where the word has no AT. InputError where there are no bits, or nothing in front of them.
     WishWord(std::string option, std::string what, std::string example, const std::string& word,
              measure::choice::Wish usual)
         : wish(usual),
