@@ -23,7 +23,7 @@ std::size_t rays_or(std::size_t usual) {
     return asked ? std::strtoull(asked, nullptr, 10) : usual;
 }
 
-constexpr std::size_t batch = 4000;
+constexpr std::size_t batch = 1000;
 
 /// Every so many are decided without an error, whether the quick check tells or not.
 constexpr std::size_t each_exactly = 1000;
@@ -63,10 +63,10 @@ Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::in
 /// What is drawn, under matrices of every kind by turns, or of all but inverses.
 template <class Draw, class Place>
 auto placed(const Draw& draw, const Place& place, bool inverses = true) {
-    return [draw, place, inverses, batch = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
+    return [draw, place, inverses, drawn = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
                                               std::vector<Problem>& problems) mutable {
         draw(shape, floats, ends, chance, problems);
-        const int kind = batch++ / 3;  // each by all ways
+        const int kind = drawn++ % 4;  // and of three ways: every pair after twelve batches
         place(floats, {.is_inverse = inverses && kind % 2 == 1, .orientation = kind / 2 % 2 == 1 ? -1 : 1}, chance,
               problems);
     };
