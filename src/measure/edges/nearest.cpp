@@ -24,8 +24,16 @@ constexpr std::size_t eyes = 16, rays_of_eye = 32;
 struct Aimed {
     Ray<double> ray;
     double distance;  ///< in lengths of the edge
-    std::size_t edge;
+    std::size_t edge, eye;
 };
+
+scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
+    scene::rays::RayBlock rays;
+    for (const Aimed& one : litter) rays.push(one.ray);
+    rays.width = static_cast<int>(litter.size());
+    rays.y1 = 1;
+    return rays;
+}
 
 /// Whether the ray truly meets, where it meets the answered triangle, another one that the form claims too.
 bool is_tie(const map::BandResult& result, std::size_t i) {
@@ -53,7 +61,6 @@ public:
             const truth::Truth truth = result.truth(i);
             if (!truth.is_hit() || std::ranges::find(faces, static_cast<std::uint32_t>(truth.object)) == faces.end())
                 continue;
-            ++rays;
             if (result.outcomes[i] != wanted_ || (nearest && litter_[i].distance >= nearest->distance)) continue;
             if (wanted_ == Outcome::double_hit && is_tie(result, i)) continue;
             nearest = {.distance = litter_[i].distance,
@@ -61,13 +68,12 @@ public:
                        .faces = faces,
                        .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
                        .truth = result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)};
-            place = i;
+            eye = litter_[i].eye;
         }
     }
 
-    std::uint64_t rays = 0;
     std::optional<NearestRay> nearest;
-    std::size_t place = 0;
+    std::size_t eye = 0;
 
 private:
     Outcome wanted_;
@@ -126,16 +132,24 @@ public:
     void run(EdgeFinding& finding) {
         const std::int64_t litters =
             (file_.rays + eyes * rays_of_eye - 1) / static_cast<std::int64_t>(eyes * rays_of_eye);
-        for (std::int64_t k = 0; k < litters; ++k) {
+        // Rounding moves an eye a little.
+        const auto is_as_near_as_asked = [this] {
+            return best_ && best_->distance <= file_.distance.low * (1 + 0x1p-10);
+        };
+        for (std::int64_t k = 0; k < litters && !is_as_near_as_asked(); ++k) {
             std::vector<Eye> drawn;
             const std::vector<Aimed> litter = next_litter(drawn);
-            const Judge judge = judged(litter);
-            finding.rays[wanted_] += judge.rays;
+            finding.rays[wanted_] += litter.size();
+            std::vector<Aimed> few = suspicious(litter);
+            std::erase_if(few, [this](const Aimed& one) { return !file_.distance.holds(one.distance); });
+            if (few.empty()) continue;
+            const Judge judge = judged(few);
             if (!judge.nearest || (best_ && judge.nearest->distance >= best_->distance)) continue;
             // Among more rays a form is asked about more triangles: the boxes are as wide as the farthest needs.
-            if (!judged({litter[judge.place]}).nearest) continue;
+            const auto& [distance, ray, faces, t, truth] = *judge.nearest;
+            if (!judged({{ray, distance, drawn[judge.eye].edge, judge.eye}}).nearest) continue;
             best_ = judge.nearest;
-            best_eye_ = drawn[judge.place / rays_of_eye];
+            best_eye_ = drawn[judge.eye];
         }
         finding.nearest[wanted_] = best_;
     }
@@ -194,7 +208,8 @@ private:
                               to = point - origin;
             const Vec<double> direction = stored((1 + random_.unit()) / length(to) * to);
             for (std::size_t k = 0; k < rays_of_eye; ++k)
-                litter.push_back({{origin, k == 0 ? direction : moved(direction)}, length(to) / size, eye.edge});
+                litter.push_back(
+                    {{origin, k == 0 ? direction : moved(direction)}, length(to) / size, eye.edge, drawn.size() - 1});
         }
         return litter;
     }
@@ -207,12 +222,34 @@ private:
         return direction;
     }
 
+    /// Those of a litter that may have the outcome, by what the form claims: of the others the truth, which takes a
+    /// hundred times as long, is not asked. A crack has neither face of its edge claimed, a double hit has two.
+    std::vector<Aimed> suspicious(const std::vector<Aimed>& litter) const {
+        if (row_.form->info->direction == intersect::Direction::unit) return litter;
+        truth::FormatInputs inputs{.format = row_.format, .rays = block_of(litter), .stop = request_.limit.stop};
+        const scene::rays::SolidList<double> all = scene::rays::solid_list_of({.rays = {}, .mesh = subject_.columns});
+        inputs.solids = round_solids(all, row_.format.shape);
+        culling::Culler culler(all, inputs.rays);
+        inputs.candidates =
+            std::make_shared<culling::CandidateLists>(*culler.for_forms(row_.format.shape, inputs.solids), inputs.rays);
+        const answer::Answers answers = answer::evaluate(*row_.form, inputs);
+        std::vector<Aimed> few;
+        for (std::size_t i = 0; i < litter.size(); ++i) {
+            const auto& faces = subject_.edges[litter[i].edge].faces;
+            std::size_t claimed = 0, of_edge = 0;
+            for (std::size_t pair = inputs.candidates->first(i); pair < inputs.candidates->first(i + 1); ++pair) {
+                if (answers.claimed[pair] == 0) continue;
+                ++claimed;
+                of_edge += std::ranges::count(faces, inputs.candidates->solid(pair));
+            }
+            if (sought[wanted_] == Outcome::crack ? of_edge == 0 : claimed >= 2) few.push_back(litter[i]);
+        }
+        return few;
+    }
+
     Judge judged(const std::vector<Aimed>& litter) const {
         request_.limit.stop.check();
-        scene::rays::RayGroup group;
-        for (const Aimed& one : litter) group.rays.push(one.ray);
-        group.rays.width = static_cast<int>(litter.size());
-        group.rays.y1 = 1;
+        scene::rays::RayGroup group{.rays = block_of(litter), .solids = {}};
         group.mesh = subject_.columns;
         culling::Culler culler(scene::rays::solid_list_of(group), group.rays);
         truth::Band band(std::move(group), request_.limit, &culler);

@@ -27,7 +27,7 @@ struct NearestRay {
 /// What a search came to, for one row: by the places of `sought`.
 struct EdgeFinding {
     std::array<std::optional<NearestRay>, sought.size()> nearest;
-    /// Rays tried, of those that truly meet one of the two faces first.
+    /// Rays tried: all, or those until one was found as near as the search goes.
     std::array<std::uint64_t, sought.size()> rays{};
 };
 

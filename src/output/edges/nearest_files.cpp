@@ -30,7 +30,7 @@ std::vector<file::Column> nearest_columns() {
         {"found", "boolean", "", "whether a ray with that outcome was found"},
         {"distance_edges", "number", "1",
          "of the nearest one: from the eye to the point of the edge that it is aimed at, in lengths of the edge"},
-        {"rays", "integer", "", "rays tried, of those that truly meet one of the edge's two triangles first"},
+        {"rays", "integer", "", "rays tried"},
         {"face_a", "integer", "", "the place of the one triangle of the edge among the solids of the scene"},
         {"face_b", "integer", "", "the place of the other"},
         {"t", "number", "t", "the form's answer, in its own unit; missing where it misses"},

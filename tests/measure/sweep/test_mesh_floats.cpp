@@ -1,0 +1,106 @@
+// Every float across a mesh, held against its triangles asked one by one.
+#include <algorithm>
+#include <map>
+
+#include "catch.hpp"
+#include "measure/rows.hpp"
+#include "measure/sweep/exhaustive_findings.hpp"
+#include "number/error.hpp"
+#include "scratch.hpp"
+
+namespace test_mesh_floats {
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using lostbits::test::Scratch;
+using measure::answer::Outcome;
+using scene::sweep::ExhaustiveFile;
+namespace sweep = measure::sweep;
+
+namespace {
+
+std::string sweep_text(const std::string& axis) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = \"mesh-icosphere-near\"\n"
+           "[axis]\nname = \"x\"\nspacing = \"every_float\"\n" +
+           axis + "\n[[ray]]\nname = \"far\"\norigin = [-8, -4, 1024]\ndirection = [\"0x1p-7\", \"0x1p-8\", -1]\n";
+}
+
+/// How many triangles the form claims, and how many the ray truly crosses, of several at one t one.
+struct Counted {
+    std::size_t claimed = 0, crossed = 0;
+};
+
+Counted count_at(const ExhaustiveFile& file, const measure::map::MapRow& row, float value) {
+    const Ray<double> ray = file.group_at(0, value).rays[0];
+    const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
+                 d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    const auto of = [](const double& x) { return std::span(&x, 1); };
+    Counted counted;
+    std::vector<measure::truth::Certified> apart;
+    for (std::size_t s = 0; s < file.mesh->size(); ++s) {
+        const Solid<double> triangle = (*file.mesh)[s];
+        double t, near, far;
+        std::uint8_t hit;
+        row.form->rounded(row.format.shape, {of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, triangle,
+                          {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
+        counted.claimed += hit;
+        const auto truth = measure::truth::find_truth(ray, triangle, {}, row.convention());
+        const auto same = [&](const measure::truth::Certified& other) { return compare(other, truth.t) == 0; };
+        if (truth.is_hit() && std::ranges::none_of(apart, same)) apart.push_back(truth.t);
+    }
+    counted.crossed = apart.size();
+    return counted;
+}
+
+}  // namespace
+
+TEST_CASE("every float across a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
+    const Scratch folder;
+    const ExhaustiveFile file(
+        folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -8.0009765625\nto = -8")), LOSTBITS_DATA_DIR);
+    REQUIRE(file.floats() == 1025);
+    sweep::ExhaustiveRequest request;
+    request.sweep = &file;
+    for (const char* form : {"triangle.undivided", "triangle.havel_herout", "triangle.woop", "triangle.filtered"})
+        request.rows.push_back(row(form, "f32"));
+    sweep::ExhaustiveState state;
+    sweep::run_exhaustive(request, state);
+    for (const sweep::RangeFinding& finding : sweep::findings_of(request, state)) {
+        const sweep::FloatTally& tally = finding.tally;
+        CAPTURE(request.rows[finding.row].form->info->name);
+        CHECK(tally.floats() == 1025);
+        std::uint64_t odd = 0;
+        std::map<Outcome, std::uint64_t> counts;
+        for (std::uint64_t i = 0; i < finding.floats.size(); ++i) {
+            const std::uint32_t place = finding.floats.at(i);
+            const auto counted = count_at(file, request.rows[finding.row], scene::sweep::float_at(place));
+            const auto answer = sweep::answer_at(request, 0, finding.row, place);
+            ++counts[answer.outcome];
+            const bool is_odd = counted.claimed % 2 != counted.crossed % 2;
+            odd += is_odd;
+            if (answer.outcome == Outcome::crack || answer.outcome == Outcome::double_hit) CHECK(is_odd);
+        }
+        for (std::size_t o = 0; o < tally.outcomes.size(); ++o)
+            CHECK(tally.outcomes[o] == counts[static_cast<Outcome>(o)]);
+        CHECK(tally.count(Outcome::crack) + tally.count(Outcome::double_hit) <= odd);
+        CHECK(tally.wrong() == counts[Outcome::crack] + counts[Outcome::double_hit] + counts[Outcome::false_miss] +
+                                   counts[Outcome::false_hit] + counts[Outcome::wrong_object]);
+    }
+}
+
+TEST_CASE("a sweep across a mesh moves numbers of the ray, over a range", "[exhaustive][mesh]") {
+    const Scratch folder;
+    const auto refuses = [&](const std::string& axis, const std::string& why) {
+        try {
+            const ExhaustiveFile unused(folder.write("s.toml", sweep_text(axis)), LOSTBITS_DATA_DIR);
+            FAIL("accepted: " << axis);
+        } catch (const InputError& error) {
+            INFO(error.what());
+            CHECK(std::string(error.what()).find(why) != std::string::npos);
+        }
+    };
+    refuses("set = \"ray.origin.x\"\nall = true", "write from and to");
+    refuses("set = \"triangle.a.x\"\nfrom = 1\nto = 2", "those of a mesh stay");
+}
+
+}  // namespace test_mesh_floats
