@@ -8,6 +8,7 @@
 #include "analysis/choice/ray_words.hpp"
 #include "analysis/choice/select.hpp"
 #include "commands.hpp"
+#include "explain_ranges.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/escape.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 struct ExplainOptions {
     choice::RayWords words;
+    RangeWords ranges;
     std::string form, format = "f32";
     std::vector<std::string> beside;
     bool json = false, fpcore = false, latex = false, c = false;
@@ -49,6 +51,11 @@ Exit run(const ExplainOptions& o, const Common& common) {
             : o.fpcore ? "--fpcore"
             : o.latex  ? "--latex"
                        : "--c"));
+    if (o.ranges.any()) {
+        if (o.fpcore || o.latex || o.c)
+            throw InputError("--ranges: a bound over ranges is written as text or by --json; leave out the others");
+        return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
+    }
     const choice::AskedRay asked = choice::find_ray(o.words, {&form, format}, choice::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
@@ -106,6 +113,13 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--convention", words.convention,
                 "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
+    command.add("--ranges", o->ranges.asked,
+                "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
+                "whatever their bits");
+    command.add("--range", o->ranges.ranges,
+                "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated");
+    command.add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",
+                shell::whole_from(1, 1 << 20));
     command.add("-i,--intersector", o->form, "The form").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,

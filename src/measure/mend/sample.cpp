@@ -7,20 +7,11 @@
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/rerun.hpp"
 #include "measure/choice/candidates.hpp"
+#include "measure/tape/tape_form.hpp"
 
 namespace lostbits::measure::mend {
 
 namespace {
-
-std::vector<double> numbers_of(const Ray<double>& ray, const Solid<double>& solid, double tmax) {
-    const auto &o = ray.origin, &d = ray.direction;
-    std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
-    const auto used = solid.used();
-    all.insert(all.end(), used.begin(), used.end());
-    if (solid.placed) all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
-    all.push_back(tmax);
-    return all;
-}
 
 /// With the direction along the axis that it is nearest to.
 std::vector<double> along_axis(std::vector<double> numbers) {
@@ -74,7 +65,7 @@ RaySample::RaySample(const MendRequest& request, int rays) {
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, row.convention());
         const std::size_t solid = inputs.paired ? i : truth.is_hit() ? static_cast<std::size_t>(truth.object) : 0;
-        inputs_.push_back(numbers_of(own[i], inputs.solids[solid], band.range(i).tmax));
+        inputs_.push_back(tape::inputs_of(own[i], inputs.solids[solid], band.range(i).tmax));
         exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
     }
 }

@@ -124,6 +124,29 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
     return tape;
 }
 
+std::vector<double> inputs_of(const Ray<double>& ray, const Solid<double>& solid, double tmax) {
+    const auto &o = ray.origin, &d = ray.direction;
+    std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
+    const auto used = solid.used();
+    all.insert(all.end(), used.begin(), used.end());
+    if (solid.placed) all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
+    all.push_back(tmax);
+    return all;
+}
+
+Ray<double> ray_of(const std::vector<double>& inputs) {
+    return {{inputs[0], inputs[1], inputs[2]}, {inputs[3], inputs[4], inputs[5]}};
+}
+
+Solid<double> solid_of(const std::vector<double>& inputs, const Solid<double>& like) {
+    Solid<double> solid = like;
+    auto next = inputs.begin() + 6;
+    for (double& x : solid.used()) x = *next++;
+    if (solid.placed)
+        for (double& x : solid.placed->matrix) x = *next++;
+    return solid;
+}
+
 std::vector<NodeId> rounded_operations(const Tape& tape) {
     std::vector<bool> needed(tape.nodes.size());
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})

@@ -15,6 +15,12 @@ namespace lostbits::measure::tape {
 /// solid.
 Tape tape_of(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
 
+/// The inputs on the tape of a form, in its order (`input_names`), and the ray and the solid that they stand for: one
+/// like `like` in what is no number.
+std::vector<double> inputs_of(const Ray<double>& ray, const Solid<double>& solid, double tmax);
+Ray<double> ray_of(const std::vector<double>& inputs);
+Solid<double> solid_of(const std::vector<double>& inputs, const Solid<double>& like);
+
 /// Operations whose results are rounded in the format of the answer and are needed for it: those that can be done
 /// wider.
 std::vector<NodeId> rounded_operations(const Tape& tape);

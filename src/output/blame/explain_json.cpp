@@ -1,10 +1,9 @@
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_text.hpp"
+#include "output/blame/json_number.hpp"
 #include "output/blame/verdict_text.hpp"
 #include "output/file/number_text.hpp"
 
@@ -14,10 +13,6 @@ using measure::blame::TapeText;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// JSON knows no infinity and no NaN: a number that is one is the string "inf", "-inf" or "nan".
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(file::decimal(x)); }
 /// Of a number for which NaN stands for there being none: null then.
 Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
 Json exact(double x) { return {{"decimal", number(x)}, {"hex", file::hex(x)}}; }

@@ -1,0 +1,149 @@
+#include "measure/apriori/ranges.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "intersect/table/recording.hpp"
+#include "measure/tape/tape_form.hpp"
+#include "measure/truth/band.hpp"
+#include "number/rounded.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::measure::apriori {
+
+namespace {
+
+constexpr std::size_t most_solids = 64;
+/// So many rays are drawn in each of so many boxes.
+constexpr std::size_t drawn_boxes = 64;
+constexpr int drawn_rays = 64;
+
+/// The rays of the scene as the form is given them, at one solid.
+std::vector<std::vector<double>> rays_at(const RangesRequest& request, const truth::Band& band,
+                                         const truth::FormatInputs& inputs, std::size_t solid) {
+    const auto& rays = inputs.rays_for(*request.form->info);
+    std::vector<std::vector<double>> all;
+    for (std::size_t i = 0; i < band.pixels(); ++i)
+        all.push_back(tape::inputs_of(rays[i], inputs.solids[solid], band.range(i).tmax));
+    return all;
+}
+
+InputBox hull_of(const std::vector<std::vector<double>>& rays) {
+    InputBox box;
+    for (const double x : rays.front()) box.push_back({x, x});
+    for (const auto& ray : rays) {
+        for (std::size_t k = 0; k < box.size(); ++k) {
+            box[k].low = std::fmin(box[k].low, ray[k]);
+            box[k].high = std::fmax(box[k].high, ray[k]);
+        }
+    }
+    return box;
+}
+
+void put_asked(InputBox& box, const RangesRequest& request, const std::vector<std::string>& names) {
+    for (const Asked& asked : request.asked) {
+        const auto found = std::ranges::find(names, asked.name);
+        if (found == names.end())
+            throw InputError(fmt::format("--range {}: {} has no input of that name; {}", asked.name,
+                                         request.form->info->name, scene::toml::did_you_mean(asked.name, names)));
+        box[static_cast<std::size_t>(found - names.begin())] = {
+            rounding::to_format(asked.range.low, 0, request.format.shape),
+            rounding::to_format(asked.range.high, 0, request.format.shape)};
+    }
+}
+
+bool holds(const InputBox& box, const std::vector<double>& ray) {
+    for (std::size_t k = 0; k < box.size(); ++k)
+        if (ray[k] < box[k].low || ray[k] > box[k].high) return false;
+    return true;
+}
+
+/// In ulps of the smallest |t| of a box.
+double ulps_of(const BoxBound& bound, const FloatFormat& f) {
+    if (!(bound.error < HUGE_VAL)) return HUGE_VAL;
+    const long exponent = bound.least > 0 ? std::ilogb(bound.least) : f.emin;
+    return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
+}
+
+/// The smallest number that is at least those of this share of the whole, by weight.
+double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
+    std::ranges::sort(weighted);
+    double all = 0, so_far = 0;
+    for (const auto& [x, weight] : weighted) all += weight;
+    for (const auto& [x, weight] : weighted)
+        if ((so_far += weight) >= share * all) return x;
+    return HUGE_VAL;
+}
+
+void sum_up(RangesBound& r, const std::vector<std::pair<const Part*, double>>& leaves, const TapeBound& bound,
+            const FloatFormat& f) {
+    std::vector<std::pair<double, double>> errors, ulps;
+    const Part* worst = nullptr;
+    for (const auto& [part, share] : leaves) {
+        const BoxBound& b = part->bound;
+        if (b.misses) {
+            r.missed += share;
+            continue;
+        }
+        const double in_ulps = ulps_of(b, f);
+        errors.emplace_back(b.error, share);
+        ulps.emplace_back(in_ulps, share);
+        if (!(b.error < HUGE_VAL)) {
+            r.unknown += share;
+            continue;
+        }
+        if (!b.decides) r.undecided += share;
+        r.largest = std::fmax(r.largest, b.error);
+        if (!worst || in_ulps > r.largest_ulps) worst = part;
+        r.largest_ulps = std::fmax(r.largest_ulps, in_ulps);
+    }
+    r.boxes = leaves.size();
+    for (const double q : {0.5, 0.9, 0.99}) r.quantiles.push_back({q, quantile(errors, q), quantile(ulps, q)});
+    if (!worst) return;
+    for (const double share : bound.shares(worst->box))
+        r.shares.push_back(ulps_of({.error = share, .least = worst->bound.least}, f));
+}
+
+}  // namespace
+
+RangesBound bound_over_ranges(const RangesRequest& request) {
+    const scene::file::Scene& scene = *request.scene;
+    const truth::Band band(scene, 0, scene.height, request.limit);
+    const bool unit = request.form->info->direction == intersect::Direction::unit;
+    const auto inputs = band.inputs(request.format, {.unit_rays = unit});
+    const std::size_t solids = inputs.solids.size();
+    if (solids > most_solids)
+        throw InputError(
+            fmt::format("{}: it has {} solids, and ranges are bounded for each by itself, of {} at most; "
+                        "write the solids in question into a scene of their own",
+                        scene.id, solids, most_solids));
+    const Solid<double> first = inputs.solids[0];
+    RangesBound r;
+    r.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
+    r.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
+    const TapeBound bound(r.tape);
+    std::deque<Subdivided> divided;
+    std::vector<std::pair<const Part*, double>> leaves;
+    for (std::size_t s = 0; s < solids; ++s) {
+        const Solid<double> solid = inputs.solids[s];
+        auto rays = rays_at(request, band, inputs, s);
+        r.ranges.push_back(hull_of(rays));
+        put_asked(r.ranges.back(), request, r.names);
+        divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / solids, 1),
+                             request.limit.stop);
+        for (const Part* const part : divided.back().leaves())
+            leaves.emplace_back(part, part->share / static_cast<double>(solids));
+        std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
+        const Asking asking{*request.form, request.format, divided.back(), solid, request.limit.stop};
+        r.scene.append(see(asking, rays));
+        r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
+    }
+    sum_up(r, leaves, bound, request.format.shape);
+    return r;
+}
+
+}  // namespace lostbits::measure::apriori

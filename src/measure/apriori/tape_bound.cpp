@@ -1,0 +1,190 @@
+#include "measure/apriori/tape_bound.hpp"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "measure/apriori/enclosed_node.hpp"
+
+namespace lostbits::measure::apriori {
+
+namespace {
+
+/// As many bits as the products of two doubles have, and some more: the width of the enclosures is that of the box.
+constexpr long bits = 128;
+
+/// What is in both.
+Interval common(const Interval& a, const Interval& b) {
+    return between(mpfr_greater_p(a.lower(), b.lower()) != 0 ? a : b, mpfr_less_p(a.upper(), b.upper()) != 0 ? a : b);
+}
+
+/// All nodes over a box. Of a formula in which an input occurs often, intervals alone are wide. So with every node goes
+/// its value m at the middle of the box and slopes s_k, for which v = m + Σ s_k (x_k − middle of x_k) without rounding,
+/// by the same quotients as errors have, between v and m; and Δ, all that rounding has put it off by.
+class Enclosed {
+public:
+    Enclosed(const Tape& tape, const std::vector<bool>& needed, const InputBox& box)
+        : tape_(tape),
+          box_(box),
+          all_(tape.nodes.size()),
+          exact_(all_),
+          middle_(all_),
+          slopes_(all_.size()),
+          error_(all_.size()) {
+        for (std::size_t k = 0; k < box.size(); ++k)
+            if (!box[k].is_point()) free_.push_back(k);
+        for (NodeId i = 0; i < tape.size(); ++i)
+            if (needed[place(i)]) put(i);
+    }
+
+    [[nodiscard]] const std::vector<EnclosedNode>& nodes() const { return all_; }
+
+private:
+    static std::size_t place(NodeId i) { return static_cast<std::size_t>(i); }
+
+    [[nodiscard]] EnclosedNode made(NodeId i, const std::vector<EnclosedNode>& from) const {
+        Enclosing of{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
+        const auto operands = tape_.operands_of(i);
+        for (std::size_t k = 0; k < operands.size(); ++k) of.operands[k] = &from[place(operands[k])];
+        if (tape_[i].op == TapeOp::convert) of.from = tape_.format_of(operands[0]);
+        return enclose(of);
+    }
+
+    void put(NodeId i) {
+        if (tape_[i].op == TapeOp::input) return put_input(i);
+        EnclosedNode& node = all_[place(i)] = made(i, all_);
+        exact_[place(i)] = made(i, exact_);
+        middle_[place(i)] = made(i, middle_);
+        put_as_exact(middle_[place(i)]);
+        if (node.known && !is_decision(tape_[i].op)) narrow(i, node);
+        exact_[place(i)].known = node.known;
+        exact_[place(i)].exact = node.exact;
+        exact_[place(i)].exact_decision = node.exact_decision;
+        put_as_exact(exact_[place(i)]);
+    }
+
+    void put_input(NodeId i) {
+        const auto k = place(tape_[i].operands[0]);
+        const double middle = box_.at(k).is_point() ? box_[k].low : box_[k].low / 2 + box_[k].high / 2;
+        all_[place(i)] = exact_[place(i)] = enclose_input(box_[k].low, box_[k].high);
+        middle_[place(i)] = enclose_input(middle, middle);
+        for (const std::size_t f : free_) slopes_[place(i)].emplace_back(f == k ? 1 : 0);
+    }
+
+    static void put_as_exact(EnclosedNode& node) {
+        node.computed = node.exact;
+        node.computed_decision = node.exact_decision;
+    }
+
+    void narrow(NodeId i, EnclosedNode& node) {
+        if (is_given(tape_[i].op)) {
+            slopes_[place(i)].assign(free_.size(), Interval(0));
+            error_[place(i)] = node.own;
+            return;
+        }
+        const auto operands = tape_.operands_of(i);
+        Interval off = node.own;
+        for (std::size_t k = 0; k < operands.size(); ++k)
+            if (!is_decision(tape_[operands[k]].op)) off = off + node.quotients[k] * error_[place(operands[k])];
+        error_[place(i)] = off;
+        put_slopes(i);
+        if (!slopes_[place(i)].empty() || free_.empty()) {
+            Interval range = middle_[place(i)].exact;
+            for (std::size_t f = 0; f < free_.size(); ++f) {
+                const Interval x = Interval::between(box_[free_[f]].low, box_[free_[f]].high);
+                range = range + slopes_[place(i)][f] * (x - Interval(box_[free_[f]].low / 2 + box_[free_[f]].high / 2));
+            }
+            if (range.is_bounded()) node.exact = common(node.exact, range);
+        }
+        if (off.is_bounded()) node.computed = common(node.computed, node.exact + off);
+    }
+
+    /// None where the node jumps, or nothing is known at the middle or of an operand that matters.
+    void put_slopes(NodeId i) {
+        const EnclosedNode& quotients = exact_[place(i)];
+        if (!quotients.known || !middle_[place(i)].known || quotients.jumps) return;
+        const auto operands = tape_.operands_of(i);
+        std::vector<Interval> sum(free_.size(), Interval(0));
+        for (std::size_t k = 0; k < operands.size(); ++k) {
+            const auto operand = place(operands[k]);
+            if (is_decision(tape_[operands[k]].op) || is_zero(quotients.quotients[k])) continue;
+            if (slopes_[operand].size() != free_.size()) return;
+            for (std::size_t f = 0; f < free_.size(); ++f)
+                sum[f] = sum[f] + quotients.quotients[k] * slopes_[operand][f];
+        }
+        slopes_[place(i)] = std::move(sum);
+    }
+
+    const Tape& tape_;
+    const InputBox& box_;
+    std::vector<std::size_t> free_;  ///< inputs that are not one number
+
+    std::vector<EnclosedNode> all_, exact_, middle_;  ///< without rounding, over the box and at its middle
+    std::vector<std::vector<Interval>> slopes_;
+    std::vector<Interval> error_;
+};
+
+/// A_i of every node that t depends on; nothing where that is through one of which nothing is known.
+std::optional<std::vector<Interval>> slopes(const Tape& tape, const std::vector<EnclosedNode>& all) {
+    std::vector<Interval> slope(all.size());
+    slope[static_cast<std::size_t>(tape.outputs.t)] = Interval(1);
+    for (NodeId i = tape.outputs.t; i >= 0; --i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (is_decision(tape[i].op) || is_zero(slope[at])) continue;
+        if (!all[at].known || !slope[at].is_bounded()) return {};
+        if (is_given(tape[i].op)) continue;
+        const auto operands = tape.operands_of(i);
+        for (std::size_t k = 0; k < operands.size(); ++k) {
+            if (is_decision(tape[operands[k]].op) || is_zero(all[at].quotients[k])) continue;
+            Interval& sum = slope[static_cast<std::size_t>(operands[k])];
+            sum = sum + slope[at] * all[at].quotients[k];
+        }
+    }
+    return slope;
+}
+
+std::vector<bool> nodes_of_answer(const Tape& tape) {
+    std::vector<bool> needed(tape.nodes.size());
+    for (const NodeId out : {tape.outputs.hit, tape.outputs.t}) needed.at(static_cast<std::size_t>(out)) = true;
+    for (NodeId i = tape.size() - 1; i >= 0; --i) {
+        if (!needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
+        for (const NodeId operand : tape.operands_of(i)) needed[static_cast<std::size_t>(operand)] = true;
+    }
+    return needed;
+}
+
+}  // namespace
+
+TapeBound::TapeBound(const Tape& tape) : tape_(tape), needed_(nodes_of_answer(tape)) {}
+
+BoxBound TapeBound::over(const InputBox& box) const {
+    const Interval::Precision precision(bits);
+    const Enclosed enclosed(tape_, needed_, box);
+    const auto& all = enclosed.nodes();
+    const EnclosedNode& hit = all[static_cast<std::size_t>(tape_.outputs.hit)];
+    BoxBound bound;
+    bound.misses = hit.exact_decision.is_no() || hit.computed_decision.is_no();
+    bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
+    const EnclosedNode& t = all[static_cast<std::size_t>(tape_.outputs.t)];
+    if (bound.misses || !t.known) return bound;
+    bound.least = least_of(t.exact);
+    const auto slope = slopes(tape_, all);
+    if (!slope) return bound;
+    Interval error(0);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (!is_zero((*slope)[i])) error = error + (*slope)[i] * all[i].own;
+    if (error.is_bounded()) bound.error = std::fmin(most_of(error), most_of(t.computed - t.exact));
+    return bound;
+}
+
+std::vector<double> TapeBound::shares(const InputBox& box) const {
+    const Interval::Precision precision(bits);
+    const Enclosed enclosed(tape_, needed_, box);
+    const auto& all = enclosed.nodes();
+    std::vector<double> made(all.size());
+    const auto slope = slopes(tape_, all);
+    for (std::size_t i = 0; slope && i < all.size(); ++i) made[i] = most_of((*slope)[i] * all[i].own);
+    return made;
+}
+
+}  // namespace lostbits::measure::apriori

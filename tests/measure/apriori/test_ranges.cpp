@@ -1,0 +1,195 @@
+// Bounds over ranges of a form's inputs against rays in them: hostile ones over all exponents, and those of scenes.
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/hostile_rays.hpp"
+#include "intersect/triangle/triangle_rays.hpp"
+#include "measure/apriori/ranges.hpp"
+#include "measure/tape/tape_form.hpp"
+#include "number/rounded.hpp"
+#include "output/blame/ranges_text.hpp"
+#include "scene/file/scene.hpp"
+
+namespace test_ranges {
+
+using namespace lostbits;
+using intersect::table::Intersector;
+using measure::apriori::Asking;
+using measure::apriori::bound_over_ranges;
+using measure::apriori::InputBox;
+using measure::apriori::RangesBound;
+using measure::apriori::RangesRequest;
+using measure::apriori::see;
+using measure::apriori::Seen;
+using measure::apriori::Subdivided;
+using measure::apriori::TapeBound;
+using test::Random;
+
+namespace {
+
+constexpr std::array spheres{"sphere.schoolbook", "sphere.half_b",   "sphere.press",      "sphere.hearn_baker",
+                             "sphere.unified",    "sphere.two_step", "sphere.pythagoras", "sphere.factored_c"};
+constexpr std::array boxes{"box.signs", "box.max_mult", "box.pbrt_padded", "box.embree_fma"};
+constexpr std::array triangles{"triangle.moller_trumbore", "triangle.undivided", "triangle.baldwin_weber"};
+
+const Intersector& form_named(const std::string& name) {
+    const auto all = intersect::table::catalogue();
+    const auto found = std::ranges::find(all, name, [](const Intersector& form) { return form.info->name; });
+    REQUIRE(found != all.end());
+    return *found;
+}
+
+/// Numbers of the format on either side of some of the inputs, near or far.
+InputBox around(const std::vector<double>& inputs, Random& random, const FloatFormat& format) {
+    InputBox box;
+    for (const double x : inputs) {
+        box.push_back({x, x});
+        if (std::isinf(x) || random.one_in(2)) continue;
+        const double reach = std::ldexp(std::fabs(x), -static_cast<int>(random.between(1, 26)));
+        box.back() = {rounding::to_format(x - reach, 0, format), rounding::to_format(x + reach, 0, format)};
+    }
+    return box;
+}
+
+/// One box around a hostile ray, in up to eight parts.
+void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random, Seen& all) {
+    static const intersect::process::StopToken never;
+    const auto inputs = measure::tape::inputs_of(x.ray, x.solid, x.tmax);
+    const Tape tape = measure::tape::tape_of(form, format);
+    const TapeBound bound(tape);
+    const InputBox box = around(inputs, random, format.shape);
+    const Subdivided parts(bound, box, 8, never);
+    std::vector<std::vector<double>> rays{inputs};
+    for (int k = 0; k < 16; ++k) {
+        rays.emplace_back();
+        for (const auto& [low, high] : box) {
+            const double between = low == high ? low : low + (high - low) * random.unit();
+            rays.back().push_back(random.one_in(3)   ? low
+                                  : random.one_in(2) ? high
+                                                     : rounding::to_format(between, 0, format.shape));
+        }
+    }
+    const Seen seen = see({form, format, parts, x.solid, never}, rays);
+    INFO(form.info->name << " in " << format.name);
+    CHECK(seen.share <= 1 + 0x1p-40);
+    all.append(seen);
+}
+
+template <class Draw>
+void check_form(const char* name, std::size_t families, const Draw& draw) {
+    for (const char* const format_name : {"f32", "f64"}) {
+        const Format format = *find_format(format_name);
+        Random random(7);
+        Seen all;
+        for (int i = 0; i < test::draws(40); ++i)
+            for (std::size_t family = 0; family < families; ++family)
+                check_box(form_named(name), format, draw(format, family, random), random, all);
+        INFO(name << " in " << format_name);
+        CHECK(all.hits > 0);
+        CHECK(all.bounded_hits > 0);
+    }
+}
+
+/// Rays of one kind in the numbers of a format, one after the other.
+template <class Make>
+test::HostileRay hostile(const Format& format, Random& random, const Make& make) {
+    const std::uint64_t seed = random.bits();
+    if (format.engine == Format::Engine::native32) return make(test::HostileRays<float>(seed));
+    return make(test::HostileRays<double>(seed));
+}
+
+}  // namespace
+
+TEST_CASE("no ray in a box is off by more than its bound - spheres", "[apriori]") {
+    for (const char* const name : spheres)
+        check_form(name, test::sphere_families.size(), [](const Format& format, std::size_t family, Random& random) {
+            return hostile(format, random, [family](auto rays) { return rays.sphere(family); });
+        });
+}
+
+TEST_CASE("no ray in a box is off by more than its bound - boxes", "[apriori]") {
+    for (const char* const name : boxes)
+        check_form(name, test::box_families.size(), [](const Format& format, std::size_t family, Random& random) {
+            return hostile(format, random, [family](auto rays) { return rays.box(family); });
+        });
+}
+
+TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori]") {
+    for (const char* const name : triangles)
+        check_form(name, std::size(test::triangle_families), [](const Format&, std::size_t family, Random& random) {
+            testing::Seeded rng(random.bits());
+            const auto s = test::in_floats(test::triangle_families[family].make(rng));
+            return test::HostileRay{s.ray, s.triangle, HUGE_VAL};
+        });
+}
+
+namespace {
+
+scene::file::Scene scene_named(const std::string& id) {
+    auto scene = scene::file::load_scene(std::filesystem::path(LOSTBITS_DATA_DIR) / "scenes" / (id + ".toml")).front();
+    scene.width = scene.height = 24;
+    return scene;
+}
+
+RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
+    return bound_over_ranges(
+        {.scene = &scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});
+}
+
+}  // namespace
+
+TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn rays show", "[apriori]") {
+    const auto check = [](const char* form, const char* id) {
+        const auto scene = scene_named(id);
+        const RangesBound r = bound_of(form, scene);
+        INFO(form << " on " << id);
+        for (const Seen& seen : {r.scene, r.drawn}) {
+            CHECK(seen.bounded_hits > 0);
+            CHECK(seen.share <= 1 + 0x1p-40);
+            CHECK(seen.error <= r.largest);
+        }
+        CHECK(r.quantiles[0].error <= r.quantiles[1].error);
+        CHECK(r.quantiles[1].error <= r.quantiles[2].error);
+        CHECK((r.missed >= 0 && r.unknown >= 0 && r.missed + r.unknown < 1));
+        // A bound that says nothing of most of the ranges would pass all of the above.
+        CHECK(r.unknown < 0.5);
+    };
+    for (const char* const form : {"sphere.schoolbook", "sphere.unified"}) check(form, "near-benign");
+    for (const char* const form : boxes) check(form, "box-one");
+    for (const char* const form : triangles) check(form, "triangle-far");
+}
+
+TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
+    const auto scene = scene_named("near-benign");
+    const RangesBound few = bound_of("sphere.unified", scene, 128), many = bound_of("sphere.unified", scene, 512);
+    CHECK(many.unknown < few.unknown);
+    CHECK(many.missed >= few.missed);
+    CHECK(many.quantiles[0].error <= few.quantiles[0].error);
+    const RangesRequest request{
+        .scene = &scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    CHECK(output::blame::ranges_json(request, bound_over_ranges(request)) == output::blame::ranges_json(request, few));
+}
+
+TEST_CASE("a form that takes the sign of what is zero but for rounding has no bound", "[apriori]") {
+    const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
+    CHECK(r.missed + r.unknown == 1);
+    CHECK(r.scene.bounded_hits == 0);
+}
+
+TEST_CASE("what has no bound over ranges says so", "[apriori]") {
+    const auto scene = scene_named("near-benign");
+    CHECK_THROWS_WITH(bound_of("sphere.filtered", scene), Catch::Contains("filters"));
+    RangesRequest request{.scene = &scene, .form = &form_named("sphere.press"), .format = *find_format("f32")};
+    request.asked = {{"d.w", {0, 1}}};
+    CHECK_THROWS_WITH(bound_over_ranges(request), Catch::Contains("no input of that name"));
+}
+
+}  // namespace test_ranges
