@@ -227,7 +227,8 @@ private:
     std::vector<Aimed> suspicious(const std::vector<Aimed>& litter) const {
         if (row_.form->info->direction == intersect::Direction::unit) return litter;
         truth::FormatInputs inputs{.format = row_.format, .rays = block_of(litter), .stop = request_.limit.stop};
-        const scene::rays::SolidList<double> all = scene::rays::solid_list_of({.rays = {}, .mesh = subject_.columns});
+        const scene::rays::SolidList<double> all =
+            scene::rays::solid_list_of({.rays = {}, .solids = {}, .mesh = subject_.columns});
         inputs.solids = round_solids(all, row_.format.shape);
         culling::Culler culler(all, inputs.rays);
         inputs.candidates =
