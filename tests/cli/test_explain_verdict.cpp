@@ -78,6 +78,17 @@ TEST_CASE("a hit of another solid than the ray meets first is said to be one, wi
     CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong solid"));
 }
 
+TEST_CASE("the far side of a sphere in place of the near one is said to be a wrong root, chosen wrongly") {
+    // The worst ray of sphere-height-r1e6 a thousandth above the sphere: c is off by more than itself.
+    const auto text = run("explain --sphere=-0x1.803p+19,-0x1.803p+18,0x1.d03ap+18,0x1.e83dp+19 "
+                          "--ray=0x1.9c864cp-11,0x1.9c864cp-12,-0x1.f2779cp-12,-0x1.a1130ep-1,-0x1.50003ep-2,"
+                          "0x1.e9c538p-2 -i sphere.unified -f f32")
+                          .out;
+    CHECK(has(text, "A wrong root: the line crosses the same solid there, too."));
+    CHECK(has(text, "The culprit is t = select("));
+    CHECK(has(text, "its wrong choice"));
+}
+
 TEST_CASE("every operation that a row names has a row") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         const auto out = run("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name)).out;
