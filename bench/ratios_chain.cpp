@@ -108,7 +108,7 @@ direction = [0, 0, -1]
 centre = [0, 0, 0]
 radius = 1
 )";
-    const scene::sweep::ExhaustiveFile sweep(file);
+    const scene::sweep::ExhaustiveFile sweep(file, {});
     for (const char* form : {"sphere.schoolbook", "sphere.unified"}) {
         measure::sweep::ExhaustiveRequest request;
         request.sweep = &sweep;
