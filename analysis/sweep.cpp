@@ -17,8 +17,7 @@
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
-#include "sweep_exhaustive.hpp"
-#include "sweep_parts.hpp"
+#include "sweep_kinds.hpp"
 
 namespace lostbits::analysis {
 
@@ -47,7 +46,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 }
 
 /// What a run over named cases leaves: the matrix.
-void run_case_file(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o,
+void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
     const auto rows = choice::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
@@ -76,7 +75,8 @@ void run_case_file(const std::filesystem::path& path, const Chosen& chosen, cons
     if (!common.quiet && found) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
-void run_axes(const std::filesystem::path& path, const Chosen& chosen, const SweepOptions& o, const Common& common) {
+void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
+              const Common& common) {
     scene::sweep::SweepFile sweep(path, choice::data_folder(common.data), choice::read_changes(o.changes));
     sweep.title += o.changes.in_title();
     measure::sweep::SweepRequest request{
@@ -171,7 +171,7 @@ Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
     Divided divided;
     const std::vector<std::string> both{"f32", "f64"};
-    Chosen chosen{
+    ChosenOfSweep chosen{
         choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats.empty() ? both : o.formats)),
         {},
         made,

@@ -90,7 +90,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
             if (any_scale) x = at_any_scale<S>(x, scales);
             x = in_format(x, format.shape);
             // At any scale the ends of an axis may meet, and a normal vanish.
-            if (asks_steps(form) || !broken_limit(x.solid)) check_ray(form, format, x, i % 32 == 0, tally);
+            if (asks_steps(form) || !broken_limit(x.solid)) check_ray(form, format, x, i % 32 == 0 || form.shape == Shape::plane, tally);
         }
     });
     INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.asked

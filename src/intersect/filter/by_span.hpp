@@ -14,7 +14,7 @@ namespace lostbits::intersect::filter {
 
 /// The decision and t, where they are proved; P is T without what it tells of operations.
 template <class T, class P>
-struct Proved {
+struct FirstStep {
     mask_t<P> proved, hit;
     T t;
 };
@@ -22,7 +22,7 @@ struct Proved {
 /// In the arithmetic of T: t is good to 62u of itself. `numbers` are those of the ray and of the solid. It is not
 /// inlined: rays and many solids share it. A format of less than 20 bits proves nothing (`Proving`).
 template <template <class> class S, class T, class P>
-[[gnu::noinline]] Proved<T, P> prove(const T* numbers) {
+[[gnu::noinline]] FirstStep<T, P> prove(const T* numbers) {
     using E = number::wide::Proving<T>;
     const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
@@ -48,7 +48,7 @@ Hit<T> answered(const mask_t<T>& hit, const T& t) {
 /// What is not proved of a pack, each lane by itself.
 template <Number T, std::size_t n, class Watch>
 requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape shape, const std::array<T, n>& numbers,
-                                                     const Proved<T, T>& known, Watch& watch) {
+                                                     const FirstStep<T, T>& known, Watch& watch) {
     constexpr bool narrow = number::wide::has_wider_word<T>;
     using F = std::conditional_t<narrow, float, double>;
     F lanes[n][T::lanes], t[T::lanes], hit[T::lanes];
@@ -71,7 +71,8 @@ requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape sha
 
 /// The same of any other number. What tells of operations is told of a call.
 template <Number T, class P, std::size_t n, class Watch>
-Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbers, const Proved<T, P>&, Watch& watch) {
+Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbers, const FirstStep<T, P>&,
+               Watch& watch) {
     double one[n];
     for (std::size_t i = 0; i < n; ++i) one[i] = as_double(numbers[i]);
     const Beyond found = beyond(shape, one, as_double(unit_roundoff<P>()));
@@ -102,7 +103,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
             return all;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
-        const Proved<T, P> known = prove<S, T, P>(numbers.data());
+        const FirstStep<T, P> known = prove<S, T, P>(numbers.data());
         if (any_of(number::wide::taken_for_granted<T>(!known.proved)))
             return settled<T>(form, shape_as<S>, numbers, known, watch);
         return answered(number::wide::taken_for_granted<T>(known.hit), known.t);

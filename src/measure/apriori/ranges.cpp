@@ -45,7 +45,7 @@ InputBox hull_of(const std::vector<std::vector<double>>& rays) {
 }
 
 void put_asked(InputBox& box, const RangesRequest& request, const std::vector<std::string>& names) {
-    for (const Asked& asked : request.asked) {
+    for (const GivenRange& asked : request.asked) {
         const auto found = std::ranges::find(names, asked.name);
         if (found == names.end())
             throw InputError(fmt::format("--range {}: {} has no input of that name; {}", asked.name,
@@ -79,10 +79,10 @@ double quantile(std::vector<std::pair<double, double>>& weighted, double share) 
     return HUGE_VAL;
 }
 
-void sum_up(RangesBound& r, const std::vector<std::pair<const Part*, double>>& leaves, const TapeBound& bound,
+void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, double>>& leaves, const TapeBound& bound,
             const FloatFormat& f) {
     std::vector<std::pair<double, double>> errors, ulps;
-    const Part* worst = nullptr;
+    const BoundedPart* worst = nullptr;
     for (const auto& [part, share] : leaves) {
         const BoxBound& b = part->bound;
         if (b.misses) {
@@ -127,7 +127,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     r.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
     const TapeBound bound(r.tape);
     std::deque<Subdivided> divided;
-    std::vector<std::pair<const Part*, double>> leaves;
+    std::vector<std::pair<const BoundedPart*, double>> leaves;
     for (std::size_t s = 0; s < solids; ++s) {
         const Solid<double> solid = inputs.solids[s];
         auto rays = rays_at(request, band, inputs, s);
@@ -135,7 +135,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         put_asked(r.ranges.back(), request, r.names);
         divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / solids, 1),
                              request.limit.stop);
-        for (const Part* const part : divided.back().leaves())
+        for (const BoundedPart* const part : divided.back().leaves())
             leaves.emplace_back(part, part->share / static_cast<double>(solids));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
         const Asking asking{*request.form, request.format, divided.back(), solid, request.limit.stop};

@@ -12,7 +12,7 @@
 namespace lostbits::measure::apriori {
 
 /// A range in the place of the scene's, of the input of that name (`intersect::table::input_names`).
-struct Asked {
+struct GivenRange {
     std::string name;
     Between range;
 };
@@ -21,7 +21,7 @@ struct RangesRequest {
     const scene::file::Scene* scene = nullptr;
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
-    std::vector<Asked> asked = {};
+    std::vector<GivenRange> asked = {};
     std::size_t boxes = 4096;  ///< over all solids
     truth::TruthLimit limit = {};
 };
@@ -43,7 +43,7 @@ struct RangesBound {
     double largest = 0, largest_ulps = 0;  ///< of the boxes with a bound
     std::vector<Quantile> quantiles;       ///< of 50, 90 and 99 % of what is not missed; infinite where unknown
     std::vector<double> shares;            ///< of each node, in ulps, in the box with the largest bound in ulps
-    Seen scene, drawn;  ///< by the rays of the scene, and by rays drawn in the boxes with the largest bounds
+    SeenErrors scene, drawn;  ///< by the rays of the scene, and by rays drawn in the boxes with the largest bounds
 };
 
 /// Every solid by itself, over the hull of all rays of the scene as the form is given them.

@@ -13,8 +13,8 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-Seen see_one(const Asking& a, const std::vector<double>& inputs) {
-    const Part& part = a.parts.part_of(inputs);
+SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
+    const BoundedPart& part = a.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
     const Solid<double> solid = tape::solid_of(inputs, a.like);
     Tape tape;
@@ -22,7 +22,7 @@ Seen see_one(const Asking& a, const std::vector<double>& inputs) {
     if (tape[tape.outputs.hit].value == 0) return {};
     const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(solid));
     if (!exact) return {};
-    Seen seen{.hits = 1};
+    SeenErrors seen{.hits = 1};
     if (part.bound.misses) seen.share = HUGE_VAL;  // it says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return seen;
     seen.bounded_hits = 1;
@@ -39,7 +39,7 @@ Seen see_one(const Asking& a, const std::vector<double>& inputs) {
 
 }  // namespace
 
-void Seen::append(const Seen& after) {
+void SeenErrors::append(const SeenErrors& after) {
     hits += after.hits;
     bounded_hits += after.bounded_hits;
     error = std::fmax(error, after.error);
@@ -49,25 +49,26 @@ void Seen::append(const Seen& after) {
     wider += after.wider;
 }
 
-Seen see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
-    std::vector<Seen> each(rays.size());
+SeenErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
+    std::vector<SeenErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         asking.stop.check();
         each[i] = see_one(asking, rays[i]);
     });
-    Seen all;
-    for (const Seen& one : each) all.append(one);
+    SeenErrors all;
+    for (const SeenErrors& one : each) all.append(one);
     return all;
 }
 
 std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each) {
     auto leaves = asking.parts.leaves();
-    std::erase_if(leaves, [](const Part* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
-    std::ranges::stable_sort(leaves, [](const Part* p, const Part* q) { return p->bound.error > q->bound.error; });
+    std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
+    std::ranges::stable_sort(
+        leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
     if (leaves.size() > boxes) leaves.resize(boxes);
     scene::rays::Random random(1);
     std::vector<std::vector<double>> all;
-    for (const Part* const part : leaves) {
+    for (const BoundedPart* const part : leaves) {
         for (int k = 0; k < each; ++k) {
             std::vector<double> inputs;
             for (const auto& [low, high] : part->box) {

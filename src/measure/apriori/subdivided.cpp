@@ -45,11 +45,11 @@ Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes
 /// By the volume times the bits that the bound is above the smallest one of all boxes.
 std::vector<std::size_t> Subdivided::worth_halving(std::size_t at_most) const {
     double best = HUGE_VAL;
-    for (const Part& p : parts_)
+    for (const BoundedPart& p : parts_)
         if (!p.is_halved() && p.bound.error > 0) best = std::fmin(best, p.bound.error);
     std::vector<std::pair<double, std::size_t>> found;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-        const Part& p = parts_[i];
+        const BoundedPart& p = parts_[i];
         if (p.is_halved() || p.bound.misses || p.bound.error == 0 || p.stale >= 2 * free_) continue;
         if (widest(p.box, parts_.front().box) < 0) continue;
         const double above = p.bound.error < HUGE_VAL ? 1 + std::log2(p.bound.error / best) : unknown_bits;
@@ -66,12 +66,12 @@ void Subdivided::halve(std::span<const std::size_t> which, const TapeBound& boun
                        const intersect::process::StopToken& stop) {
     const std::size_t first = parts_.size();
     for (const std::size_t i : which) {
-        Part& p = parts_[i];
+        BoundedPart& p = parts_[i];
         p.axis = widest(p.box, parts_.front().box);
         Between& range = p.box[static_cast<std::size_t>(p.axis)];
         p.middle = range.low / 2 + range.high / 2;
         p.below = parts_.size();
-        Part below = p, above = p;
+        BoundedPart below = p, above = p;
         below.axis = above.axis = -1;
         below.share = above.share = p.share / 2;
         below.box[static_cast<std::size_t>(p.axis)].high = p.middle;
@@ -81,7 +81,7 @@ void Subdivided::halve(std::span<const std::size_t> which, const TapeBound& boun
     }
     intersect::process::in_parallel(first, parts_.size(), [&](std::size_t i) {
         stop.check();
-        Part& p = parts_[i];
+        BoundedPart& p = parts_[i];
         const double before = p.bound.error;
         p.bound = bound.over(p.box);
         p.bound.error = std::fmin(p.bound.error, before);
@@ -89,15 +89,15 @@ void Subdivided::halve(std::span<const std::size_t> which, const TapeBound& boun
     });
 }
 
-const Part& Subdivided::part_of(std::span<const double> inputs) const {
-    const Part* p = &parts_.front();
+const BoundedPart& Subdivided::part_of(std::span<const double> inputs) const {
+    const BoundedPart* p = &parts_.front();
     while (p->is_halved()) p = &parts_[p->below + (inputs[static_cast<std::size_t>(p->axis)] > p->middle ? 1 : 0)];
     return *p;
 }
 
-std::vector<const Part*> Subdivided::leaves() const {
-    std::vector<const Part*> all;
-    for (const Part& p : parts_)
+std::vector<const BoundedPart*> Subdivided::leaves() const {
+    std::vector<const BoundedPart*> all;
+    for (const BoundedPart& p : parts_)
         if (!p.is_halved()) all.push_back(&p);
     return all;
 }

@@ -10,7 +10,7 @@
 namespace lostbits::measure::apriori {
 
 /// A box, and its halves where it has been halved: at `middle` of number `axis`, which belongs to both.
-struct Part {
+struct BoundedPart {
     InputBox box = {};
     BoxBound bound = {};
     double share = 1;  ///< of the volume of the whole
@@ -28,15 +28,15 @@ public:
     Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes, const intersect::process::StopToken& stop);
 
     /// The box that holds these inputs, which are of the whole.
-    [[nodiscard]] const Part& part_of(std::span<const double> inputs) const;
+    [[nodiscard]] const BoundedPart& part_of(std::span<const double> inputs) const;
     /// The boxes that are not halved.
-    [[nodiscard]] std::vector<const Part*> leaves() const;
+    [[nodiscard]] std::vector<const BoundedPart*> leaves() const;
 
 private:
     [[nodiscard]] std::vector<std::size_t> worth_halving(std::size_t at_most) const;
     void halve(std::span<const std::size_t> which, const TapeBound& bound, const intersect::process::StopToken& stop);
 
-    std::vector<Part> parts_;
+    std::vector<BoundedPart> parts_;
     int free_ = 0;  ///< inputs that are not one number
 };
 

@@ -13,6 +13,8 @@ using measure::blame::TapeText;
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// Of a number for which NaN stands for there being none: null then.
 Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
 Json exact(double x) { return {{"decimal", number(x)}, {"hex", file::hex(x)}}; }

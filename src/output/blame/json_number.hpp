@@ -8,9 +8,9 @@
 
 namespace lostbits::output::blame {
 
-using Json = nlohmann::ordered_json;
-
 /// A number that is infinite or NaN is the string "inf", "-inf" or "nan".
-inline Json number(double x) { return std::isfinite(x) ? Json(x) : Json(file::decimal(x)); }
+inline nlohmann::ordered_json number(double x) {
+    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
+}
 
 }  // namespace lostbits::output::blame

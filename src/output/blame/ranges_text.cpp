@@ -13,10 +13,12 @@ using measure::apriori::Between;
 using measure::apriori::InputBox;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
-using measure::apriori::Seen;
+using measure::apriori::SeenErrors;
 using measure::blame::TapeText;
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr std::size_t operations_shown = 8;
 
@@ -46,7 +48,7 @@ std::string ranges_block(const RangesBound& r) {
     return text;
 }
 
-std::string seen_text(const Seen& seen, const std::string& what) {
+std::string seen_text(const SeenErrors& seen, const std::string& what) {
     if (seen.bounded_hits == 0) return fmt::format("None of {} hits where there is a bound.\n", what);
     std::string text =
         fmt::format("Of {}, {} hit and {} of these lie where there is a bound: the worst is off by {:.3g}", what,
@@ -68,7 +70,7 @@ std::string operations_block(const RangesBound& r) {
     return text;
 }
 
-Json seen_json(const Seen& seen) {
+Json seen_json(const SeenErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
             {"error", number(seen.error)},

@@ -27,7 +27,7 @@ using measure::apriori::InputBox;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
 using measure::apriori::see;
-using measure::apriori::Seen;
+using measure::apriori::SeenErrors;
 using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
 using test::Random;
@@ -59,7 +59,8 @@ InputBox around(const std::vector<double>& inputs, Random& random, const FloatFo
 }
 
 /// One box around a hostile ray, in up to eight parts.
-void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random, Seen& all) {
+void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random,
+               SeenErrors& all) {
     static const intersect::process::StopToken never;
     const auto inputs = measure::tape::inputs_of(x.ray, x.solid, x.tmax);
     const Tape tape = measure::tape::tape_of(form, format);
@@ -76,7 +77,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                                                      : rounding::to_format(between, 0, format.shape));
         }
     }
-    const Seen seen = see({form, format, parts, x.solid, never}, rays);
+    const SeenErrors seen = see({form, format, parts, x.solid, never}, rays);
     INFO(form.info->name << " in " << format.name);
     CHECK(seen.share <= 1 + 0x1p-40);
     all.append(seen);
@@ -87,7 +88,7 @@ void check_form(const char* name, std::size_t families, const Draw& draw) {
     for (const char* const format_name : {"f32", "f64"}) {
         const Format format = *find_format(format_name);
         Random random(7);
-        Seen all;
+        SeenErrors all;
         for (int i = 0; i < test::draws(40); ++i)
             for (std::size_t family = 0; family < families; ++family)
                 check_box(form_named(name), format, draw(format, family, random), random, all);
@@ -150,7 +151,7 @@ TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn r
         const auto scene = scene_named(id);
         const RangesBound r = bound_of(form, scene);
         INFO(form << " on " << id);
-        for (const Seen& seen : {r.scene, r.drawn}) {
+        for (const SeenErrors& seen : {r.scene, r.drawn}) {
             CHECK(seen.bounded_hits > 0);
             CHECK(seen.share <= 1 + 0x1p-40);
             CHECK(seen.error <= r.largest);

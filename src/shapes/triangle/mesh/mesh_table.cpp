@@ -29,7 +29,9 @@ public:
                                       size("radius", 1));
             case Made::grid: {
                 const auto parts = table_.optional_integers("parts", 2, 1, most_parts).value_or(std::vector{8LL, 8LL});
-                const double bump = table_.has("bump") ? size("bump", 1) : 0;
+                double bump = 0;
+                table_.read_number("bump", bump, 0, largest);
+                if (bump != 0 && bump < smallest) table_.fail_at("bump", "must be 0, or at least 2^-100");
                 return make_grid(static_cast<std::uint32_t>(parts[0]), static_cast<std::uint32_t>(parts[1]), centre,
                                  {size("width", 2), size("height", 2), 0}, bump);
             }
