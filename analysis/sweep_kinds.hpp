@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/scenes.hpp"
 #include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/map/map.hpp"
