@@ -118,7 +118,7 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         const char *place, *says;
     };
     const Case cases[] = {
-        {small_search, "", ":1:1: ", "this file has a [search] table, which only --worst uses; add --worst"},
+        {small_search, "", ":1:1: ", "this file has a table of a search, which only --worst uses; add --worst"},
         {small_cases, "--worst", ":1:1: ", "--worst needs a [search] table"},
         {head + "[family]\n[[axis]]\n", "--worst", ":1:1: ", "--worst needs a [search] table"},
         {small_search + "metric = \"lost_bit\"\n", "--worst", ":1:1: ", "did you mean \"lost_bits\""},

@@ -100,15 +100,11 @@ public:
         const Proving x = abs(a);
         return select(b < Proving(0), -x, x);
     }
-    /// Nothing is said where the mask is undecided. Of a number that tells of operations the side that is taken.
+    /// Nothing is said where the mask is undecided.
     friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
-        if constexpr (tells_of_operations<T>) {
-            const Proving& taken = mask.yes() ? a : b;
-            return {taken.w_, mask.yes() || mask.no() ? taken.e_ : P(1) / P(0)};
-        } else {
-            using lostbits::select;
-            return {select(mask.yes(), a.w_, b.w_), select(mask.yes(), a.e_, select(mask.no(), b.e_, P(1) / P(0)))};
-        }
+        using lostbits::select;
+        return {select(taken_for_granted<T>(mask.yes()), a.w_, b.w_),
+                select(mask.yes(), a.e_, select(mask.no(), b.e_, P(1) / P(0)))};
     }
 
 private:

@@ -35,12 +35,10 @@ Shuffled shuffle(const Tape& tape, Random& random) {
     std::vector<int> waits(tape.nodes.size());
     std::vector<NodeId> ready;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        if (!is_given(tape[i].op)) {
-            for (const NodeId operand : tape[i].operands) {
-                if (operand == no_node) continue;
-                users[static_cast<std::size_t>(operand)].push_back(i);
-                ++waits[static_cast<std::size_t>(i)];
-            }
+        for (const NodeId operand : tape.operands_of(i)) {
+            if (operand == no_node) continue;
+            users[static_cast<std::size_t>(operand)].push_back(i);
+            ++waits[static_cast<std::size_t>(i)];
         }
         if (waits[static_cast<std::size_t>(i)] == 0) ready.push_back(i);
     }
@@ -58,6 +56,7 @@ Shuffled shuffle(const Tape& tape, Random& random) {
             if (--waits[static_cast<std::size_t>(user)] == 0) ready.push_back(user);
         }
     }
+    for (TapeCall& call : s.tape.calls) call.node = s.at(call.node), call.arguments = s.at(call.arguments);
     s.tape.samples.clear();
     s.tape.outputs = {s.at(tape.outputs.hit), s.at(tape.outputs.t), s.at(tape.outputs.near), s.at(tape.outputs.far)};
     return s;

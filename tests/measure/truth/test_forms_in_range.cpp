@@ -146,7 +146,7 @@ TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[meas
     for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
         if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
         RayGroup group;
-        for (int i = 0; i < 300; ++i) {
+        for (int i = 0; i < 600; ++i) {
             const Vec<double> origin = testing::stored(rng.vec(-6, 6), binary32);
             group.rays.push({origin, testing::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
             const double tmin = testing::stored(rng.uniform(0, 1.5), binary32);
