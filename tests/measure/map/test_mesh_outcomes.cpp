@@ -71,8 +71,12 @@ public:
                     return met.contains(s) && !beside(s, first) && compare(met[s].t, met[first].t) < 0;
                 };
                 const bool passed = met.contains(first) && std::ranges::any_of(claimed, nearer);
-                wrong +=
-                    truly == met.end() || beside(first, truly->first) || passed != (outcome == Outcome::out_of_order);
+                // Of triangles that are met at one t any is the first.
+                const auto is_beside = [&](const auto& m) {
+                    return compare(m.second.t, truly->second.t) != 0 || beside(first, m.first);
+                };
+                wrong += truly == met.end() || std::ranges::all_of(met, is_beside) ||
+                         passed != (outcome == Outcome::out_of_order);
             } else if (outcome == Outcome::agree_hit) {
                 const auto there = met.find(static_cast<std::size_t>(result.answers->object[i]));
                 wrong += there == met.end() || compare(there->second.t, truly->second.t) != 0;
