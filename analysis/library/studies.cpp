@@ -125,7 +125,7 @@ measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
 /// Whether anything meets the wish; the result says what.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
                bool two_words, Choosing& chosen, CallRun& running) {
-    if (wish.tolerance) throw InputError("a form is mended to keep bits of t; give no tolerance");
+    if (wish.has_tolerance()) throw InputError("a form is mended to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the solids of scene " + scene.id +

@@ -17,7 +17,7 @@ using measure::truth::Truth;
 
 namespace {
 
-/// Recounts the outcomes of a band from every triangle asked alone: no index, no list of candidates.
+/// Recounts the outcomes of a band from every triangle asked alone; what is truly met without an index.
 class Recount final : public measure::map::MapSink {
 public:
     explicit Recount(const measure::map::MapRow& row) : row_(row) {}
@@ -32,7 +32,7 @@ public:
             std::vector<Truth> apart;
             for (std::size_t s = 0; s < in.solids.size(); ++s) {
                 const Solid<double> solid = in.solids[s];
-                if (says_hit(ray, solid)) claimed.push_back(s);
+                if (is_asked(in, i, s) && says_hit(ray, solid)) claimed.push_back(s);
                 const Truth truth = find_truth(ray, solid, {}, result.convention);
                 if (!truth.is_hit()) continue;
                 met.emplace(s, truth);
@@ -90,6 +90,13 @@ public:
     std::uint64_t wrong = 0;
 
 private:
+    /// A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
+    static bool is_asked(const measure::truth::FormatInputs& in, std::size_t ray, std::size_t solid) {
+        const auto& lists = *in.candidates;
+        for (std::size_t pair = lists.first(ray); pair < lists.first(ray + 1); ++pair)
+            if (lists.solid(pair) == solid) return true;
+        return false;
+    }
     [[nodiscard]] bool says_hit(const Ray<double>& ray, const Solid<double>& solid) const {
         const auto narrow = [](double x) { return static_cast<float>(x); };
         const std::array numbers{narrow(ray.origin.x),    narrow(ray.origin.y),    narrow(ray.origin.z),
