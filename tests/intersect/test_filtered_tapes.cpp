@@ -90,7 +90,8 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
             if (any_scale) x = at_any_scale<S>(x, scales);
             x = in_format(x, format.shape);
             // At any scale the ends of an axis may meet, and a normal vanish.
-            if (asks_steps(form) || !broken_limit(x.solid)) check_ray(form, format, x, i % 32 == 0 || form.shape == Shape::plane, tally);
+            if (asks_steps(form) || !broken_limit(x.solid))
+                check_ray(form, format, x, i % 32 == 0 || form.shape == Shape::plane, tally);
         }
     });
     INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.asked
@@ -113,8 +114,10 @@ TEST_CASE("the tape of a form that filters is of what ran, its exact step one op
         if (!form.way) continue;
         ++forms;
         for (const bool any_scale : {false, true}) {
-            check_form<float>(form, *find_format("f32"), draws(1 << 18), any_scale);
-            check_form<double>(form, *find_format("f64"), draws(1 << 18), any_scale);
+            // What a span leaves open goes as far as intervals of many bits.
+            const std::uint64_t rays = draws(asks_steps(form) ? 1 << 18 : 1 << 16);
+            check_form<float>(form, *find_format("f32"), rays, any_scale);
+            check_form<double>(form, *find_format("f64"), rays, any_scale);
             check_form<float>(form, *find_format("p20"), draws(1 << 15), any_scale);
         }
     }
