@@ -64,7 +64,12 @@ std::vector<MapRow> rows_of(const ClaimSubject& subject, const std::vector<Claim
         };
         if (std::ranges::none_of(rows, same)) rows.push_back(row);
     }
-    std::ranges::stable_sort(rows, [](const MapRow& a, const MapRow& b) { return a.form < b.form; });
+    // In the order of the catalogue; what is made of its forms at run time, whenever that was, behind it by name.
+    std::ranges::stable_sort(rows, {}, [](const MapRow& row) {
+        const auto known = intersect::table::catalogue();
+        const auto same = [&row](const intersect::table::Intersector& form) { return &form == row.form; };
+        return std::pair(std::ranges::find_if(known, same) - known.begin(), row.form->info->name);
+    });
     return rows;
 }
 
