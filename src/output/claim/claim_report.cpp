@@ -64,11 +64,9 @@ std::vector<MapRow> rows_of(const ClaimSubject& subject, const std::vector<Claim
         };
         if (std::ranges::none_of(rows, same)) rows.push_back(row);
     }
-    // In the order of the catalogue; what is made of its forms at run time, whenever that was, behind it by name.
-    std::ranges::stable_sort(rows, {}, [](const MapRow& row) {
-        const auto known = intersect::table::catalogue();
-        const auto same = [&row](const intersect::table::Intersector& form) { return &form == row.form; };
-        return std::pair(std::ranges::find_if(known, same) - known.begin(), row.form->info->name);
+    std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const MapRow& row) {
+        const auto place = std::ranges::find(known, row.form->info, &intersect::table::Intersector::info);
+        return std::pair(place - known.begin(), row.form->info->name);  // what is made at run time comes last, by name
     });
     return rows;
 }
