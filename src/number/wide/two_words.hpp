@@ -29,7 +29,7 @@ struct TwoWords {
 
     TwoWords() = default;
     TwoWords(const P& high, const P& low) : hi(high), lo(low) {}
-    explicit TwoWords(int x) : hi(x), lo(0) {}
+    explicit TwoWords(int x) : hi(P(x)), lo(0) {}
     explicit TwoWords(const P& x) : hi(x), lo(0) {}
 
     TwoWords& operator+=(const TwoWords& b) { return *this = *this + b; }

@@ -60,8 +60,8 @@ struct AimedFamily {
             RayGroup group;
             group.solids.push_back(solid);
             for (int i = 0; i < f.rays; ++i) {
-                const Vec<double> d = draw_direction(random), aside = (f.aside * f.size) * draw_direction(random);
-                const Vec<double> at = F::aimed_at(random, solid, f.aim) + aside;
+                const Vec<double> d = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
+                const Vec<double> at = F::aimed_at(random, solid, f.aim) + away;
                 group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
             }
             return group;
