@@ -18,6 +18,7 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
+using measure::map::MapRow;
 using measure::sweep::ExhaustiveState;
 using output::file::Progress;
 
@@ -33,8 +34,8 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 }  // namespace
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                             const std::vector<measure::map::MapRow>& rows, const std::filesystem::path& out,
-                             bool resume, shard::Division& division)
+                             const std::vector<MapRow>& rows, const std::filesystem::path& out, bool resume,
+                             shard::Division& division)
     : sweep_(path, data),
       path_(path),
       folder_(out / sweep_.id),
@@ -44,7 +45,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
     request_.sweep = &sweep_;
     request_.share = division.share();
     if (sweep_.scene) request_.scene = choice::name_of_scene(*sweep_.scene, data);
-    for (measure::map::MapRow row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+    for (MapRow row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
@@ -148,8 +149,6 @@ void check_exhaustive_options(const std::string& sweep, const SweepWishes& wishe
         throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
                                      *seeds, sweep));
 }
-
-using measure::map::MapRow;
 
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
                 const Common& common) {
