@@ -82,6 +82,20 @@ struct Columns {
 };
 
 template <class S>
+void decide_columns(Shape shape, const truth::ColumnTerms& terms, std::span<const Problem> problems,
+                    std::vector<std::uint8_t>& hits) {
+    Columns<S> given(shape, problems);
+    given.columns.tmin = given.columns.tmax = {};
+    thread_local truth::TruthColumns found;
+    truth::find_truth_columns(given.columns, terms, found);
+    hits.clear();
+    for (const truth::Truth::Decision decision : found.decision) {
+        if (decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
+        hits.push_back(decision == truth::Truth::Decision::hit);
+    }
+}
+
+template <class S>
 void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Problem> problems,
                  std::vector<Answer>& answers) {
     const Columns<S> given(shape, problems);
@@ -159,6 +173,17 @@ void ask(std::string_view shape, Way way, std::span<const Problem> problems, std
             return;
         case Way::interface: return ask_interface(shape, problems, answers);
     }
+}
+
+void decide(std::string_view shape, Way way, bool with_rim, std::span<const Problem> problems,
+            std::vector<std::uint8_t>& hits) {
+    const Shape named = shape_named(shape).value();
+    const truth::ColumnTerms terms{
+        .convention = with_rim ? intersect::Touching::hit : intersect::Touching::miss,
+        .tightness = way == Way::floats_for_ulps ? truth::Tightness::ulps_of_binary32 : truth::Tightness::certified,
+        .limit = {}};
+    way == Way::doubles ? decide_columns<double>(named, terms, problems, hits)
+                        : decide_columns<float>(named, terms, problems, hits);
 }
 
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {

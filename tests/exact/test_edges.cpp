@@ -1,0 +1,127 @@
+// Rays at edges and vertices of triangles: what the truth decides in packs, against signs of whole numbers of a fixed
+// number of words. LOSTBITS_EXACT_RAYS says how many in floats, and a hundredth as many in doubles; `./run test --long`
+// asks 10^9 (CMakeLists.txt).
+#include <cstdlib>
+#include <sstream>
+
+#include "catch.hpp"
+#include "exact/ask.hpp"
+#include "exact/check.hpp"
+#include "exact/edges.hpp"
+
+namespace test_edges {
+
+using namespace lostbits::exact;
+
+namespace {
+
+constexpr std::size_t batch = 1000;
+const Shaped& triangle = shapes[2];
+
+/// Of the rays of every so many batches t is held too, and the slower program decides as well.
+constexpr std::size_t each_wholly = 64;
+
+struct Tally {
+    std::size_t asked = 0, hits = 0, edges = 0, vertices = 0, begin = 0, differ = 0, by[3] = {};
+    std::string first;
+
+    void add(const std::vector<Problem>& problems, const std::vector<std::uint8_t>& hit, bool with_rim = true) {
+        for (std::size_t i = 0; i < problems.size(); ++i) {
+            const Passing right = pass(problems[i]);
+            const int touched = right.touched();
+            ++asked, ++by[right.by];
+            hits += hit[i], edges += touched == 1, vertices += touched == 2, begin += right.meets() && right.ahead == 0;
+            const bool is_met = right.meets() && (with_rim || touched == 0);
+            if (is_met != (hit[i] != 0) && differ++ == 0)
+                first = paste(triangle, problems[i], {.hit = hit[i] != 0, .as_float = NAN, .as_double = NAN});
+        }
+    }
+    [[nodiscard]] std::string words() const {
+        std::ostringstream text;
+        text << asked << " rays, " << hits << " hits, " << edges << " of them on an edge, " << vertices
+             << " at a vertex, " << begin << " where the ray begins; judged in two words " << by[0] << ", in four "
+             << by[1] << ", in any number " << by[2];
+        return text.str();
+    }
+};
+
+void check_wholly(Way way, const std::vector<Problem>& problems) {
+    std::vector<Answer> answers;
+    ask(triangle.name, way, problems, answers);
+    const Findings found = check(triangle, problems, answers, tightness_of(way), 10);
+    INFO("way " << static_cast<int>(way) << ": " << words_of(found.fault) << "\n"
+                << paste(triangle, problems[found.first], answers[found.first]));
+    REQUIRE(found.differ == 0);
+}
+
+Tally ask_rays(std::initializer_list<Way> ways, std::size_t rays, std::uint64_t seed) {
+    Tally tally;
+    Chance chance(seed);
+    std::vector<Problem> problems(batch);
+    std::vector<std::uint8_t> hit;
+    for (std::size_t round = 0; tally.asked < rays; ++round)
+        for (const Way way : ways) {
+            draw_at_edges(way != Way::doubles, chance, problems);
+            decide(triangle.name, way, true, problems, hit);
+            tally.add(problems, hit);
+            if (round % each_wholly == 0) check_wholly(way, problems);
+        }
+    return tally;
+}
+
+void hold(const Tally& tally) {
+    INFO(tally.words() << "\n" << tally.first);
+    CHECK(tally.differ == 0);
+    CHECK(tally.hits > tally.asked / 4);
+    CHECK(tally.hits < tally.asked * 3 / 4);
+    CHECK(tally.edges > tally.asked / 200);
+    CHECK(tally.vertices > tally.asked / 500);
+    CHECK(tally.begin > tally.asked / 2000);
+    for (const std::size_t some : tally.by) CHECK(some > 0);
+    if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(tally.words());
+}
+
+}  // namespace
+
+TEST_CASE("exact: rays at edges and vertices of triangles", "[exact][edges]") {
+    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
+    const std::size_t rays = asked ? std::strtoull(asked, nullptr, 10) : 200'000;
+    hold(ask_rays({Way::floats_for_ulps, Way::floats}, rays, 21));
+    hold(ask_rays({Way::doubles}, asked ? rays / 100 : 20'000, 22));
+}
+
+/// A rim that belongs to the triangle or not is all that the two questions differ in.
+TEST_CASE("exact: rays at edges tell a triangle from one without its rim", "[exact][edges]") {
+    Chance chance(23);
+    std::vector<Problem> problems(20 * batch);
+    std::vector<std::uint8_t> hit;
+    for (const Way way : {Way::floats_for_ulps, Way::floats, Way::doubles}) {
+        draw_at_edges(way != Way::doubles, chance, problems);
+        decide(triangle.name, way, false, problems, hit);
+        Tally open, closed;
+        open.add(problems, hit, false), closed.add(problems, hit);
+        INFO(open.first);
+        CHECK(open.differ == 0);
+        CHECK(closed.differ == closed.edges + closed.vertices);
+        CHECK(closed.differ > problems.size() / 100);
+    }
+}
+
+/// An edge that counts as outside where it is met, one after the other, and an origin that is passed over.
+TEST_CASE("exact: a sign that is wrong at zero is seen", "[exact][edges]") {
+    Chance chance(24);
+    std::vector<Problem> problems(20 * batch);
+    draw_at_edges(true, chance, problems);
+    for (std::size_t sign = 0; sign < 4; ++sign) {
+        std::vector<std::uint8_t> hit;
+        for (const Problem& p : problems) {
+            const Passing right = pass(p);
+            hit.push_back(right.meets() && (sign < 3 ? right.edges[sign] : right.ahead) != 0);
+        }
+        Tally tally;
+        tally.add(problems, hit);
+        CHECK(tally.differ > (sign < 3 ? 50 : 5));
+    }
+}
+
+}  // namespace test_edges
