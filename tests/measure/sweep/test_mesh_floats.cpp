@@ -19,10 +19,10 @@ namespace sweep = measure::sweep;
 
 namespace {
 
-std::string sweep_text(const std::string& axis) {
+std::string sweep_text(const std::string& axis, const std::string& origin = "-8, -4, 1024") {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = \"mesh-icosphere-near\"\n"
            "[axis]\nname = \"x\"\nspacing = \"every_float\"\n" +
-           axis + "\n[[ray]]\nname = \"far\"\norigin = [-8, -4, 1024]\ndirection = [\"0x1p-7\", \"0x1p-8\", -1]\n";
+           axis + "\n[[ray]]\nname = \"far\"\norigin = [" + origin + "]\ndirection = [\"0x1p-7\", \"0x1p-8\", -1]\n";
 }
 
 /// How many triangles the form claims, and how many the ray truly crosses, of several at one t one.
@@ -52,12 +52,8 @@ Counted count_at(const ExhaustiveFile& file, const measure::map::MapRow& row, fl
     return counted;
 }
 
-}  // namespace
-
-TEST_CASE("every float across a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
-    const Scratch folder;
-    const ExhaustiveFile file(
-        folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -8.0009765625\nto = -8")), LOSTBITS_DATA_DIR);
+/// Holds every form's counts at 1025 floats against its triangles asked one by one; how many are wrong, form by form.
+std::vector<std::uint64_t> check_counts(const ExhaustiveFile& file) {
     REQUIRE(file.floats() == 1025);
     sweep::ExhaustiveRequest request;
     request.sweep = &file;
@@ -65,6 +61,7 @@ TEST_CASE("every float across a mesh is counted as its triangles count it", "[ex
         request.rows.push_back(row(form, "f32"));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
+    std::vector<std::uint64_t> wrong;
     for (const sweep::RangeFinding& finding : sweep::findings_of(request, state)) {
         const sweep::FloatTally& tally = finding.tally;
         CAPTURE(request.rows[finding.row].form->info->name);
@@ -85,7 +82,36 @@ TEST_CASE("every float across a mesh is counted as its triangles count it", "[ex
         CHECK(tally.count(Outcome::crack) + tally.count(Outcome::double_hit) <= odd);
         CHECK(tally.wrong() == counts[Outcome::crack] + counts[Outcome::double_hit] + counts[Outcome::false_miss] +
                                    counts[Outcome::false_hit] + counts[Outcome::wrong_object]);
+        wrong.push_back(tally.wrong());
     }
+    return wrong;
+}
+
+}  // namespace
+
+TEST_CASE("every float across a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
+    const Scratch folder;
+    check_counts(
+        ExhaustiveFile(folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -8.0009765625\nto = -8")),
+                       LOSTBITS_DATA_DIR));
+}
+
+TEST_CASE("every float through a vertex of a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
+    const Scratch folder;
+    const ExhaustiveFile file(
+        folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -7.992431640625\nto = -7.991943359375",
+                                          "-8, -3.99609375, 1024")),
+        LOSTBITS_DATA_DIR);
+    const Ray<double> through = file.group_at(0, -7.9921875F).rays[0];
+    std::size_t at_vertex = 0;
+    for (std::size_t s = 0; s < file.mesh->size(); ++s) {
+        const auto truth = measure::truth::find_truth(through, (*file.mesh)[s]);
+        at_vertex += truth.touches && compare(truth.t, measure::truth::exactly(1023)) == 0;
+    }
+    CHECK(at_vertex == 6);
+    const auto wrong = check_counts(file);
+    CHECK(wrong.front() > 0);
+    CHECK(wrong.back() == 0);
 }
 
 TEST_CASE("a sweep across a mesh moves numbers of the ray, over a range", "[exhaustive][mesh]") {
