@@ -26,9 +26,11 @@ const three = async () => {
     const box = (b) => new Box3(at.clone().set(b[0], b[1], b[2]), at.clone().set(b[3], b[4], b[5]));
     const corner = (c, k) => at.clone().set(c[k], c[k + 1], c[k + 2]);
     const t = (point) => (point === null ? null : [caught.t, caught.t]);
+    const triangle = (culled) => (c, v = [0, 3, 6].map((k) => corner(c, k))) => (r) =>
+        t(set(r).intersectTriangle(v[0], v[1], v[2], culled, caught));
     return {
-        'three.triangle': (c, v = [0, 3, 6].map((k) => corner(c, k))) => (r) =>
-            t(set(r).intersectTriangle(v[0], v[1], v[2], false, caught)),
+        'three.triangle': triangle(false),
+        'three.triangle_culled': triangle(true),
         'three.sphere': (s, v = sphere(s)) => (r) => t(set(r).intersectSphere(v, caught)),
         'three.sphere_test': (s, v = sphere(s)) => (r) => set(r).intersectsSphere(v),
         'three.box': (s, v = box(s)) => (r) => t(set(r).intersectBox(v, caught)),
@@ -203,7 +205,8 @@ const offered = [
         'three.sphere_test': ['345, intersectsSphere', 'roots=none'],
         'three.box': ['449, intersectBox', 'roots=first', 'inside=exit'],
         'three.box_test': ['521, intersectsBox', 'roots=none'],
-        'three.triangle': ['538, intersectTriangle', 'roots=first'] }],
+        'three.triangle': ['538, intersectTriangle', 'roots=first'],
+        'three.triangle_culled': ['538, intersectTriangle with backfaceCulling', 'roots=first', 'facing=front'] }],
     [cesium, '@cesium/engine', 'Source/Core/IntersectionTests.js', {
         'cesium.sphere': ['349, raySphere', 'roots=both', 'at_origin=exit'],
         'cesium.ellipsoid': ['420, rayEllipsoid, three equal radii, about the centre', 'roots=both', 'at_origin=miss'],
