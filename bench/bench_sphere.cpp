@@ -13,11 +13,9 @@
 #include <string_view>
 #include <vector>
 
-#include "by_hand.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/answer/self.hpp"
-#include "measure/speed/timing_work.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"
 #include "ratios.hpp"
@@ -161,62 +159,11 @@ void register_all() {
         }
 }
 
-#if defined(LOSTBITS_BY_HAND)
-template <class S>
-bench::Contestant by_hand_on(const std::string& name, const std::shared_ptr<measure::speed::RayStore<S>>& store,
-                             by_hand::Sphere<S> loop, bool warm) {
-    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Solid<S>& sphere,
-                               const intersect::table::HitBatch<S>& hits) {
-        const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(),
-                               rays.dx.data(), rays.dy.data(), rays.dz.data()};
-        S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
-        loop(in, sphere.numbers.data(), out, hits.hit.data(), rays.size());
-    };
-    return {name, "", 9 * sizeof(S) + 1, {[store, kernel] { store->run(kernel); }, store->slice(), warm}};
-}
-
-void add_by_hand(std::vector<bench::Contestant>& all, measure::speed::RayWork& work, intersect::simd::Isa isa,
-                 bool warm) {
-    if (isa != intersect::simd::Isa::w256 && isa != intersect::simd::Isa::w512) return;
-    const by_hand::Width loops = isa == intersect::simd::Isa::w256 ? by_hand::width_256() : by_hand::width_512();
-    const std::string hand = std::string(name_of(isa)) + "/by hand, ";
-    all.push_back(by_hand_on(hand + "sphere.schoolbook/f32", work.f32(Shape::sphere), loops.f32.schoolbook, warm));
-    all.push_back(by_hand_on(hand + "sphere.unified/f32", work.f32(Shape::sphere), loops.f32.unified, warm));
-    all.push_back(by_hand_on(hand + "sphere.schoolbook/f64", work.f64(Shape::sphere), loops.f64.schoolbook, warm));
-    all.push_back(by_hand_on(hand + "sphere.unified/f64", work.f64(Shape::sphere), loops.f64.unified, warm));
-}
-#else
-void add_by_hand(std::vector<bench::Contestant>&, measure::speed::RayWork&, intersect::simd::Isa, bool) {}
-#endif
-
-/// Many rays against one sphere; six numbers are read for a ray, three and a byte written.
 void print_all() {
     bench::print_truth();
     bench::print_truth_of_shapes();
     bench::print_chains();
-    constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
-    const auto bytes_of = [](std::string_view size) {
-        return measure::speed::working_set_bytes(size, measure::speed::cache_sizes());
-    };
-    for (const std::string_view size : sizes) {
-        std::vector<bench::Contestant> all;
-        measure::speed::RayWork work(bytes_of(size));
-        for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-            const std::string kernel(name_of(isa));
-            for (const std::string format : {"f32", "f64"})
-                for (const std::string form : {"sphere.schoolbook", "sphere.unified"})
-                    if (auto w = work.on({form, kernel, format}))
-                        all.push_back({kernel + "/" + form + "/" + format, kernel + "/by hand, " + form + "/" + format,
-                                       format == "f32" ? 37.0 : 73.0, std::move(*w)});
-            add_by_hand(all, work, isa, measure::speed::stay_in_cache(bytes_of(size)));
-        }
-        bench::print_ratios(std::string(size), std::move(all), bytes_of(size));
-    }
-    const std::string widest(name_of(intersect::simd::best_isa()));
-    for (const std::string_view size : sizes)
-        bench::print_speedup(widest + "/sphere.unified/f32", std::string(size), [&](std::size_t) {
-            return measure::speed::RayWork(bytes_of(size)).on({"sphere.unified", widest, "f32"})->pass;
-        });
+    bench::print_rays(Shape::sphere, {"sphere.schoolbook", "sphere.unified"});
     bench::print_bytes_a_sphere();
     bench::print_filtered();
 }

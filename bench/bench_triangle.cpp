@@ -3,15 +3,18 @@
 // know the decision alone.
 //
 //   build/bench/bench_triangle
+//   build/bench/bench_triangle --ratios     forms in packs over loops written by hand
 #include <cmath>
 #include <cstdio>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "intersect/simd/packed.hpp"
 #include "measure/speed/timing_work.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "predicates.hpp"
+#include "ratios.hpp"
 
 namespace {
 
@@ -100,7 +103,11 @@ bool print(const char* name, double distance, bool edges) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+    if (argc == 2 && std::string_view(argv[1]) == "--ratios") {
+        bench::print_rays(Shape::triangle, {"triangle.moller_trumbore", "triangle.undivided", "triangle.woop"});
+        return 0;
+    }
     intersect::simd::set_isa(intersect::simd::Isa::w256);
     std::printf("%-8s %-10s %6s %12s %12s %12s %13s %13s   %s\n", "numbers", "rays", "hits", "orient., ns",
                 "do_int., ns", "truth, ns", "orient./truth", "do_int./truth",

@@ -10,17 +10,18 @@ namespace by_hand {
 template <class F>
 using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_t n);
 
-/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius); answers: t, near, far, and hit as
-/// bytes 0 and 1.
+/// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius) or triangle (a, b, c); answers: t,
+/// near, far, and hit as bytes 0 and 1.
 template <class F>
-using Sphere = void (*)(const F* const rays[6], const F* sphere, F* const answers[3], unsigned char* hit,
-                        std::size_t n);
+using OneSolid = void (*)(const F* const rays[6], const F* solid, F* const answers[3], unsigned char* hit,
+                          std::size_t n);
 
 /// Each loop in one format.
 template <class F>
 struct Loops {
     Boxes<F> signs, inclusive;
-    Sphere<F> schoolbook, unified;
+    OneSolid<F> schoolbook, unified;
+    OneSolid<F> moller_trumbore, undivided, woop;
 };
 
 /// Those of a register width.

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "by_hand.hpp"
+#include "by_hand_triangles.hpp"
 
 namespace by_hand {
 
@@ -140,7 +140,7 @@ void unified(const F* const rays[6], const F* sphere, F* const answers[3], unsig
 
 template <class Ops>
 Loops<typename Ops::F> loops() {
-    return {signs<Ops>, inclusive<Ops>, schoolbook<Ops>, unified<Ops>};
+    return {signs<Ops>, inclusive<Ops>, schoolbook<Ops>, unified<Ops>, moller_trumbore<Ops>, undivided<Ops>, woop<Ops>};
 }
 
 }  // namespace by_hand

@@ -22,8 +22,13 @@ struct Singles {
     static V max(V a, V b) { return _mm256_max_ps(a, b); }
     static V sqrt(V a) { return _mm256_sqrt_ps(a); }
     static V negate(V a) { return _mm256_xor_ps(a, _mm256_set1_ps(-0.0F)); }
+    static V abs(V a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0F), a); }
+    static V flip(V a, V sign) { return _mm256_xor_ps(a, _mm256_and_ps(sign, _mm256_set1_ps(-0.0F))); }
     static M less(V a, V b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
     static M less_equal(V a, V b) { return _mm256_cmp_ps(a, b, _CMP_LE_OQ); }
+    static M both(M a, M b) { return _mm256_and_ps(a, b); }
+    static M either(M a, M b) { return _mm256_or_ps(a, b); }
+    static M invert(M a) { return _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1))); }
     static V choose(M m, V a, V b) { return _mm256_blendv_ps(b, a, m); }
     static void store_neither(unsigned char* p, M a, M b) {
         const __m256i either = _mm256_castps_si256(_mm256_or_ps(a, b));
@@ -48,8 +53,13 @@ struct Doubles {
     static V max(V a, V b) { return _mm256_max_pd(a, b); }
     static V sqrt(V a) { return _mm256_sqrt_pd(a); }
     static V negate(V a) { return _mm256_xor_pd(a, _mm256_set1_pd(-0.0)); }
+    static V abs(V a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
+    static V flip(V a, V sign) { return _mm256_xor_pd(a, _mm256_and_pd(sign, _mm256_set1_pd(-0.0))); }
     static M less(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
     static M less_equal(V a, V b) { return _mm256_cmp_pd(a, b, _CMP_LE_OQ); }
+    static M both(M a, M b) { return _mm256_and_pd(a, b); }
+    static M either(M a, M b) { return _mm256_or_pd(a, b); }
+    static M invert(M a) { return _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1))); }
     static V choose(M m, V a, V b) { return _mm256_blendv_pd(b, a, m); }
     static void store_neither(unsigned char* p, M a, M b) {
         const __m256i either = _mm256_castpd_si256(_mm256_or_pd(a, b));

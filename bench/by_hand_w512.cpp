@@ -22,8 +22,13 @@ struct Singles {
     static V max(V a, V b) { return _mm512_max_ps(a, b); }
     static V sqrt(V a) { return _mm512_sqrt_ps(a); }
     static V negate(V a) { return _mm512_xor_ps(a, _mm512_set1_ps(-0.0F)); }
+    static V abs(V a) { return _mm512_abs_ps(a); }
+    static V flip(V a, V sign) { return _mm512_xor_ps(a, _mm512_and_ps(sign, _mm512_set1_ps(-0.0F))); }
     static M less(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
     static M less_equal(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+    static M both(M a, M b) { return static_cast<M>(a & b); }
+    static M either(M a, M b) { return static_cast<M>(a | b); }
+    static M invert(M a) { return static_cast<M>(~a); }
     static V choose(M m, V a, V b) { return _mm512_mask_blend_ps(m, b, a); }
     static void store_neither(unsigned char* p, M a, M b) {
         _mm_storeu_si128(reinterpret_cast<__m128i*>(p),
@@ -47,8 +52,13 @@ struct Doubles {
     static V max(V a, V b) { return _mm512_max_pd(a, b); }
     static V sqrt(V a) { return _mm512_sqrt_pd(a); }
     static V negate(V a) { return _mm512_xor_pd(a, _mm512_set1_pd(-0.0)); }
+    static V abs(V a) { return _mm512_abs_pd(a); }
+    static V flip(V a, V sign) { return _mm512_xor_pd(a, _mm512_and_pd(sign, _mm512_set1_pd(-0.0))); }
     static M less(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
     static M less_equal(V a, V b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
+    static M both(M a, M b) { return static_cast<M>(a & b); }
+    static M either(M a, M b) { return static_cast<M>(a | b); }
+    static M invert(M a) { return static_cast<M>(~a); }
     static V choose(M m, V a, V b) { return _mm512_mask_blend_pd(m, b, a); }
     static void store_neither(unsigned char* p, M a, M b) {
         _mm_storel_epi64(reinterpret_cast<__m128i*>(p),

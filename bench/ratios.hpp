@@ -9,6 +9,7 @@
 
 #include "measure/speed/timing.hpp"
 #include "measure/speed/timing_threads.hpp"
+#include "shapes/solid.hpp"
 
 namespace bench {
 
@@ -23,6 +24,10 @@ struct Contestant {
 /// repetition), and, where the data come from memory, bytes a second as a share of what a loop that only reads as many
 /// bytes gets in the same run.
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes);
+
+/// Tables on stdout: forms in packs over loops written by hand, where there is one, on many rays against one solid of
+/// the shape, and what more processors bring the last of them.
+void print_rays(lostbits::Shape shape, const std::vector<std::string>& forms);
 
 /// A line on stdout: the rate of all processors over that of one.
 void print_speedup(const std::string& name, const std::string& data,
