@@ -169,7 +169,7 @@ void draw_all(Chance& chance, std::vector<Problem>& problems) {
     for (Problem& p : problems) {
         do {
             const Corners corner{p.solid, static_cast<std::size_t>(chance.below(3))};
-            chance.below(8) == 0 ? draw_exactly<S>(chance, p, corner) : draw_nearly<S>(chance, p, corner);
+            chance.below(16) == 0 ? draw_exactly<S>(chance, p, corner) : draw_nearly<S>(chance, p, corner);
         } while (p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0);
     }
 }

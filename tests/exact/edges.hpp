@@ -25,7 +25,7 @@ struct Passing {
 Passing pass(const Problem& triangle);
 
 /// Rays at a point of an edge or at a vertex, from a thousandth to a million lengths of the triangle away, in floats or
-/// doubles: of seven in eight the direction is rounded, and most of these are moved by up to two ulps in each
+/// doubles: of fifteen in sixteen the direction is rounded, and most of these are moved by up to two ulps in each
 /// component; the others have numbers on a grid with which they meet the point exactly, and three in four of these have
 /// one number that is moved. Triangles are tiny, large, slivers and needles.
 void draw_at_edges(bool floats, Chance& chance, std::vector<Problem>& problems);
