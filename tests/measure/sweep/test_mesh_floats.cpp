@@ -52,8 +52,8 @@ Counted count_at(const ExhaustiveFile& file, const measure::map::MapRow& row, fl
     return counted;
 }
 
-/// Holds every form's counts at 1025 floats against its triangles asked one by one; how many are wrong, form by form.
-std::vector<std::uint64_t> check_counts(const ExhaustiveFile& file) {
+/// Holds every form's counts at 1025 floats against its triangles asked one by one; what each form does.
+std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     REQUIRE(file.floats() == 1025);
     sweep::ExhaustiveRequest request;
     request.sweep = &file;
@@ -61,7 +61,7 @@ std::vector<std::uint64_t> check_counts(const ExhaustiveFile& file) {
         request.rows.push_back(row(form, "f32"));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
-    std::vector<std::uint64_t> wrong;
+    std::vector<sweep::FloatTally> all;
     for (const sweep::RangeFinding& finding : sweep::findings_of(request, state)) {
         const sweep::FloatTally& tally = finding.tally;
         CAPTURE(request.rows[finding.row].form->info->name);
@@ -82,9 +82,9 @@ std::vector<std::uint64_t> check_counts(const ExhaustiveFile& file) {
         CHECK(tally.count(Outcome::crack) + tally.count(Outcome::double_hit) <= odd);
         CHECK(tally.wrong() == counts[Outcome::crack] + counts[Outcome::double_hit] + counts[Outcome::false_miss] +
                                    counts[Outcome::false_hit] + counts[Outcome::wrong_object]);
-        wrong.push_back(tally.wrong());
+        all.push_back(tally);
     }
-    return wrong;
+    return all;
 }
 
 }  // namespace
@@ -109,9 +109,13 @@ TEST_CASE("every float through a vertex of a mesh is counted as its triangles co
         at_vertex += truth.touches && compare(truth.t, measure::truth::exactly(1023)) == 0;
     }
     CHECK(at_vertex == 6);
-    const auto wrong = check_counts(file);
-    CHECK(wrong.front() > 0);
-    CHECK(wrong.back() == 0);
+    const auto tallies = check_counts(file);
+    CHECK(tallies.front().count(Outcome::crack) > 0);
+    // Six closed triangles each meet the vertex, and of them alone one that decides rightly hits twice.
+    const sweep::FloatTally& filtered = tallies.back();
+    CHECK(filtered.wrong() == 1);
+    CHECK(filtered.count(Outcome::double_hit) == 1);
+    CHECK(scene::sweep::float_at(filtered.first_wrong->place) == -7.9921875F);
 }
 
 TEST_CASE("a sweep across a mesh moves numbers of the ray, over a range", "[exhaustive][mesh]") {
