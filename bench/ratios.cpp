@@ -42,11 +42,11 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
     const auto named = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(all, name, &Contestant::name) - all.begin());
     };
-    std::printf("%-34s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
+    std::printf("%-42s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
                 memory ? "over by hand        GB/s  of the read loop" : "over by hand");
     for (std::size_t k = 0; k < all.size(); ++k) {
         const double rate = 1e-9 / measure::speed::timing_of(samples[k]).median;
-        std::printf("%-34s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
+        std::printf("%-42s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
         if (const std::size_t rival = named(all[k].rival); rival < all.size()) {
             const measure::speed::Timing ratio = measure::speed::ratio_of(samples[rival], samples[k]);
             std::printf("  %.3f (%.2f-%.2f)", ratio.median, ratio.low_quartile, ratio.high_quartile);
@@ -63,7 +63,7 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
 
 void print_speedup(const std::string& name, const std::string& data, const measure::speed::WorkOfThread& work) {
     const measure::speed::Timing speedup = measure::speed::timing_of(measure::speed::thread_speedups(work, {}));
-    std::printf("%-34s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),
+    std::printf("%-42s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),
                 measure::speed::allowed_processors().size(), speedup.median, speedup.low_quartile,
                 speedup.high_quartile);
 }
