@@ -8,8 +8,8 @@
 
 namespace lostbits::intersect::triangle {
 
-/// The answer of a form that finds one t. By value: of references GCC 12 writes three registers a pack to the stack that
-/// nobody reads, up to a tenth of the time at 512 bits.
+/// The answer of a form that finds one t. By value: of references GCC 12 writes three registers a pack to the stack
+/// that nobody reads, up to a tenth of the time at 512 bits.
 template <Number T>
 Hit<T> met(mask_t<T> hit, T t) {
     return {hit, t, t, t};
