@@ -101,7 +101,7 @@ void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>&
         else if (row.f64) all.emplace_back(form, work_on(store, row.f64));
     }
     if constexpr (sizeof(S) == 8) {
-        by_hand::Sphere<double> loop = nullptr;
+        by_hand::OneSolid<double> loop = nullptr;
         if (isa == Isa::w128) loop = two_words_w128();
 #if defined(LOSTBITS_BY_HAND)
         if (isa == Isa::w256) loop = two_words_w256();

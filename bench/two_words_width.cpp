@@ -23,6 +23,6 @@ using P = Pack<double, Width>;
 
 }  // namespace
 
-by_hand::Sphere<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
+by_hand::OneSolid<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
 
 }  // namespace bench
