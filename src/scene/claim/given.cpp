@@ -94,12 +94,16 @@ Subject read_mend(TableReader& table, Claim& claim, std::string name) {
     return mend;
 }
 
+std::optional<int> read_step(TableReader& table) {
+    const auto step = table.optional_integer("step", 0, 100000);
+    return step ? std::optional(static_cast<int>(*step)) : std::nullopt;
+}
+
 Subject read_scene(TableReader& table, Claim& claim, std::string name) {
     read_row(table, claim);
     expect_place(table);
     table.reject("at", "needs a sweep or a table: it is a place on their axes");
-    const auto step = table.optional_integer("step", 0, 100000);
-    return SceneSubject{std::move(name), step ? std::optional(static_cast<int>(*step)) : std::nullopt};
+    return SceneSubject{std::move(name), read_step(table)};
 }
 
 /// `exhaustive` and what goes with it. `may`: about a sweep of which nothing else is named.
@@ -197,9 +201,7 @@ constexpr OwnKey own_keys[] = {
     {"side", "offsets", of_offsets},
     {"points", "offsets", of_offsets},
     {"check", "consistency", "goes with consistency = \"...\", a scene whose questions are put in two ways"},
-    {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""},
-    {"case", "sweep", needs_cases},
-    {"step", "scene", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)"}};
+    {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""}};
 
 /// What is neither timed nor mended: a form is asked about the rays of one thing.
 Subject read_measured(TableReader& table, Claim& claim) {
@@ -224,7 +226,12 @@ Subject read_measured(TableReader& table, Claim& claim) {
     }
     Subject subject = kind->read(table, claim, std::move(name));
     expect_place(table);
-    if (!std::holds_alternative<SweepSubject>(subject)) read_every_float(table, false);
+    if (!std::holds_alternative<SweepSubject>(subject)) {
+        if (table.optional_string("case")) table.reject("case", needs_cases);
+        read_every_float(table, false);
+    }
+    if (!std::holds_alternative<SceneSubject>(subject) && read_step(table))
+        table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
     claim.convention = sweep::read_convention(table);
     return subject;
 }
