@@ -20,7 +20,7 @@ using namespace scene::claim;
 /// What differs from kind to kind. Behind the name of the subject: `kind` in a heading, `part` in a text.
 struct KindWords {
     std::string command, kind = {}, part = {}, place = {};
-    std::string at = {};  ///< in the place of `part` and `place`: a place on axes, which follows the convention
+    std::string at = {};  ///< of a place on axes its numbers, which follow the convention; `place` is empty
 };
 
 /// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
@@ -50,9 +50,9 @@ std::string checked(const Claim& c, const char* options, const char* more) {
                        more);
 }
 
-std::string at_text(const std::vector<double>& values) {
+std::string numbers_text(const std::vector<double>& values) {
     std::string text;
-    for (const double x : values) text += (text.empty() ? "at " : ", ") + file::decimal(x);
+    for (const double x : values) text += (text.empty() ? "" : ", ") + file::decimal(x);
     return text;
 }
 
@@ -65,7 +65,7 @@ KindWords words(const Claim& c, const SceneSubject& on) {
 
 KindWords words(const Claim& c, const SweepSubject& on) {
     KindWords w{asked(c, "sweep", "", metric_option(c))};
-    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = at_text(at->values);
+    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = numbers_text(at->values);
     if (const auto* const one = on.part_if<SweepSubject::Case>()) w.part = ": " + (w.place = one->name);
     if (const auto* const every = on.part_if<SweepSubject::EveryFloat>()) {
         w.command = checked(c, "", " --measure");
@@ -118,7 +118,7 @@ KindWords words(const Claim& c, const MendSubject& on) {
 }
 
 KindWords words(const Claim& c, const TableSubject& on) {
-    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = at_text({on.at})};
+    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = numbers_text({on.at})};
 }
 
 KindWords words(const Claim& c, const TimingSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }
@@ -133,8 +133,8 @@ SubjectWords words_of(const Claim& c) {
     return {.heading = name + w.kind,
             .where = fmt::format("{}{}{}{}{}", name, w.part,
                                  c.convention ? fmt::format(" ({})", intersect::convention_name(c.convention)) : "",
-                                 w.at.empty() ? "" : " ", w.at),
-            .place = w.place + w.at,
+                                 w.at.empty() ? "" : ", ", w.at),
+            .place = w.at.empty() ? w.place : "at " + w.at,
             .command = w.command + blame::where_form_is_from(c.form)};
 }
 
