@@ -48,10 +48,7 @@ map::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& show
 
 void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
-    find_or_blame_claim(claims.front().claim, [&] {
-        offset::require_few_solids(scene);
-        return 0;
-    });
+    find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
     consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {

@@ -6,8 +6,6 @@
 #include <iterator>
 #include <set>
 
-#include "scene/claim/given.hpp"
-
 namespace lostbits::scene::claim {
 
 using toml::Node;

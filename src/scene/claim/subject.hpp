@@ -107,4 +107,8 @@ struct ChoiceSubject {
 using Subject = std::variant<SceneSubject, SweepSubject, RenderSubject, OffsetsSubject, ConsistencySubject,
                              SearchSubject, MendSubject, TableSubject, TimingSubject, ChoiceSubject>;
 
+struct Claim;
+/// `[claim.given]` of a claim whose profile is known: its subject, form and format. InputError with a position.
+void read_given(toml::TableReader table, Claim& claim);
+
 }  // namespace lostbits::scene::claim

@@ -1,8 +1,9 @@
-#include "scene/claim/given.hpp"
+#include "scene/claim/subject.hpp"
 
 #include <algorithm>
 #include <optional>
 
+#include "scene/claim/claims_file.hpp"
 #include "scene/file/beside.hpp"
 #include "scene/sweep/convention.hpp"
 
