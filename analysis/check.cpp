@@ -17,6 +17,7 @@
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_history.hpp"
 #include "output/claim/claim_report.hpp"
+#include "output/claim/subject_words.hpp"
 #include "output/claim/verdict_counts.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
@@ -102,7 +103,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
     if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
-    fmt::print("         reproduce: {}\n", terminal_line(output::claim::reproduce(claim)));
+    fmt::print("         reproduce: {}\n", terminal_line(output::claim::words_of(claim).command));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,

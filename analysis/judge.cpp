@@ -33,7 +33,7 @@ namespace {
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
                                       bool have_matrices, measure::metric::MetricSet& made) {
     std::vector<measure::map::MapRow> asked = request.rows;
-    if (request.answered) asked.erase(asked.begin());
+    std::erase_if(asked, [&request](const measure::map::MapRow& row) { return request.is_of_file(row); });
     if (asked.empty()) return choice::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.solids = request.solids;
@@ -173,9 +173,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     intersect::doors::require_front(contract.facing, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);
-    request.answered = dump->layout().has_answers();
+    if (dump->layout().has_answers()) request.file_form = &answers.form();
     request.by = choice::group_of(o, dump->layout());
-    request.rows = rows_of(o, *dump, meets, request.answered ? &answers.form() : nullptr, common);
+    request.rows = rows_of(o, *dump, meets, request.file_form, common);
     if (!o.forms.empty()) choice::note_unmeasured(o.forms, request.rows, common.quiet);
 
     if (!o.against.empty()) {
@@ -185,7 +185,7 @@ Exit run(const JudgeWords& o, const Common& common) {
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
                                          choice::words_to_meet({{other.front(), dump->format()}}, meets)));
         choice::compare_against(request.rows, o.against, common.quiet);
-        if (request.answered && request.rows.front().form != &answers.form())
+        if (request.file_form && !request.file_place())
             throw InputError(
                 fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
                             "--format",
@@ -259,11 +259,11 @@ Exit run(const JudgeWords& o, const Common& common) {
         fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
-    note_suspicions({request.rows.begin(), request.rows.begin() + (request.answered ? 1 : 0)}, common,
-                    [&result](const measure::map::MapRow&) {
-                        return measure::contract::suspicion(result.first, measure::contract::Whose::file,
-                                                            result.misses_beside_first());
-                    });
+    if (const auto file = request.file_place())
+        note_suspicions({request.rows[*file]}, common, [&](const measure::map::MapRow&) {
+            return measure::contract::suspicion(result.first, measure::contract::Whose::file,
+                                                result.misses_beside_first(result.summaries[*file]));
+        });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }
 

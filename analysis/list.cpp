@@ -251,7 +251,7 @@ Listing claims(const Common& common) {
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             l.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
-                              c.subject(), c.form.empty() ? c.row : c.form, c.format, c.statement});
+                              c.subject_name(), c.tested(), c.format, c.statement});
         }
     }
     return l;

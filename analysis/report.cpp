@@ -35,6 +35,8 @@ using measure::metric::Metric;
 namespace {
 
 using scene::claim::Claim;
+using scene::claim::SceneSubject;
+using scene::claim::SweepSubject;
 
 struct ReportOptions {
     std::vector<std::string> subjects, forms, formats, metrics, claims, choices, mends, offsets;
@@ -105,13 +107,17 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     return claims;
 }
 
+bool is_about_scene(const Claim& c, const std::string& id) { return c.on<SceneSubject>() && c.subject_name() == id; }
+bool is_about_sweep(const Claim& c, const std::string& id) {
+    return c.on<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
+}
+
 /// Those selected and those that a claim on the subject names: one's own forms first, then in the order of the
 /// catalogue. `-i` leaves the claims' out.
 std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims,
                              bool with_claims) {
     for (const Claim& c : claims) {
-        if (!with_claims || c.form.empty() || !(c.scene == subject || std::filesystem::path(c.sweep).stem() == subject))
-            continue;
+        if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         const MapRow row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
         if (std::ranges::none_of(rows,
                                  [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; }))
@@ -160,10 +166,8 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
     if (!o.claims.empty()) return choice::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
-    return std::ranges::any_of(work.maps, [&](const MapWork& m) { return m.scene.id == c.scene; }) ||
-           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) {
-               return !c.sweep.empty() && s.path.stem() == std::filesystem::path(c.sweep).stem();
-           });
+    return std::ranges::any_of(work.maps, [&](const MapWork& m) { return is_about_scene(c, m.scene.id); }) ||
+           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()); });
 }
 
 /// Those of -i; without, all.

@@ -152,15 +152,17 @@ choice::Meets meets_of(const GivenRays& all) {
 std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
     measure::judge::JudgeRequest request{.solids = all.solids, .limit = {.stop = running.stop()}};
-    request.answered = all.dump->layout().has_answers();
     if (rays.by.data != nullptr) request.by = 0;
     intersect::Info contract = contract_of_arrays(rays, all.shape);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", all.shape, contract);
     if (!chosen.rows.empty()) chosen.keep_those_for(whose, meets_of(all));
-    else if (!request.answered)
+    else if (!all.dump->layout().has_answers())
         throw NothingSelected("rays: there are no answers (t or hit) and no forms; give either");
-    if (request.answered) request.rows.push_back({&answers.form(), all.dump->format()});
+    if (all.dump->layout().has_answers()) {
+        request.file_form = &answers.form();
+        request.rows.push_back({request.file_form, all.dump->format()});
+    }
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));

@@ -52,24 +52,24 @@ private:
 }  // namespace
 
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
-    judge::JudgeRequest asked{.solids = terms.solids,
-                              .rows = request.rows,
-                              .answered = dump.layout().has_answers(),
-                              .metrics = request.wish.metrics(),
-                              .limit = request.limit};
+    judge::JudgeRequest asked{
+        .solids = terms.solids, .rows = request.rows, .metrics = request.wish.metrics(), .limit = request.limit};
     asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump.layout().solid() ? *dump.layout().solid() : terms.solids.front().shape;
     const judge::FileForm answers(terms.id, shape, contract);
-    if (asked.answered) asked.rows.insert(asked.rows.begin(), {&answers.form(), dump.format()});
+    if (dump.layout().has_answers()) {
+        asked.file_form = &answers.form();
+        asked.rows.insert(asked.rows.begin(), {asked.file_form, dump.format()});
+    }
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(dump, asked, {&sampler});
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < asked.rows.size(); ++r) {
         const Worth worth = worth_of(result.summaries[r], asked.rows[r], request.wish);
-        if (r == 0 && asked.answered)
+        if (asked.is_of_file(asked.rows[r]))
             rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), worth};
         else rays.worth.push_back(worth);
     }

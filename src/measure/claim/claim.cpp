@@ -6,16 +6,14 @@
 #include <iterator>
 #include <map>
 #include <tuple>
+#include <variant>
 
 #include "intersect/hull/behind.hpp"
-#include "intersect/process/parallel.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
-#include "measure/claim/claim_choice.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/claim/claim_timing.hpp"
 #include "measure/speed/timing_threads.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -154,24 +152,12 @@ MapRow claim_row(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-namespace {
-
-enum class Kind { scene, sweep, render, offsets, consistency, search, mend, table, timing, choice };
-
-Kind kind_of(const Claim& c) {
-    return c.timing                 ? Kind::timing
-           : c.choice               ? Kind::choice
-           : !c.scene.empty()       ? Kind::scene
-           : !c.sweep.empty()       ? Kind::sweep
-           : !c.render.empty()      ? Kind::render
-           : !c.offsets.empty()     ? Kind::offsets
-           : !c.consistency.empty() ? Kind::consistency
-           : !c.search.empty()      ? Kind::search
-           : c.mend                 ? Kind::mend
-                                    : Kind::table;
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what) {
+    if (unproved == 0) return;
+    result.state = ClaimResult::State::broken;
+    result.trouble = std::to_string(unproved) + " " + what;
 }
 
-/// A claim holds of every draw or it does not hold.
 void add_draw(ClaimResult& result, const ClaimResult& draw) {
     result.further.push_back(draw.state == ClaimResult::State::broken ? truth::missing : draw.measured);
     if (result.state != ClaimResult::State::agrees || draw.state == ClaimResult::State::agrees) return;
@@ -179,28 +165,6 @@ void add_draw(ClaimResult& result, const ClaimResult& draw) {
     result.trouble = draw.trouble;
     result.witness = draw.witness;
 }
-
-/// The claims about one sweep or table, on the file's own draw and on further ones.
-void measure_draws(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& request,
-                   std::vector<ClaimResult>& results) {
-    const auto measure = [&](int draw, std::vector<ClaimResult>& into) {
-        if (kind_of(claims[places.front()]) == Kind::sweep) measure_sweep(claims, places, request, draw, into);
-        else measure_table(claims, places, request, draw, into);
-    };
-    measure(0, results);
-    const bool any = std::ranges::any_of(places, [&](std::size_t i) { return results[i].is_drawn(); });
-    const auto further = static_cast<std::size_t>(any ? request.further_draws : 0);
-    std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
-    intersect::process::in_parallel(std::size_t{0}, further,
-                                    [&](std::size_t d) { measure(static_cast<int>(d) + 1, draws[d]); });
-    for (const auto& draw : draws) {
-        for (const std::size_t i : places) {
-            if (results[i].is_drawn()) add_draw(results[i], draw[i]);
-        }
-    }
-}
-
-}  // namespace
 
 metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
     metric::Spread s = result.spread();
@@ -220,35 +184,25 @@ metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
-    // Apart from the others those that need the tape of every ray: it costs more than all the rest of a map.
-    std::map<std::tuple<Kind, std::string, bool>, Places> subjects;
+    // By the kind of subject and its name. Apart from the others those that need the tape of every ray: it costs more
+    // than all the rest of a map.
+    std::map<std::tuple<std::size_t, std::string, bool>, std::vector<std::size_t>> together;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        results[i].trouble = missing_for(claims[i]);
-        if (!results[i].trouble.empty()) {
-            results[i].state = ClaimResult::State::skipped;
-            continue;
-        }
-        subjects[{kind_of(claims[i]), claims[i].subject(), asks_for_attribution(claims[i])}].push_back(i);
+        const Claim& c = claims[i];
+        results[i].trouble = missing_for(c);
+        if (results[i].trouble.empty())
+            together[{c.subject.index(), c.subject_name(), asks_for_attribution(c)}].push_back(i);
+        else results[i].state = ClaimResult::State::skipped;
     }
-    for (const auto& [subject, places] : subjects) {
+    for (const auto& [subject, places] : together) {
         const auto begin = std::chrono::steady_clock::now();
-        switch (std::get<Kind>(subject)) {
-            case Kind::scene: measure_scene(claims, places, request, results); break;
-            case Kind::render: measure_render(claims, places, request, results); break;
-            case Kind::offsets: measure_offsets(claims, places, request, results); break;
-            case Kind::consistency: measure_consistency(claims, places, request, results); break;
-            case Kind::search: measure_search(claims, places, request, results); break;
-            case Kind::mend: measure_mend(claims, places, request, results); break;
-            case Kind::sweep:
-            case Kind::table: measure_draws(claims, places, request, results); break;
-            case Kind::choice:
-                for (const std::size_t i : places)
-                    results[i] = judge(claims[i], chosen_value(claims[i], request), nullptr);
-                break;
-            case Kind::timing:
-                for (const std::size_t i : places)
-                    results[i] = judge(claims[i], timed_ratio(claims[i], request.stop), nullptr);
-        }
+        std::visit(
+            [&]<class Kind>(const Kind&) {
+                ClaimsOn<Kind> some;
+                for (const std::size_t i : places) some.push_back({claims[i], *claims[i].on<Kind>(), results[i]});
+                measure(some, request);
+            },
+            claims[places.front()].subject);
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
         for (const std::size_t i : places) results[i].seconds = took.count() / static_cast<double>(places.size());
     }

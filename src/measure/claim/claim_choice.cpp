@@ -1,5 +1,5 @@
-#include "measure/claim/claim_choice.hpp"
-
+// Claims about what is chosen for a scene: which forms meet a wish there, which of them is the cheapest, and times over
+// times on the scene's own rays. Each is of the claim's form in its format, in the widest registers that are in use.
 #include <algorithm>
 
 #include "measure/choice/candidates.hpp"
@@ -9,7 +9,9 @@ namespace lostbits::measure::claim {
 
 using choice::ChoiceRequest;
 using map::MapRow;
+using scene::claim::ChoiceSubject;
 using scene::claim::Claim;
+using Others = ChoiceSubject::Others;
 using scene::file::Scene;
 
 namespace {
@@ -27,9 +29,9 @@ MapRow timed_row(const Claim& claim, const Scene& scene) {
 }
 
 /// The claim's row, and after it every other that fits the scene, in the formats that the wish names.
-std::vector<MapRow> candidates_of(const Claim& claim, const Scene& scene) {
+std::vector<MapRow> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
     std::vector<MapRow> rows{timed_row(claim, scene)};
-    for (const std::string& name : claim.choice->formats) {
+    for (const std::string& name : others.formats) {
         Claim in_format = claim;
         in_format.format = name;
         const Format format = claim_format(in_format);
@@ -42,18 +44,21 @@ std::vector<MapRow> candidates_of(const Claim& claim, const Scene& scene) {
     return rows;
 }
 
-ChoiceRequest request_for(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
+ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene& scene,
+                          intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
-    request.wish = {.bits = *claim.choice->bits, .wrong = claim.choice->wrong};
-    request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(claim.choice->at); });
+    request.wish = {.bits = others.wish.bits, .wrong = others.wish.wrong};
+    request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(others.wish.at); });
     request.limit.stop = request.plan.stop = stop;
     return request;
 }
 
-double time_ratio(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
+/// The median over interleaved repetitions of (its seconds a ray and solid)/(those of `over`).
+double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Scene& scene,
+                  intersect::process::StopToken stop) {
     Claim other = claim;
-    other.form = claim.choice->over_form;
-    other.format = claim.choice->over_format;
+    other.form = over.form;
+    other.format = over.format;
     speed::SceneWork on_scene(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
     for (const MapRow& row : {timed_row(claim, scene), timed_row(other, scene)})
@@ -62,15 +67,18 @@ double time_ratio(const Claim& claim, const Scene& scene, intersect::process::St
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-double meets(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, scene, stop);
+/// 1 where it meets the wish, else 0.
+double meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = {timed_row(claim, scene)};
     return worth_of(request).front().meets(request.wish) ? 1 : 0;
 }
 
-double others_that_meet(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, scene, stop);
-    request.rows = candidates_of(claim, scene);
+/// How many of the other forms that fit the scene meet it, in each of the formats.
+double others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
+                        intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
+    request.rows = candidates_of(claim, others, scene);
     std::erase_if(request.rows, [&claim](const MapRow& row) { return row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
     const auto all = worth_of(request);
@@ -78,29 +86,35 @@ double others_that_meet(const Claim& claim, const Scene& scene, intersect::proce
         std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
 }
 
-double chosen(const Claim& claim, const Scene& scene, intersect::process::StopToken stop) {
-    ChoiceRequest request = request_for(claim, scene, stop);
-    request.rows = candidates_of(claim, scene);
+/// 1 where it is the cheapest of all that meet the wish, else 0.
+double chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
+    request.rows = candidates_of(claim, others, scene);
     choice::TimedRays timed;
     return cheapest(measure_candidates(request, timed), request.wish) == std::size_t{0} ? 1 : 0;
 }
 
-constexpr std::pair<std::string_view, double (*)(const Claim&, const Scene&, intersect::process::StopToken)>
+constexpr std::pair<std::string_view,
+                    double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
     of_wishes[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
 
-}  // namespace
-
-double chosen_value(const Claim& claim, const ClaimRequest& run) {
-    const Scene scene = one_scene(claim, claim.choice->scene, run);
-    if (!claim.choice->bits) {
-        if (claim.metric == "time_ratio") return time_ratio(claim, scene, run.stop);
+double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequest& run) {
+    const Scene scene = one_scene(claim, run);
+    if (const auto* const over = std::get_if<ChoiceSubject::Over>(&on.against)) {
+        if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; beside `over` it is time_ratio");
     }
     const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
     if (named == std::end(of_wishes))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; of a wish there are meets, others_that_meet and chosen");
-    return named->second(claim, scene, run.stop);
+    return named->second(claim, std::get<Others>(on.against), scene, run.stop);
+}
+
+}  // namespace
+
+void measure(const ClaimsOn<ChoiceSubject>& claims, const ClaimRequest& run) {
+    for (const auto& [claim, on, result] : claims) result = judge(claim, chosen_value(claim, on, run), nullptr);
 }
 
 }  // namespace lostbits::measure::claim

@@ -65,17 +65,17 @@ bool asks_for_attribution(const Claim& claim) {
                                [&](const char* start) { return claim.metric.starts_with(start); });
 }
 
-ClaimColumns::ClaimColumns(const std::vector<Claim>& claims, const std::vector<map::MapRow>& rows,
+ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<map::MapRow>& rows,
                            const blame::Setting& setting)
     : setting_(setting) {
     for (const Metric& m : lostbits::measure::metric::metrics()) {
         const bool named = std::ranges::any_of(
-            claims, [&](const Claim& c) { return c.metric.starts_with(std::string(m.name) + "_"); });
+            claims, [&](const Claim* c) { return c->metric.starts_with(std::string(m.name) + "_"); });
         if (m.by_default || named) metrics_.push_back(&m);
     }
-    for (const Claim& claim : claims) {
-        for (const std::string& word : claim.operations) meant_by(word, claim, setting_);  // refused before the work
-        add_labelled(claim);
+    for (const Claim* claim : claims) {
+        for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // refused before the work
+        add_labelled(*claim);
     }
     metrics_ = made_.for_forms(std::move(metrics_), map::forms_of(rows), setting_);
 }

@@ -17,7 +17,7 @@ class ClaimColumns {
 public:
     /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must
     /// outlive this.
-    ClaimColumns(const std::vector<scene::claim::Claim>& claims, const std::vector<map::MapRow>& rows,
+    ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<map::MapRow>& rows,
                  const blame::Setting& setting);
 
     /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate

@@ -10,6 +10,7 @@ using consistency::Accord;
 using consistency::Check;
 using consistency::CheckSummary;
 using scene::claim::Claim;
+using scene::claim::ConsistencySubject;
 
 namespace {
 
@@ -20,11 +21,11 @@ std::vector<std::string> check_names() {
 }
 
 /// The check of a claim, which can be asked of its form.
-const Check& check_of(const Claim& claim, const scene::file::Scene& scene, const map::MapRow& row) {
-    const Check& check = consistency::checks()[place_of_word(claim, "check", claim.check, check_names())];
+const Check& check_of(const Claim& claim, const std::string& name, const scene::file::Scene& scene,
+                      const map::MapRow& row) {
+    const Check& check = consistency::checks()[place_of_word(claim, "check", name, check_names())];
     if (consistency::can_be_compared(*row.form) && check.applies(scene, *row.form)) return check;
-    scene::toml::fail(claim.where, "check \"" + claim.check + "\" cannot be asked of " + claim.form + " on " +
-                                       scene.id +
+    scene::toml::fail(claim.where, "check \"" + name + "\" cannot be asked of " + claim.form + " on " + scene.id +
                                        ": light needs a [light], segment, short and light need a form that takes "
                                        "directions of any length, and forms that march are not compared; name another "
                                        "check or form");
@@ -45,34 +46,26 @@ map::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& show
 
 }  // namespace
 
-void measure_consistency(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
-                         std::vector<ClaimResult>& results) {
-    const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.consistency, run);
-    find_or_blame_claim(first, [&] {
-        offset::require_few_solids(scene);
-        return 0;
-    });
+void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
+    const scene::file::Scene scene = one_scene(claims.front().claim, run);
+    find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
     consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
-    for (const std::size_t i : places) {
-        const map::MapRow row = row_for(claims[i], scene);
-        const Check* const check = &check_of(claims[i], scene, row);
+    for (const auto& [claim, on, result] : claims) {
+        const map::MapRow row = row_for(claim, scene);
+        const Check* const check = &check_of(claim, on.check, scene, row);
         auto found = std::ranges::find(request.checks, check);
         if (found == request.checks.end()) found = request.checks.insert(found, check);
         at.emplace_back(place_or_added(request.rows, row), static_cast<std::size_t>(found - request.checks.begin()));
     }
     const auto rows = consistency::run_consistency(request);
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const Claim& claim = claims[places[k]];
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+        const auto& [claim, on, result] = claims[k];
         const CheckSummary& summary = rows[at[k].first][at[k].second];
-        ClaimResult& result = results[places[k]] =
-            judge(claim, consistency::consistency_value(summary, claim.metric, claim.where.text()), nullptr);
+        result = judge(claim, consistency::consistency_value(summary, claim.metric, claim.where.text()), nullptr);
         if (summary.shown && !summary.shown->rays.first.solids.empty())
             result.witness = witness_of_disagreement(*summary.shown);
-        if (summary.of(Accord::unresolved) == 0) continue;
-        result.state = ClaimResult::State::broken;
-        result.trouble = std::to_string(summary.of(Accord::unresolved)) + " pixels have no proved truth";
+        require_proof(result, summary.of(Accord::unresolved), "pixels have no proved truth");
     }
 }
 

@@ -11,6 +11,7 @@ namespace lostbits::measure::claim {
 
 using answer::Outcome;
 using scene::claim::Claim;
+using scene::claim::SweepSubject;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
 using sweep::ExhaustiveRequest;
@@ -20,26 +21,27 @@ using sweep::RangeFinding;
 namespace {
 
 /// The file's ray of that name; its only one where the claim names none.
-std::size_t ray_of(const Claim& claim, const ExhaustiveFile& file) {
-    if (claim.ray.empty() && file.rays.size() == 1) return 0;
+std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveFile& file) {
+    if (ray.empty() && file.rays.size() == 1) return 0;
     std::vector<std::string> names;
-    for (const auto& ray : file.rays) names.push_back(ray.name);
-    const auto found = static_cast<std::size_t>(std::ranges::find(names, claim.ray) - names.begin());
+    for (const auto& each : file.rays) names.push_back(each.name);
+    const auto found = static_cast<std::size_t>(std::ranges::find(names, ray) - names.begin());
     if (found < names.size()) return found;
-    scene::toml::fail(claim.where, claim.ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
-                                                           scene::toml::did_you_mean("", names)
-                                                     : "there is no ray \"" + claim.ray + "\" in " + file.id + "; " +
-                                                           scene::toml::did_you_mean(claim.ray, names));
+    scene::toml::fail(claim.where, ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
+                                                     scene::toml::did_you_mean("", names)
+                                               : "there is no ray \"" + ray + "\" in " + file.id + "; " +
+                                                     scene::toml::did_you_mean(ray, names));
 }
 
 /// The range of a claim, as a file with that range alone and with its one ray.
-ExhaustiveFile narrowed(const Claim& claim, const std::filesystem::path& path, const std::filesystem::path& data_dir) {
+ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, const std::filesystem::path& path,
+                        const std::filesystem::path& data_dir) {
     ExhaustiveFile file(path, data_dir);
-    const std::size_t ray = ray_of(claim, file);
+    const std::size_t ray = ray_of(claim, on.ray, file);
     file.rays = {file.rays[ray]};
-    if (claim.from.has_value() != claim.to.has_value())
+    if (on.from.has_value() != on.to.has_value())
         scene::toml::fail(claim.where, "claim.given has one of from and to; write both, or neither for the whole axis");
-    if (claim.from) file.narrow(*claim.from, *claim.to, claim.where);
+    if (on.from) file.narrow(*on.from, *on.to, claim.where);
     return file;
 }
 
@@ -122,8 +124,9 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
     request.limit = limit;
     request.rows = {row_for(claim, file)};
     if (request.rows.front().format.engine != Format::Engine::native32)
-        scene::toml::fail(claim.where, claim.sweep + " tries every number of f32 alone; write format = \"f32\"");
-    if (!claim.convention) request.rows.front().judged = file.convention;
+        scene::toml::fail(claim.where,
+                          claim.subject_name() + " tries every number of f32 alone; write format = \"f32\"");
+    if (!request.rows.front().judged) request.rows.front().judged = file.convention;
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     FloatTally all;
@@ -140,10 +143,7 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
     ClaimResult result = judge(claim, measured, nullptr);
     result.floats = all.floats();
     if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
-    if (all.count(Outcome::unresolved) > 0) {
-        result.state = ClaimResult::State::broken;
-        result.trouble = std::to_string(all.count(Outcome::unresolved)) + " floats have no proved truth";
-    }
+    require_proof(result, all.count(Outcome::unresolved), "floats have no proved truth");
     // What names a ray by its numbers names its solids so, and a mesh has too many.
     if (const auto place = witness_place(claim, all); place && !file.mesh) result.witness = witness_at(request, *place);
     return result;
@@ -151,13 +151,14 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
 
 }  // namespace
 
-void measure_exhaustive(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
-                        const ClaimRequest& run, std::vector<ClaimResult>& results) {
-    for (const std::size_t i : places) {
-        if (!claims[i].exhaustive)
-            scene::toml::fail(claims[i].where, "sweep \"" + claims[i].sweep +
-                                                   "\" tries every float; write `exhaustive = true` in claim.given");
-        results[i] = measure_one(claims[i], narrowed(claims[i], path, run.data_dir), {.stop = run.stop});
+void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path,
+                        const ClaimRequest& run) {
+    for (const auto& [claim, on, result] : claims) {
+        const auto* const range = on.part_if<SweepSubject::EveryFloat>();
+        if (!range)
+            scene::toml::fail(claim.where,
+                              "sweep \"" + on.name + "\" tries every float; write `exhaustive = true` in claim.given");
+        result = measure_one(claim, narrowed(claim, *range, path, run.data_dir), {.stop = run.stop});
     }
 }
 

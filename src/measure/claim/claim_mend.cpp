@@ -12,6 +12,7 @@ namespace lostbits::measure::claim {
 
 using mend::MendRequest;
 using scene::claim::Claim;
+using scene::claim::MendSubject;
 using scene::file::Scene;
 
 namespace {
@@ -19,11 +20,12 @@ namespace {
 /// A form that is mended, as its claims ask.
 class Bench {
 public:
-    Bench(const Claim& claim, const ClaimRequest& run) : scene_(scene_of(claim, run)) {
+    Bench(const Claim& claim, const MendSubject& on, const ClaimRequest& run) : scene_(one_scene(claim, run)) {
+        if (on.size) std::tie(scene_.width, scene_.height) = *on.size;
         request_.scene = &scene_;
         request_.row = row_for(claim, scene_);
-        request_.wish = {.bits = claim.mend->bits, .wrong = claim.mend->wrong};
-        request_.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(claim.mend->at); });
+        request_.wish = {.bits = on.wish.bits, .wrong = on.wish.wrong};
+        request_.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(on.wish.at); });
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
         tape_ = find_or_blame_claim(claim, [&] { return mend::recorded(request_); });
@@ -45,12 +47,6 @@ public:
     }
 
 private:
-    static Scene scene_of(const Claim& claim, const ClaimRequest& run) {
-        Scene scene = one_scene(claim, claim.mend->scene, run);
-        if (claim.mend->size) std::tie(scene.width, scene.height) = *claim.mend->size;
-        return scene;
-    }
-
     Scene scene_;
     MendRequest request_{};
     std::optional<mend::Judge> judge_;
@@ -75,18 +71,16 @@ double value_of(const Claim& claim, Bench& bench) {
 
 }  // namespace
 
-void measure_mend(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
-                  std::vector<ClaimResult>& results) {
+void measure(const ClaimsOn<MendSubject>& claims, const ClaimRequest& run) {
     // Claims that ask the same of a form are measured together.
-    const auto asked = [&](std::size_t i) {
-        const Claim& c = claims[i];
-        return std::tuple(c.form, c.format, c.mend->bits, c.mend->wrong, c.mend->at, c.mend->size);
+    const auto what = [](const Claim& c, const MendSubject& on) {
+        return std::tuple(c.form, c.format, on.wish.bits, on.wish.wrong, on.wish.at, on.size);
     };
-    std::map<decltype(asked(0)), Places> alike;
-    for (const std::size_t i : places) alike[asked(i)].push_back(i);
-    for (const auto& [what, some] : alike) {
-        Bench bench(claims[some.front()], run);
-        for (const std::size_t i : some) results[i] = judge(claims[i], value_of(claims[i], bench), nullptr);
+    std::map<decltype(what(claims.front().claim, claims.front().on)), ClaimsOn<MendSubject>> alike;
+    for (const auto& asked : claims) alike[what(asked.claim, asked.on)].push_back(asked);
+    for (const auto& [same, some] : alike) {
+        Bench bench(some.front().claim, some.front().on, run);
+        for (const auto& [claim, on, result] : some) result = judge(claim, value_of(claim, bench), nullptr);
     }
 }
 

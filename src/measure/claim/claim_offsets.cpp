@@ -10,6 +10,7 @@ namespace lostbits::measure::claim {
 using offset::Fault;
 using offset::OffsetSummary;
 using scene::claim::Claim;
+using scene::claim::OffsetsSubject;
 
 namespace {
 
@@ -23,7 +24,7 @@ std::vector<std::string> strategy_names() {
 /// the search for a quiet offset takes as long as all the rest.
 struct RowClaims {
     offset::OffsetRow row;
-    Places places;
+    ClaimsOn<OffsetsSubject> claims = {};
     std::vector<const offset::Strategy*> strategies = {};
     bool quiet = false;
 };
@@ -54,60 +55,54 @@ map::WorstRay witness_of(const offset::BadRay& bad) {
     return w;
 }
 
+const offset::Strategy* strategy_of(const Claim& claim, const OffsetsSubject& on) {
+    return &offset::strategies()[place_of_word(claim, "strategy", on.strategy, strategy_names())];
+}
+
+offset::Side side_of(const Claim& claim, const OffsetsSubject& on) {
+    return static_cast<offset::Side>(place_of_word(claim, "side", on.side, offset::side_names));
+}
+
 /// The row of a claim, with the claim in it.
-RowClaims& row_of(const Claim& claim, std::size_t place, const scene::file::Scene& scene,
-                  std::vector<RowClaims>& rows) {
+RowClaims& row_of(const ClaimOn<OffsetsSubject>& asked, const scene::file::Scene& scene, std::vector<RowClaims>& rows) {
+    const Claim& claim = asked.claim;
     const map::MapRow row = row_for(claim, scene);
     if (!offset::can_be_asked(*row.form))
         scene::toml::fail(claim.where, claim.form +
                                            " does not tell where a ray meets a sphere or a box, so there "
                                            "is no point to leave; name another form");
-    const auto point = static_cast<offset::HitPoint>(place_of_word(claim, "points", claim.points, offset::point_names));
-    const offset::OffsetRow asked{row, point};
-    auto found = std::ranges::find(rows, asked, &RowClaims::row);
-    if (found == rows.end()) found = rows.insert(found, {asked, {}});
-    found->places.push_back(place);
+    const auto point =
+        static_cast<offset::HitPoint>(place_of_word(claim, "points", asked.on.points, offset::point_names));
+    const offset::OffsetRow of_claim{row, point};
+    auto found = std::ranges::find(rows, of_claim, &RowClaims::row);
+    if (found == rows.end()) found = rows.insert(found, {of_claim});
+    found->claims.push_back(asked);
     return *found;
 }
 
-const offset::Strategy* strategy_of(const Claim& claim) {
-    return &offset::strategies()[place_of_word(claim, "strategy", claim.strategy, strategy_names())];
-}
-
-void judge_row(const std::vector<Claim>& claims, const RowClaims& row, const OffsetSummary& summary,
-               std::vector<ClaimResult>& results) {
-    for (const std::size_t i : row.places) {
-        const Claim& claim = claims[i];
-        const auto strategy =
-            static_cast<std::size_t>(std::ranges::find(row.strategies, strategy_of(claim)) - row.strategies.begin());
-        const auto side = static_cast<offset::Side>(place_of_word(claim, "side", claim.side, offset::side_names));
-        ClaimResult& result = results[i] =
-            judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
+void judge_row(const RowClaims& row, const OffsetSummary& summary) {
+    for (const auto& [claim, on, result] : row.claims) {
+        const auto strategy = static_cast<std::size_t>(std::ranges::find(row.strategies, strategy_of(claim, on)) -
+                                                       row.strategies.begin());
+        const offset::Side side = side_of(claim, on);
+        result = judge(claim, offset::offset_value(summary, side, strategy, claim.metric, claim.where.text()), nullptr);
         if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
-        if (summary.unresolved == 0) continue;
-        result.state = ClaimResult::State::broken;
-        result.trouble = std::to_string(summary.unresolved) + " pixels have no proved truth";
+        require_proof(result, summary.unresolved, "pixels have no proved truth");
     }
 }
 
 }  // namespace
 
-void measure_offsets(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run,
-                     std::vector<ClaimResult>& results) {
-    const Claim& first = claims[places.front()];
-    const scene::file::Scene scene = one_scene(first, first.offsets, run);
-    find_or_blame_claim(first, [&] {
-        offset::require_few_solids(scene);
-        return 0;
-    });
+void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
+    const scene::file::Scene scene = one_scene(claims.front().claim, run);
+    find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
     std::vector<RowClaims> rows;
-    for (const std::size_t i : places) {
-        const Claim& claim = claims[i];
-        RowClaims& row = row_of(claim, i, scene, rows);
-        const offset::Strategy* const strategy = strategy_of(claim);
+    for (const auto& asked : claims) {
+        RowClaims& row = row_of(asked, scene, rows);
+        const offset::Strategy* const strategy = strategy_of(asked.claim, asked.on);
         if (std::ranges::find(row.strategies, strategy) == row.strategies.end()) row.strategies.push_back(strategy);
-        row.quiet |= claim.metric.find("quiet") != std::string::npos;
-        place_of_word(claim, "side", claim.side, offset::side_names);  // before the work
+        row.quiet |= asked.claim.metric.find("quiet") != std::string::npos;
+        side_of(asked.claim, asked.on);  // before the work
     }
     for (const RowClaims& row : rows) {
         const auto summaries = offset::run_offsets({.scene = &scene,
@@ -115,7 +110,7 @@ void measure_offsets(const std::vector<Claim>& claims, const Places& places, con
                                                     .strategies = row.strategies,
                                                     .limit = {.stop = run.stop},
                                                     .quiet = row.quiet});
-        judge_row(claims, row, summaries.front(), results);
+        judge_row(row, summaries.front());
     }
 }
 

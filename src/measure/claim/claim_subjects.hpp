@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "intersect/process/parallel.hpp"
 #include "measure/claim/claim.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
@@ -21,39 +22,63 @@ std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, co
                                        scene::toml::did_you_mean(word, {names.begin(), names.end()}));
 }
 
-/// The claims about one scene or sweep: their places in the list.
-using Places = std::vector<std::size_t>;
+/// A claim, what it is measured on, and what becomes of it.
+template <class Kind>
+struct ClaimOn {
+    const scene::claim::Claim& claim;
+    const Kind& on;
+    ClaimResult& result;
+};
+/// Claims about one scene, sweep or table, which are measured together.
+template <class Kind>
+using ClaimsOn = std::vector<ClaimOn<Kind>>;
 
-/// The claims at these places, each into its place of `results`: about a scene, a rendered scene, the respawned rays of
-/// one, its questions put in two ways, a sweep along axes or over cases, a table. `draw`: how many seeds after the
-/// subject's own.
-void measure_scene(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                   std::vector<ClaimResult>& results);
-void measure_render(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                    std::vector<ClaimResult>& results);
-void measure_offsets(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                     std::vector<ClaimResult>& results);
-void measure_consistency(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                         std::vector<ClaimResult>& results);
-void measure_sweep(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                   int draw, std::vector<ClaimResult>& results);
-/// About a sweep over every float.
-void measure_exhaustive(const std::vector<scene::claim::Claim>& claims, const Places& places,
-                        const std::filesystem::path& path, const ClaimRequest& run, std::vector<ClaimResult>& results);
-/// About the worst ray that a search finds.
-void measure_search(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                    std::vector<ClaimResult>& results);
-/// About what mending makes of a form.
-void measure_mend(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                  std::vector<ClaimResult>& results);
-void measure_table(const std::vector<scene::claim::Claim>& claims, const Places& places, const ClaimRequest& run,
-                   int draw, std::vector<ClaimResult>& results);
+/// One for each kind of subject.
+void measure(const ClaimsOn<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::RenderSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::OffsetsSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::ConsistencySubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::SearchSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::MendSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::TableSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::TimingSubject>& claims, const ClaimRequest& run);
+void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimRequest& run);
 
-/// The one scene of that name; the claim says what is wrong with it.
-scene::file::Scene one_scene(const scene::claim::Claim& claim, const std::string& called, const ClaimRequest& run);
+/// Of those, the claims about a sweep over every float.
+void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
+                        const ClaimRequest& run);
+
+/// A claim holds of every draw or it does not hold.
+void add_draw(ClaimResult& result, const ClaimResult& draw);
+
+/// On the subject's own draw and on further ones: `measure_draw(claims, draw)`, `draw` seeds after its own.
+template <class Kind, class Measure>
+void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
+    measure_draw(claims, 0);
+    const bool any = std::ranges::any_of(claims, [](const ClaimOn<Kind>& c) { return c.result.is_drawn(); });
+    const auto further = static_cast<std::size_t>(any ? run.further_draws : 0);
+    std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
+    intersect::process::in_parallel(std::size_t{0}, further, [&](std::size_t d) {
+        ClaimsOn<Kind> again;
+        for (std::size_t i = 0; i < claims.size(); ++i) again.push_back({claims[i].claim, claims[i].on, draws[d][i]});
+        measure_draw(again, static_cast<int>(d) + 1);
+    });
+    for (const auto& draw : draws) {
+        for (std::size_t i = 0; i < claims.size(); ++i) {
+            if (claims[i].result.is_drawn()) add_draw(claims[i].result, draw[i]);
+        }
+    }
+}
+
+/// The one scene of the claim's subject; the claim says what is wrong with it.
+scene::file::Scene one_scene(const scene::claim::Claim& claim, const ClaimRequest& run);
 
 /// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
 ClaimResult judge(const scene::claim::Claim& claim, double measured, const map::MapSummary* summary);
+
+/// Broken where so many of what was measured are not proved: "3 pixels have no proved truth".
+void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what);
 
 /// The format of a claim. InputError for an unknown name.
 Format claim_format(const scene::claim::Claim& claim);
@@ -66,19 +91,19 @@ inline std::size_t place_or_added(std::vector<map::MapRow>& rows, const map::Map
     return rows.size() - 1;
 }
 
-inline std::vector<scene::claim::Claim> claims_at(const std::vector<scene::claim::Claim>& claims,
-                                                  const Places& places) {
-    std::vector<scene::claim::Claim> some;
-    for (const std::size_t i : places) some.push_back(claims[i]);
-    return some;
+template <class Kind>
+std::vector<const scene::claim::Claim*> claims_in(const ClaimsOn<Kind>& claims) {
+    std::vector<const scene::claim::Claim*> all;
+    for (const ClaimOn<Kind>& c : claims) all.push_back(&c.claim);
+    return all;
 }
 
 /// The form and format of a claim about a scene or sweep that the form can be asked about.
-template <class Subject>
-map::MapRow row_for(const scene::claim::Claim& claim, const Subject& subject) {
+template <class Rays>
+map::MapRow row_for(const scene::claim::Claim& claim, const Rays& rays) {
     const map::MapRow row = claim_row(claim);
-    if (subject.meets(row.form->shapes())) return row;
-    scene::toml::fail(claim.where, claim.subject() + " is not handled by " + claim.form + ": it has " +
+    if (rays.meets(row.form->shapes())) return row;
+    scene::toml::fail(claim.where, claim.subject_name() + " is not handled by " + claim.form + ": it has " +
                                        (!is_solid(row.form->shape) ? "no [march] table" : "other solids") +
                                        "; name another form, or another scene or sweep");
 }

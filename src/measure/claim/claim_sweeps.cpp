@@ -10,26 +10,27 @@ namespace lostbits::measure::claim {
 using blame::SettingOf;
 using map::MapRow;
 using scene::claim::Claim;
+using scene::claim::SweepSubject;
 using scene::sweep::SweepKind;
 using truth::missing;
 
 namespace {
 
-void measure_cases(const std::vector<Claim>& claims, const Places& places, const std::filesystem::path& path,
-                   truth::TruthLimit limit, std::vector<ClaimResult>& results) {
+void measure_cases(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path, truth::TruthLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = limit};
-    for (const std::size_t i : places) request.rows.push_back(row_for(claims[i], file));
+    for (const auto& asked : claims) request.rows.push_back(row_for(asked.claim, file));
     const SettingOf setting(file.rays(0, binary64).front());
-    const ClaimColumns columns(claims_at(claims, places), request.rows, setting.get());
+    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const Claim& claim = claims[places[k]];
-        if (claim.case_name.empty())
-            scene::toml::fail(claim.where, "sweep \"" + claim.sweep +
-                                               "\" has cases, not axes; write `case = \"...\"` in claim.given");
-        const auto summary = sweep::run_cases_together(request, k, file.matching(claim.case_name, claim.where));
-        results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+        const auto& [claim, on, result] = claims[k];
+        const auto* const named = on.part_if<SweepSubject::Case>();
+        if (!named)
+            scene::toml::fail(claim.where,
+                              "sweep \"" + on.name + "\" has cases, not axes; write `case = \"...\"` in claim.given");
+        const auto summary = sweep::run_cases_together(request, k, file.matching(named->name, claim.where));
+        result = judge(claim, columns.value(claim, summary), &summary);
     }
 }
 
@@ -44,65 +45,48 @@ std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& 
     return metric::Bounds{end("_low"), end("_high")};
 }
 
-/// InputError where a sweep has no such place.
-void check_place(const Claim& claim, const scene::sweep::SweepFile& sweep) {
-    if (claim.at.size() != sweep.axes.size()) {
-        scene::toml::fail(claim.where, "sweep \"" + claim.sweep + "\" has " + std::to_string(sweep.axes.size()) +
+/// The claim's place on the axes. InputError where a sweep has none.
+std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sweep::SweepFile& sweep) {
+    const auto& [claim, on, result] = asked;
+    const auto* const part = on.part_if<SweepSubject::At>();
+    std::vector<double> at = part ? part->values : std::vector<double>{};
+    if (at.size() != sweep.axes.size()) {
+        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " + std::to_string(sweep.axes.size()) +
                                            " axes; write as many values in `at`");
     }
-    for (std::size_t a = 0; a < claim.at.size(); ++a) {
+    for (std::size_t a = 0; a < at.size(); ++a) {
         const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
-        if (claim.at[a] < low || claim.at[a] > high)
+        if (at[a] < low || at[a] > high)
             scene::toml::fail(claim.where, "`at` lies outside the axis " + sweep.axes[a].name + " of sweep \"" +
-                                               claim.sweep + "\"; write a value between its ends");
+                                               on.name + "\"; write a value between its ends");
     }
+    return at;
 }
 
-}  // namespace
-
-void measure_sweep(const std::vector<Claim>& claims, const Places& places, const ClaimRequest& run, int draw,
-                   std::vector<ClaimResult>& results) {
-    const Claim& first = claims[places.front()];
-    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(first.sweep, run.data_dir); });
-    switch (scene::sweep::sweep_kind(path)) {
-        case SweepKind::cases: return measure_cases(claims, places, path, {.stop = run.stop}, results);
-        case SweepKind::search:
-        case SweepKind::edge_search:
-            scene::toml::fail(first.where, "sweep \"" + first.sweep + "\" is a search; claims are about axes or cases");
-        case SweepKind::every_float: return measure_exhaustive(claims, places, path, run, results);
-        case SweepKind::axes: break;
-    }
-    for (const std::size_t i : places) {
-        if (claims[i].exhaustive)
-            scene::toml::fail(claims[i].where,
-                              "`exhaustive = true` belongs to claims about sweeps over every float, and "
-                              "sweep \"" +
-                                  claims[i].sweep + "\" is none; leave it out");
-    }
-    const auto sweep = scene::sweep::SweepFile(path, run.data_dir).drawn_again(draw);
-    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
+/// The claims about a sweep along axes.
+void measure_axes(const ClaimsOn<SweepSubject>& claims, const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
+    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     bool onsets_wanted = false;
-    for (const std::size_t i : places) {
-        MapRow row = row_for(claims[i], sweep);
-        if (!claims[i].convention) row.judged = sweep.convention;
+    for (const auto& [claim, on, result] : claims) {
+        MapRow row = row_for(claim, sweep);
+        if (!row.judged) row.judged = sweep.convention;
         rows.push_back(place_or_added(request.rows, row));
-        onsets_wanted |= !claims[i].onset.empty();
+        onsets_wanted |= !claim.onset.empty();
     }
     const SettingOf setting(sweep.first_rays());
-    const ClaimColumns columns(claims_at(claims, places), request.rows, setting.get());
+    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     std::vector<sweep::Onset> onsets;
     if (onsets_wanted) onsets = sweep::find_onsets(request, sweep::run_sweep(request));
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const Claim& claim = claims[places[k]];
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+        const Claim& claim = claims[k].claim;
+        ClaimResult& result = claims[k].result;
         if (claim.onset.empty()) {
-            check_place(claim, sweep);
-            const auto summary = sweep::run_place(request, rows[k], claim.at);
-            results[places[k]] = judge(claim, columns.value(claim, summary), &summary);
-            if (sweep.is_drawn()) results[places[k]].samples = summary.views;
-            if (sweep.is_drawn() && summary.rays == summary.views)
-                results[places[k]].bounds = bounds_of(claim, columns, summary);
+            const auto summary = sweep::run_place(request, rows[k], place_on(claims[k], sweep));
+            result = judge(claim, columns.value(claim, summary), &summary);
+            if (sweep.is_drawn()) result.samples = summary.views;
+            if (sweep.is_drawn() && summary.rays == summary.views) result.bounds = bounds_of(claim, columns, summary);
             continue;
         }
         const auto found = std::ranges::find_if(onsets, [&](const sweep::Onset& o) {
@@ -116,10 +100,37 @@ void measure_sweep(const std::vector<Claim>& claims, const Places& places, const
                     "\" at that threshold; events are lost_bits (p50, p99, max; 1, 4, 8, p/2, p), false_hit, "
                     "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
-        results[places[k]] = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (sweep.is_drawn()) results[places[k]].samples = found->views;
-        if (!found->found) results[places[k]].trouble = "it does not happen within the sweep";
+        result = judge(claim, found->found ? found->first_bad : missing, nullptr);
+        if (sweep.is_drawn()) result.samples = found->views;
+        if (!found->found) result.trouble = "it does not happen within the sweep";
     }
+}
+
+}  // namespace
+
+void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
+    const Claim& first = claims.front().claim;
+    const std::string& called = first.subject_name();
+    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
+    switch (scene::sweep::sweep_kind(path)) {
+        case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
+        case SweepKind::search:
+        case SweepKind::edge_search:
+            scene::toml::fail(first.where, "sweep \"" + called + "\" is a search; claims are about axes or cases");
+        case SweepKind::every_float: return measure_exhaustive(claims, path, run);
+        case SweepKind::axes: break;
+    }
+    for (const auto& [claim, on, result] : claims) {
+        if (on.part_if<SweepSubject::EveryFloat>())
+            scene::toml::fail(claim.where,
+                              "`exhaustive = true` belongs to claims about sweeps over every float, and "
+                              "sweep \"" +
+                                  called + "\" is none; leave it out");
+    }
+    const scene::sweep::SweepFile sweep(path, run.data_dir);
+    measure_draws(claims, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
+        measure_axes(some, sweep.drawn_again(draw), {.stop = run.stop});
+    });
 }
 
 }  // namespace lostbits::measure::claim

@@ -1,7 +1,7 @@
-#include "measure/claim/claim_timing.hpp"
-
+// Claims about speed: quotients of rates within one run.
 #include <algorithm>
 
+#include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing_threads.hpp"
 #include "measure/speed/timing_work.hpp"
 
@@ -13,6 +13,7 @@ using speed::TimedWork;
 namespace {
 
 using scene::claim::Claim;
+using scene::claim::TimingSubject;
 using Works = std::vector<std::optional<TimedWork>>;
 
 template <class Work>
@@ -28,18 +29,18 @@ constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, st
 
 /// A work for each kernel, on the same data.
 std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
-    const auto named = std::ranges::find(works, claim.timing->work, [](const auto& each) { return each.first; });
+    const std::string& called = claim.subject_name();
+    const auto named = std::ranges::find(works, called, [](const auto& each) { return each.first; });
     if (named == std::end(works))
-        scene::toml::fail(claim.where, "unknown work \"" + claim.timing->work +
-                                           "\"; there are one_ray_many_boxes and many_rays_one_solid");
+        scene::toml::fail(claim.where,
+                          "unknown work \"" + called + "\"; there are one_ray_many_boxes and many_rays_one_solid");
     std::vector<TimedWork> all;
     auto made = named->second(kernels, bytes);
     for (std::size_t i = 0; i < made.size(); ++i) {
         if (!made[i])
             scene::toml::fail(claim.where,
                               "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
-                                  std::string(kernels[i].kernel) + "\" for " + claim.timing->work + " in " +
-                                  claim.format +
+                                  std::string(kernels[i].kernel) + "\" for " + called + " in " + claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
                                   "boxes in f32; `lostbits list forms` has the forms");
         all.push_back(std::move(*made[i]));
@@ -47,8 +48,8 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
     return all;
 }
 
-double speed_ratio(const Claim& claim, std::size_t bytes, intersect::process::StopToken stop) {
-    const Claim::Timing& t = *claim.timing;
+/// The median over interleaved repetitions of (seconds an item of `over`)/(seconds an item of the kernel).
+double speed_ratio(const Claim& claim, const TimingSubject& t, std::size_t bytes, intersect::process::StopToken stop) {
     const auto work =
         make_work(claim, {{t.over_form, t.over_kernel, claim.format}, {claim.form, t.kernel, claim.format}}, bytes);
     const auto samples = speed::sample_interleaved(
@@ -56,9 +57,11 @@ double speed_ratio(const Claim& claim, std::size_t bytes, intersect::process::St
     return speed::ratio_of(samples[0], samples[1]).median;
 }
 
-double speedup_per_processor(const Claim& claim, std::size_t bytes, intersect::process::StopToken stop) {
+/// The median of (rate of all allowed processors)/(rate of one · their number); 1 is perfect.
+double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::size_t bytes,
+                             intersect::process::StopToken stop) {
     const auto work = [&](std::size_t) {
-        return make_work(claim, {{claim.form, claim.timing->kernel, claim.format}}, bytes).front().pass;
+        return make_work(claim, {{claim.form, t.kernel, claim.format}}, bytes).front().pass;
     };
     return speed::timing_of(speed::thread_speedups(work, {.stop = stop})).median /
            static_cast<double>(speed::allowed_processors().size());
@@ -66,14 +69,17 @@ double speedup_per_processor(const Claim& claim, std::size_t bytes, intersect::p
 
 }  // namespace
 
-double timed_ratio(const Claim& claim, intersect::process::StopToken stop) {
-    const Claim::Timing& t = *claim.timing;
-    const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
-    if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; there are l1, l2 and memory");
-    const std::string_view metric = t.all_processors ? "speedup_per_processor" : "speed_ratio";
-    if (claim.metric != metric)
-        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; here it is " + std::string(metric));
-    return t.all_processors ? speedup_per_processor(claim, bytes, stop) : speed_ratio(claim, bytes, stop);
+void measure(const ClaimsOn<TimingSubject>& claims, const ClaimRequest& run) {
+    for (const auto& [claim, t, result] : claims) {
+        const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
+        if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; there are l1, l2 and memory");
+        const std::string_view metric = t.all_processors ? "speedup_per_processor" : "speed_ratio";
+        if (claim.metric != metric)
+            scene::toml::fail(claim.where,
+                              "unknown metric \"" + claim.metric + "\"; here it is " + std::string(metric));
+        const auto measured = t.all_processors ? speedup_per_processor : speed_ratio;
+        result = judge(claim, measured(claim, t, bytes, run.stop), nullptr);
+    }
 }
 
 }  // namespace lostbits::measure::claim

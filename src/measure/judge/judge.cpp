@@ -71,9 +71,12 @@ private:
 class Run {
 public:
     Run(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks)
-        : dump_(dump), request_(request), sinks_(sinks), needs_(map::needs_by_format(request.rows, request.metrics)) {
-        if (request.answered && dump.layout().decides_only() &&
-            request.rows.front().form->info->roots != intersect::Roots::none)
+        : dump_(dump),
+          request_(request),
+          sinks_(sinks),
+          needs_(map::needs_by_format(request.rows, request.metrics)),
+          file_(request.file_place()) {
+        if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
@@ -103,6 +106,7 @@ public:
     }
 
 private:
+    [[nodiscard]] const MapRow& file_row() const { return request_.rows[*file_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void refuse_size(const char* has) const {
         lostbits::measure::judge::refuse_size(dump_, request_, result_, has);
@@ -154,14 +158,14 @@ private:
         for (const auto& [name, needs] : needs_)
             piece.inputs.emplace(name, piece.band->inputs(*find_format(name), needs));
         piece.columns.emplace(map::columns_of(*piece.band, request_.rows));
-        if (request_.answered) piece.answers = answers_of(piece);
+        if (file_) piece.answers = answers_of(piece);
     }
 
     [[nodiscard]] answer::Answers answers_of(const Piece& piece) const {
         const Chunk& chunk = piece.chunk;
         answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
         for (double& t : answers.t) t = t == t ? t : missing;
-        const bool tells_near = request_.rows.front().form->info->inside == intersect::Inside::near;
+        const bool tells_near = file_row().form->info->inside == intersect::Inside::near;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if (tells_near && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
             if (answers.hit[i] != 0) answers.object[i] = object_of(piece, i);
@@ -178,7 +182,7 @@ private:
         if (!chunk.object.empty() && chunk.object[i] >= 0 &&
             static_cast<std::size_t>(chunk.object[i]) < request_.solids.size())
             return chunk.object[i];
-        const truth::Truth& truth = piece.band->truth(i, request_.rows.front().convention());
+        const truth::Truth& truth = piece.band->truth(i, file_row().convention());
         if (truth.is_hit()) return truth.object;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
         const auto distance = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
@@ -208,7 +212,6 @@ private:
         const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
             const MapRow& row = request_.rows[r];
-            const bool answered = r == 0 && request_.answered;
             std::optional<PieceSink> sink;
             if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
             std::vector<map::BandPart> parts;
@@ -217,11 +220,11 @@ private:
                               .metrics = request_.metrics,
                               .sink = sink ? &*sink : nullptr,
                               .first = first,
-                              .answers = answered ? &piece.answers : nullptr},
+                              .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
                              {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r],
                              parts);
         });
-        if (request_.answered) keep_first(piece);
+        if (file_) keep_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
@@ -239,7 +242,7 @@ private:
     }
 
     void keep_first(const Piece& piece) {
-        const MapRow& row = request_.rows.front();
+        const MapRow& row = file_row();
         const FormatInputs& in = piece.inputs.at(row.format.name);
         const bool unit = row.form->info->direction == intersect::Direction::unit;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
@@ -257,7 +260,8 @@ private:
     const JudgeRequest& request_;
     const std::vector<JudgeSink*>& sinks_;
     std::map<std::string, truth::BandNeeds> needs_;
-    std::uint64_t read_ = 0;  ///< pieces
+    std::optional<std::size_t> file_;  ///< the place of its row
+    std::uint64_t read_ = 0;           ///< pieces
     bool failed_ = false;
     JudgeResult result_;
 };
@@ -280,8 +284,13 @@ void JudgeResult::append(JudgeResult&& after) {
     groups.append(std::move(after.groups));
 }
 
-std::uint64_t JudgeResult::misses_beside_first() const {
-    const std::uint64_t misses = summaries.front().count(answer::Outcome::agree_miss);
+std::optional<std::size_t> JudgeRequest::file_place() const {
+    const auto found = std::ranges::find_if(rows, [this](const MapRow& row) { return is_of_file(row); });
+    return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
+}
+
+std::uint64_t JudgeResult::misses_beside_first(const map::MapSummary& file) const {
+    const std::uint64_t misses = file.count(answer::Outcome::agree_miss);
     return rays > misses ? misses * first.size() / (rays - misses) : misses;
 }
 

@@ -34,7 +34,7 @@ struct JudgeRequest {
     std::vector<Solid<double>> solids = {};  ///< of all rays, numbers of the dump's format; empty: each has its own
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<map::MapRow> rows = {};
-    bool answered = false;  ///< the first of the rows is the file's answers
+    const intersect::table::Intersector* file_form = nullptr;  ///< of the row of the file's answers; null: it has none
     std::vector<const metric::Metric*> metrics = {};
     std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
     /// Of the columns that the dump keeps, the place of the one by whose values rays are grouped too.
@@ -45,6 +45,10 @@ struct JudgeRequest {
     std::optional<shard::Units> pieces = {};
     /// Called with the number of rays, and of bytes of the file, that are done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
+
+    [[nodiscard]] bool is_of_file(const map::MapRow& row) const { return row.form == file_form; }
+    /// The place of the row of the file's answers, if there is one.
+    [[nodiscard]] std::optional<std::size_t> file_place() const;
 };
 
 /// Where a row's results go, with what the file has of the same rays. As a `MapSink`: in order, never concurrently for
@@ -71,8 +75,8 @@ struct JudgeResult {
 
     /// What is known of the pieces that come next.
     void append(JudgeResult&& after);
-    /// So many rays are rightly missed for as many as `first` holds.
-    [[nodiscard]] std::uint64_t misses_beside_first() const;
+    /// So many rays the file rightly misses, by its summary, for as many as `first` holds.
+    [[nodiscard]] std::uint64_t misses_beside_first(const map::MapSummary& file) const;
 };
 
 /// In how many pieces the file is measured: they are cut by the request's picture and the file alone. Reads it to its

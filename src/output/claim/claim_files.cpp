@@ -7,13 +7,12 @@
 #include <cmath>
 #include <optional>
 
-#include "measure/claim/claim_columns.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/claim/subject_words.hpp"
 #include "output/claim/verdict_counts.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/toml/parse_number.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::output::claim {
@@ -28,24 +27,6 @@ using scene::claim::Claim;
 using State = ClaimResult::State;
 
 std::string verdict_name(const Claim& c) { return std::string(name_of(c.verdict)); }
-/// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
-std::string metric_option(const Claim& c) {
-    if (!c.operations.empty()) return " --metric culprit";
-    if (!measure::claim::asks_for_attribution(c)) {
-        const Metric* const metric = metric_of_column(c.metric);
-        return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
-    }
-    const std::string metric = c.metric.substr(0, c.metric.rfind('_'));
-    const auto label = metric.find('_');
-    return label == std::string::npos
-               ? " --metric " + metric
-               : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
-}
-
-/// In quotes always: what --filter takes is a glob.
-std::string filter_word(const std::string& id) {
-    return id.find('\'') == std::string::npos ? "'" + id + "'" : shell_word(id);
-}
 
 }  // namespace
 
@@ -62,10 +43,11 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
-    const std::string name = r.witness.given ? blame::name_of_ray(r.witness.given.get())
-                             : !c.scene.empty()
-                                 ? blame::name_of_pixel(shell_word(c.scene), static_cast<int>(r.witness.x), r.witness.y)
-                                 : "";
+    const std::string name =
+        r.witness.given ? blame::name_of_ray(r.witness.given.get())
+        : c.on<scene::claim::SceneSubject>()
+            ? blame::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
+            : "";
     if (name.empty()) return "";
     measure::map::MapRow row = measure::claim::claim_row(c);
     row.judged = r.witness.judged;
@@ -159,71 +141,6 @@ const Metric* metric_of_column(const std::string& column) {
     return best;
 }
 
-namespace {
-
-std::string mend_options(const Claim::Mend& m) {
-    std::string text = fmt::format(" --bits {:.12g}", m.bits);
-    if (m.wrong != 0) text += fmt::format(" --wrong {:.12g}", m.wrong);
-    if (m.at != "max") text += " --at " + m.at;
-    if (m.size) text += fmt::format(" --size {}x{}", m.size->first, m.size->second);
-    return text;
-}
-
-/// What measures the claim again, without where its form is from.
-std::string command_of(const Claim& c) {
-    const std::string file = c.named ? " " + shell_word(c.where.source) : "";
-    if (c.profile == Claim::Profile::timing)
-        return fmt::format("lostbits check{} --profile timing --filter {}", file, filter_word(c.id));
-    if (!c.table.empty() || c.exhaustive)
-        return fmt::format("lostbits check{} --filter {} --measure", file, filter_word(c.id));
-    if (!c.render.empty())
-        return fmt::format("lostbits render {}{} -i {} -f {} -o out", shell_word(c.render),
-                           c.stage ? fmt::format(" --stage {}", name_of(*c.stage)) : "", c.form, c.format);
-    if (!c.offsets.empty())
-        return fmt::format("lostbits offsets {} --strategy {} --points {} -i {} -f {} -o out", shell_word(c.offsets),
-                           c.strategy, c.points, c.form, c.format);
-    if (!c.search.empty())
-        return fmt::format("lostbits sweep {} --worst -i {} -f {} -o out", shell_word(c.search), c.form, c.format);
-    if (c.mend)
-        return fmt::format("lostbits mend {} -i {} -f {}{} -o out", shell_word(c.mend->scene), c.form, c.format,
-                           mend_options(*c.mend));
-    if (!c.consistency.empty())
-        return fmt::format("lostbits consistency {} --check {} -i {} -f {} -o out", shell_word(c.consistency), c.check,
-                           c.form, c.format);
-    if (c.step)
-        return fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(c.scene), c.form, c.format);
-    return fmt::format("lostbits {} {} -i {} -f {}{} -o out", c.scene.empty() ? "sweep" : "map",
-                       shell_word(c.subject()), c.form, c.format, metric_option(c));
-}
-
-}  // namespace
-
-std::string reproduce(const Claim& c) { return command_of(c) + blame::where_form_is_from(c.form); }
-
-std::string offset_words(const Claim& c) {
-    return fmt::format("{}, {}, {} points", c.strategy, c.side == "outside" ? "rays outside" : "rays inside", c.points);
-}
-
-std::string consistency_words(const Claim& c) { return "consistency, " + c.check; }
-
-std::string mend_words(const Claim& c) { return "mended:" + mend_options(*c.mend); }
-
-std::string where_measured(const Claim& c) {
-    std::string text = c.subject();
-    if (!c.row.empty()) text += " " + c.row;
-    if (!c.render.empty())
-        text += fmt::format(", rendered{}", c.stage ? fmt::format(" to stage {}", name_of(*c.stage)) : "");
-    if (!c.offsets.empty()) text += ", " + offset_words(c);
-    if (!c.consistency.empty()) text += ", " + consistency_words(c);
-    if (c.mend) text += ", " + mend_words(c);
-    if (!c.case_name.empty()) text += ": " + c.case_name;
-    if (!c.ray.empty()) text += ": " + c.ray;
-    if (c.from) text += fmt::format(", {} to {}", scene::toml::exact_text(*c.from), scene::toml::exact_text(*c.to));
-    if (c.convention) text += fmt::format(" ({})", intersect::convention_name(c.convention));
-    for (const double x : c.at) text += (&x == c.at.data() ? " at " : ", ") + file::decimal(x);
-    return text;
-}
-
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results) {
     file::CsvWriter csv(
@@ -271,7 +188,7 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
                  verdict_name(c),
                  c.condition,
                  c.is_sourced(),
-                 where_measured(c),
+                 words_of(c).where,
                  c.form,
                  c.format,
                  quantity(c),
@@ -315,7 +232,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"verdict", verdict_name(c)},
                          {"condition", c.condition},
                          {"sourced", c.is_sourced()},
-                         {"subject", where_measured(c)},
+                         {"subject", words_of(c).where},
                          {"form", c.form},
                          {"format", c.format},
                          {"quantity", quantity(c)},
@@ -333,7 +250,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"state", state_name(results[i].state)},
                          {"witness", witness_text(results[i])},
                          {"witness_explain", explain_witness(c, results[i])},
-                         {"reproduce", reproduce(c)}});
+                         {"reproduce", words_of(c).command}});
     }
     file::AtomicFile file(path);
     file.write(array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");

@@ -26,15 +26,6 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<scene
 void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
                        const std::vector<measure::claim::ClaimResult>& results);
 
-/// `offset.integer, rays outside, computed points`: of a claim about offsets.
-std::string offset_words(const scene::claim::Claim& c);
-
-/// `consistency, reverse`: of a claim about consistency.
-std::string consistency_words(const scene::claim::Claim& c);
-
-/// `mended: --bits 16`: of a claim about what a form is mended to.
-std::string mend_words(const scene::claim::Claim& c);
-
 /// How far the verdict reaches: the condition of a qualified one, or what it rests on, "no worse one found in N
 /// evaluations; the worst is …"; empty where the sentence speaks of single numbers.
 std::string evidence_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
@@ -58,15 +49,11 @@ std::string changed_text(const scene::claim::Claim& claim, const measure::claim:
 /// Why a claim does not agree, in one line: what was expected, what was measured, and whether the verdict still
 /// follows.
 std::string explain(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
-/// Scene, sweep or table, and the place in it.
-std::string where_measured(const scene::claim::Claim& claim);
 /// The metric whose statistic or fraction a column of a summary is: lost_bits of `lost_bits_p99`; none of an outcome.
 const measure::metric::Metric* metric_of_column(const std::string& column);
 /// The worst ray of the measurement in hexadecimal floats; empty where there is none.
 std::string witness_text(const measure::claim::ClaimResult& result);
 /// The command that explains the witness, whose numbers it gives again; empty where there is none.
 std::string explain_witness(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
-/// The command that measures it again with every file.
-std::string reproduce(const scene::claim::Claim& claim);
 
 }  // namespace lostbits::output::claim

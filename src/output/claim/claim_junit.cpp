@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "output/claim/claim_files.hpp"
+#include "output/claim/subject_words.hpp"
 #include "output/claim/verdict_counts.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
@@ -39,7 +40,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         const Claim& c = claims[i];
         auto test = suite.append_child("testcase");
         test.append_attribute("name") = file::xml_text(c.id).c_str();
-        test.append_attribute("classname") = file::xml_text(c.subject()).c_str();
+        test.append_attribute("classname") = file::xml_text(c.subject_name()).c_str();
         test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
         seconds += results[i].seconds;
         if (const auto words = moved.find(c.id); words != moved.end()) {
@@ -56,7 +57,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         const std::string what = file::xml_text(explain(c, results[i]));
         const std::string more =
             file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
-                                       witness_text(results[i]), explain_witness(c, results[i]), reproduce(c)));
+                                       witness_text(results[i]), explain_witness(c, results[i]), words_of(c).command));
         if (c.severity == Claim::Severity::warn && !strict) {
             test.append_child("system-out").text().set(more.c_str());
             continue;

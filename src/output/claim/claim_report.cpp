@@ -11,6 +11,7 @@
 #include "output/blame/march_text.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_sheets.hpp"
+#include "output/claim/subject_words.hpp"
 #include "output/claim/verdict_counts.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
@@ -21,7 +22,6 @@
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
-#include "scene/toml/parse_number.hpp"
 
 namespace lostbits::output::claim {
 
@@ -30,19 +30,18 @@ using measure::claim::ClaimRequest;
 using measure::claim::ClaimResult;
 using measure::map::MapRow;
 using scene::claim::Claim;
+using scene::claim::ConsistencySubject;
+using scene::claim::OffsetsSubject;
+using scene::claim::RenderSubject;
+using scene::claim::SceneSubject;
+using scene::claim::SweepSubject;
 
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may be mapped for some claims, rendered for others, and the rays that leave it be the subject of
         // more.
-        const Claim& c = claims[i];
-        const std::string name = c.subject() + (!c.render.empty()        ? ", rendered"
-                                                : !c.offsets.empty()     ? ", offsets"
-                                                : !c.consistency.empty() ? ", consistency"
-                                                : !c.search.empty()      ? ", searched"
-                                                : c.mend                 ? ", mended"
-                                                                         : "");
+        const std::string name = words_of(claims[i]).heading;
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
@@ -54,11 +53,18 @@ namespace {
 
 using State = ClaimResult::State;
 
-/// The forms and formats that a subject's claims name, each once, in the order of the catalogue.
-std::vector<MapRow> rows_of(const ClaimSubject& subject, const std::vector<Claim>& claims) {
+/// What is shown of a subject, and of which claims about it.
+struct ShownSubject {
+    const std::filesystem::path& folder;
+    std::vector<const Claim*> claims;
+    const ClaimRequest& run;
+};
+
+/// The forms and formats that the claims name, each once, in the order of the catalogue.
+std::vector<MapRow> rows_of(const std::vector<const Claim*>& claims) {
     std::vector<MapRow> rows;
-    for (const std::size_t i : subject.claims) {
-        const MapRow row = measure::claim::claim_row(claims[i]);
+    for (const Claim* const c : claims) {
+        const MapRow row = measure::claim::claim_row(*c);
         const auto same = [&](const MapRow& r) {
             return r.form == row.form && r.format == row.format && r.judged == row.judged;
         };
@@ -82,38 +88,39 @@ std::string picture_link(const std::string& title, const std::string& file) {
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(file));
 }
 
-std::string picture_scene(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
-                          const ClaimRequest& run) {
-    const scene::file::Scene scene = shown_scene(name, run);
+/// The marches along a scene's first pixel, sample by sample, where all claims are about those; else its picture.
+std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
+    const std::vector<MapRow> rows = rows_of(shown.claims);
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+    const auto traced = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
+    if (std::ranges::all_of(shown.claims, traced)) {
+        const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
+        std::string text;
+        for (const MapRow& row : rows)
+            text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
+        return text;
+    }
     const measure::map::MapRequest request{.scene = &scene,
                                            .rows = rows,
                                            .metrics = {measure::metric::find_metric("lost_bits")},
-                                           .limit = {.stop = run.stop}};
+                                           .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
-    map::SceneSheet sheet(request, folder / "pictures" / file, scene.id);
+    map::SceneSheet sheet(request, shown.folder / "pictures" / file, scene.id);
     sheet.finish(measure::map::run_map(request, sheet.sinks()));
     return picture_link(scene.title, file);
 }
 
-/// The marches along a scene's first pixel, sample by sample.
-std::string trace_text(const std::vector<MapRow>& rows, const std::string& name, const ClaimRequest& run) {
-    const measure::answer::OneRay ray(shown_scene(name, run), 0, 0, {.stop = run.stop});
-    std::string text;
-    for (const MapRow& row : rows) text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
-    return text;
-}
-
 /// The pictures of a rendered scene, of all stages that its claims name.
-std::string picture_render(const std::filesystem::path& folder, const ClaimSubject& subject,
-                           const std::vector<Claim>& claims, const ClaimRequest& run) {
-    const scene::file::Scene scene = shown_scene(claims[subject.claims.front()].render, run);
+std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
     std::set<scene::file::Stage> stages;
-    for (const std::size_t i : subject.claims) stages.insert(claims[i].stage.value_or(scene.appearance.furthest()));
+    for (const Claim* const c : shown.claims)
+        stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
     measure::picture::RenderRequest request{
-        .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = run.stop}};
+        .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
     // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
     // lacks.
-    const std::vector<MapRow> claimed = rows_of(subject, claims);
+    const std::vector<MapRow> claimed = rows_of(shown.claims);
     for (const MapRow& a : claimed) {
         for (const MapRow& b : claimed) {
             const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
@@ -122,57 +129,63 @@ std::string picture_render(const std::filesystem::path& folder, const ClaimSubje
         }
     }
     const std::string file = scene.id + ".rendered.png";
-    picture::RenderSheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    picture::RenderSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
     sheet.finish(measure::picture::run_render(request, &sheet));
     return picture_link(scene.title, file);
 }
 
 /// The offsets of a scene: of each form, format and kind of point that its claims name.
-std::string picture_offsets(const std::filesystem::path& folder, const ClaimSubject& subject,
-                            const std::vector<Claim>& claims, const ClaimRequest& run) {
-    const scene::file::Scene scene = shown_scene(claims[subject.claims.front()].offsets, run);
+std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
     measure::offset::OffsetRequest request{.scene = &scene,
                                            .rows = {},
                                            .strategies = measure::offset::all_strategies(),
-                                           .limit = {.stop = run.stop},
+                                           .limit = {.stop = shown.run.stop},
                                            .quiet = false};
-    for (const std::size_t i : subject.claims) {
+    for (const Claim* const c : shown.claims) {
         for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
-            const measure::offset::OffsetRow row{measure::claim::claim_row(claims[i]), point};
-            if (name_of(point) == claims[i].points && std::ranges::find(request.rows, row) == request.rows.end())
+            const measure::offset::OffsetRow row{measure::claim::claim_row(*c), point};
+            if (name_of(point) == c->on<OffsetsSubject>()->points &&
+                std::ranges::find(request.rows, row) == request.rows.end())
                 request.rows.push_back(row);
         }
     }
     const std::string file = scene.id + ".offsets.png";
-    offset::OffsetSheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    offset::OffsetSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
     return picture_link(scene.title, file);
 }
 
+/// All checks of consistency of a scene.
+std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
+    return picture_consistency(shown.folder, rows_of(shown.claims), on.name, shown.run);
+}
+
 /// Which plots of a sweep its claims are about.
-struct Shown {
+struct SweepPlots {
     bool median = false, tail = false, wrong = false;
 };
 
-Shown shown_of(const ClaimSubject& subject, const std::vector<Claim>& claims) {
-    Shown shown;
-    for (const std::size_t i : subject.claims) {
-        const std::string& what = claims[i].onset.empty() ? claims[i].metric : claims[i].onset;
-        const std::string& statistic = claims[i].onset.empty() ? claims[i].metric : claims[i].statistic;
+SweepPlots plots_of(const std::vector<const Claim*>& claims) {
+    SweepPlots plots;
+    for (const Claim* const c : claims) {
+        const std::string& what = c->onset.empty() ? c->metric : c->onset;
+        const std::string& statistic = c->onset.empty() ? c->metric : c->statistic;
         // Bits of an operation are lost bits somewhere.
-        const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(claims[i]);
-        shown.wrong |= !bits;
+        const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
+        plots.wrong |= !bits;
         const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
-        shown.median |= bits && !tail;
-        shown.tail |= bits && tail;
+        plots.median |= bits && !tail;
+        plots.tail |= bits && tail;
     }
-    return shown;
+    return plots;
 }
 
 /// The pictures of a sweep, as Markdown.
-std::string picture_sweep(const std::filesystem::path& folder, const std::vector<MapRow>& rows, const std::string& name,
-                          Shown shown, const ClaimRequest& run) {
-    const auto path = scene::sweep::find_sweep(name, run.data_dir);
+std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
+    const auto& [folder, claims, run] = shown;
+    const std::vector<MapRow> rows = rows_of(claims);
+    const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
     // The claims are about small ranges; a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
@@ -208,15 +221,16 @@ std::string picture_sweep(const std::filesystem::path& folder, const std::vector
     }
     const auto onsets = measure::sweep::find_onsets(request, steps);
     const sweep::MeasuredSweep measured{request, steps, onsets};
+    const SweepPlots plots = plots_of(claims);
     for (const Format& format : sweep::formats_of(measured)) {
         const auto show = [&](const char* what) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
             text += picture_link(fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
             return folder / "pictures" / file;
         };
-        if (shown.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
-        if (shown.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
-        if (!shown.wrong) continue;
+        if (plots.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
+        if (plots.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
+        if (!plots.wrong) continue;
         for (const measure::answer::Outcome o : sweep::wrong_outcomes(measured, format))
             sweep::write_wrong_plot(show(measure::answer::outcome_names[static_cast<std::size_t>(o)].data()), measured,
                                     format, o);
@@ -275,23 +289,13 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
                       number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
     const std::string what = c.operations.empty() ? file::markdown_text(quantity(c))
                                                   : fmt::format("{} of {}", c.metric, in_code(c.operations));
-    std::string place = c.stage ? "stage " + std::string(name_of(*c.stage)) : c.case_name;
-    if (c.exhaustive) place = c.ray;
-    if (c.from)
-        place += fmt::format("{}{} to {}", place.empty() ? "" : ", ", scene::toml::exact_text(*c.from),
-                             scene::toml::exact_text(*c.to));
-    if (!c.offsets.empty()) place = offset_words(c);
-    if (!c.consistency.empty()) place = consistency_words(c);
-    if (c.mend) place = mend_words(c);
-    if (c.step) place = fmt::format("sample {}", *c.step);
-    for (const double x : c.at) place += (place.empty() ? "at " : ", ") + file::decimal(x);
+    const std::string place = words_of(c).place;
     const std::string says = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
-    return fmt::format("| {}{} | {}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
-                       file::markdown_text(c.statement),
-                       c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
-                       file::markdown_text(fmt::format("{}{}{}", c.form.empty() ? c.row : c.form, " " + c.format,
-                                                       place.empty() ? "" : ", " + place)),
-                       what, number + bounds_text(r) + spread_text(r), says, file::markdown_code(c.id));
+    return fmt::format(
+        "| {}{} | {}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
+        file::markdown_text(c.statement), c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
+        file::markdown_text(fmt::format("{}{}{}", c.tested(), " " + c.format, place.empty() ? "" : ", " + place)), what,
+        number + bounds_text(r) + spread_text(r), says, file::markdown_code(c.id));
 }
 
 }  // namespace
@@ -316,20 +320,14 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(),
         counts.all.with_criterion, screenshots_in(folder));
     for (const ClaimSubject& subject : subjects_of(claims)) {
-        const Claim& first = claims[subject.claims.front()];
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
-        const bool traced =
-            std::ranges::all_of(subject.claims, [&](std::size_t i) { return claims[i].step.has_value(); });
-        if (traced) text += trace_text(rows_of(subject, claims), subject.name, run) + "\n";
-        else if (!first.scene.empty())
-            text += picture_scene(folder, rows_of(subject, claims), subject.name, run) + "\n";
-        else if (!first.render.empty()) text += picture_render(folder, subject, claims, run) + "\n";
-        else if (!first.offsets.empty()) text += picture_offsets(folder, subject, claims, run) + "\n";
-        else if (!first.consistency.empty())
-            text += picture_consistency(folder, rows_of(subject, claims), first.consistency, run) + "\n";
-        else if (!first.sweep.empty())
-            text +=
-                picture_sweep(folder, rows_of(subject, claims), subject.name, shown_of(subject, claims), run) + "\n";
+        ShownSubject shown{folder, {}, run};
+        for (const std::size_t i : subject.claims) shown.claims.push_back(&claims[i]);
+        std::visit(
+            [&](const auto& on) {
+                if constexpr (requires { picture_of(on, shown); }) text += picture_of(on, shown) + "\n";
+            },
+            claims[subject.claims.front()].subject);
         text += samples_text(subject, results);
         std::string source;
         for (const std::size_t i : subject.claims) {

@@ -52,8 +52,7 @@ public:
     RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map)
         : row_(row), worst_(std::move(worst)), map_(map) {}
     void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
-        const bool answers = request.answered && &row_ == &request.rows.front();
-        rows_.emplace(path, dump, request.metrics, answers && dump.layout().decides_only());
+        rows_.emplace(path, dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only());
     }
     void piece(const Chunk& chunk, const measure::map::BandResult& result) override {
         worst_.look_at(chunk.first, result);

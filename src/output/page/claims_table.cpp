@@ -11,6 +11,7 @@
 #include "measure/claim/claim_columns.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_report.hpp"
+#include "output/claim/subject_words.hpp"
 #include "output/file/number_text.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"
@@ -23,6 +24,8 @@ using measure::claim::ClaimResult;
 namespace {
 
 using scene::claim::Claim;
+using scene::claim::SceneSubject;
+using scene::claim::SweepSubject;
 using State = ClaimResult::State;
 
 template <class Part>
@@ -37,45 +40,46 @@ struct Place {
     bool drawn = true;  ///< whether the quantity itself is among what is shown there
 };
 
-std::optional<Place> place_in_map(const Claim& c, const ClaimResult& r, const Report& report) {
-    const auto part = std::ranges::find(report.maps, c.scene, &MapPart::id);
+std::optional<Place> place_in(const SceneSubject& on, const Claim& c, const ClaimResult& r, const Report& report) {
+    const auto part = std::ranges::find(report.maps, on.name, &MapPart::id);
     if (part == report.maps.end() || !has_row(*part, c)) return {};
-    std::string view = fmt::format("scene={}&form={}&format={}", c.scene, c.form, c.format);
+    std::string view = fmt::format("scene={}&form={}&format={}", on.name, c.form, c.format);
     const measure::metric::Metric* const m = claim::metric_of_column(c.metric);
     const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c)
                                     : std::ranges::find(part->metrics, m->name) != part->metrics.end();
     if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
-    if (part->own_size && c.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
+    if (part->own_size && on.step) view += "&x=0&y=0";  // the march of that pixel is what such a claim follows
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
-    return Place{"scene-" + c.scene, view, drawn};
+    return Place{"scene-" + on.name, view, drawn};
 }
 
 /// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the
 /// cases. Empty where it names none, or a place between two. Steps of a power of two are rounded to 12 bits, claims are
 /// not: |step − at| ≤ 2^-12 |at| is the same place.
-std::string cell_of(const Claim& c, const SweepPart& part) {
-    if (part.kind == SweepPart::Kind::cases) {
-        const auto named = [&c](const std::string& name) { return fnmatch(c.case_name.c_str(), name.c_str(), 0) == 0; };
+std::string cell_of(const Claim& c, const SweepSubject& on, const SweepPart& part) {
+    if (const auto* const one = on.part_if<SweepSubject::Case>(); one && part.kind == SweepPart::Kind::cases) {
+        const auto named = [one](const std::string& name) { return fnmatch(one->name.c_str(), name.c_str(), 0) == 0; };
         const auto found = std::ranges::find_if(part.cases, named);
         return found == part.cases.end() ? ""
                                          : fmt::format("&judged={}&v={}", intersect::convention_name(c.convention),
                                                        found - part.cases.begin());
     }
     std::string text;
-    for (std::size_t a = 0; a < c.at.size(); ++a) {
+    const auto* const at = on.part_if<SweepSubject::At>();
+    for (std::size_t a = 0; at && a < at->values.size(); ++a) {
         if (a >= part.axes.size()) return "";
         auto values = part.axes[a];
         std::ranges::sort(values);
         const auto found = std::ranges::find_if(
-            values, [at = c.at[a]](double value) { return std::fabs(value - at) <= 0x1p-12 * std::fabs(at); });
+            values, [x = at->values[a]](double value) { return std::fabs(value - x) <= 0x1p-12 * std::fabs(x); });
         if (found == values.end()) return "";
         text += fmt::format("&{}={}", a == 0 ? "u" : "v", found - values.begin());
     }
     return text;
 }
 
-std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
-    const std::string id = std::filesystem::path(c.sweep).stem().string();
+std::optional<Place> place_in(const SweepSubject& on, const Claim& c, const Report& report) {
+    const std::string id = std::filesystem::path(on.name).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
     if (part->kind == SweepPart::Kind::line && plot_script.text.empty()) return Place{"sweep-" + id, ""};
@@ -84,30 +88,29 @@ std::optional<Place> place_in_sweep(const Claim& c, const Report& report) {
                                : c.onset.empty()      ? c.metric
                                                       : c.onset + "_fraction";
     if (std::ranges::find(sweep_statistics, column) != sweep_statistics.end()) view += "&statistic=" + column;
-    return Place{"sweep-" + id, view + cell_of(c, *part)};
+    return Place{"sweep-" + id, view + cell_of(c, on, *part)};
 }
 
 std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report& report) {
-    if (!c.scene.empty()) return place_in_map(c, r, report);
-    if (!c.sweep.empty()) return place_in_sweep(c, report);
+    if (const auto* const scene = c.on<SceneSubject>()) return place_in(*scene, c, r, report);
+    if (const auto* const sweep = c.on<SweepSubject>()) return place_in(*sweep, c, report);
     return {};
 }
 
 /// What it was measured on: a link to where the page shows it, or else the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const std::string text = html(claim::where_measured(c)),
-                      row = fmt::format("<br><small>{} {}</small>", html(c.form.empty() ? c.row : c.form),
-                                        html(c.format));
+    const claim::SubjectWords words = claim::words_of(c);
+    const std::string text = html(words.where),
+                      row = fmt::format("<br><small>{} {}</small>", html(c.tested()), html(c.format));
     const auto place = place_of(c, r, report);
     if (!place)
-        return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row,
-                           html(claim::reproduce(c)));
+        return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(words.command));
     const std::string link =
         fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor),
                     place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
     return place->drawn ? link + row
                         : fmt::format("{}{}<br><small>to draw its picture: <code>{}</code></small>", link, row,
-                                      html(claim::reproduce(c)));
+                                      html(words.command));
 }
 
 struct Word {
@@ -179,7 +182,7 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
     const Word word = word_of(c, r);
     std::string text = fmt::format(
         "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
-        word.style, sort_keys(word, r), html(claim::reproduce(c)), word.text, html(c.statement));
+        word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, html(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
     text += rests_on(c, r, word);
     text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),

@@ -8,7 +8,7 @@
 
 #include "intersect/info.hpp"
 #include "scene/claim/criterion.hpp"
-#include "scene/file/appearance.hpp"
+#include "scene/claim/subject.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace lostbits::scene::claim {
@@ -28,32 +28,6 @@ struct Claim {
     /// others. A sentence with a word of all cases ("never", "at most") must say.
     enum class Evidence { none, proof, exhaustive, search, counterexample, sample };
 
-    /// Speed against speed: of a kernel over another's (`over_form` in `over_kernel`), or of all processors over one.
-    struct Timing {
-        std::string work, data;  ///< see measure/speed/timing_work.hpp
-        std::string kernel, over_form, over_kernel;
-        bool all_processors = false;
-    };
-
-    /// A form and format among others on the rays of a scene: by a wish, which it meets or not, or by its time over
-    /// another's.
-    struct Choice {
-        std::string scene;
-        std::optional<double> bits;  ///< of the wish; without one `over_form` is named
-        double wrong = 0;
-        std::string at;                    ///< `p99`, `max`: of how many hits the bits are wanted
-        std::vector<std::string> formats;  ///< of the other candidates
-        std::string over_form, over_format;
-    };
-
-    /// What `lostbits mend` is asked of a form.
-    struct Mend {
-        std::string scene;
-        double bits = 0, wrong = 0;
-        std::string at = "max";                        ///< as of a choice
-        std::optional<std::pair<int, int>> size = {};  ///< of the picture; absent: the scene's
-    };
-
     std::string id, statement, source, note;
     Verdict verdict = Verdict::holds;  ///< what was found; either way the measurement must lie in `low`..`high`
     std::string condition;             ///< of a `qualified` one: `where touching is a miss`
@@ -65,53 +39,23 @@ struct Claim {
     /// The command line named its file; else it is one of the data folder.
     bool named = false;
 
-    // given: a form on one scene, or on one sweep at a place of its axes or one of its cases; or a row of a table; or
-    // its speed; or what a choice makes of it
-    std::string scene, sweep, form, format;
-    std::vector<double> at;  ///< one value an axis of the sweep; the argument of a table's row
-    std::string case_name;
-    bool exhaustive = false;       ///< about every float of a range: the sweep's own, or from `from` to `to`
-    std::string ray;               ///< of such a sweep; empty: its only one
-    std::optional<Real> from, to;  ///< both or neither
+    // given
+    Subject subject;
+    std::string form, format;                       ///< no form where a table's row stands in its place
     std::optional<intersect::Touching> convention;  ///< judged as closed or open solids; absent: by the form's own word
-    std::optional<int> step;                        ///< the sample of a march along pixel (0, 0) of the scene
-    std::string table, row;
-    std::optional<Timing> timing;
-    std::optional<Choice> choice;
-    std::vector<std::string>
-        requirements;  ///< what the machine must have, or the claim is skipped: `isa-256`, `processors-2`
-
-    std::string render;                ///< a scene, of whose picture `lostbits render` makes the claim is
-    std::optional<file::Stage> stage;  ///< of that picture; absent: the last that the scene asks for
-
-    /// A scene, of whose respawned rays `lostbits offsets` makes the claim is: by which strategy, to which side, from
-    /// which points.
-    std::string offsets, strategy, side, points;
-
-    /// A scene, of whose questions put in two ways `lostbits consistency` makes the claim is: of which check.
-    std::string consistency, check;
-
-    /// A sweep file with a `[search]`, whose worst ray the claim is about.
-    std::string search;
+    /// What the machine must have, or the claim is skipped: `isa-256`, `processors-2`.
+    std::vector<std::string> requirements;
 
     /// Whether somebody else said it: `source` is not "-".
     [[nodiscard]] bool is_sourced() const { return source != "-"; }
-
-    /// What becomes of the form when it is mended.
-    std::optional<Mend> mend;
-
-    /// What is measured on: the scene, sweep or table, the work that is timed, or what is chosen for.
-    [[nodiscard]] const std::string& subject() const {
-        return timing                 ? timing->work
-               : choice               ? choice->scene
-               : !scene.empty()       ? scene
-               : !sweep.empty()       ? sweep
-               : !render.empty()      ? render
-               : !offsets.empty()     ? offsets
-               : !consistency.empty() ? consistency
-               : !search.empty()      ? search
-               : mend                 ? mend->scene
-                                      : table;
+    /// The scene, sweep or table, or the work that is timed.
+    [[nodiscard]] const std::string& subject_name() const;
+    /// The form, or the row of a table.
+    [[nodiscard]] const std::string& tested() const;
+    /// What it is measured on, where that is of this kind; else null.
+    template <class Kind>
+    [[nodiscard]] const Kind* on() const {
+        return std::get_if<Kind>(&subject);
     }
 
     // expect: a column of the summary, or an onset along the sweep

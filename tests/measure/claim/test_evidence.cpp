@@ -41,11 +41,13 @@ TEST_CASE("every claim whose sentence speaks of all cases says what it rests on"
         // Of a promise of a bound, samples say nothing.
         if (word == "sound") CHECK_FALSE(sample);
         CHECK(scene::claim::universal_word(claim.note) != "sound");
-        if (claim.evidence == Claim::Evidence::exhaustive) CHECK(claim.exhaustive);
-        const bool searched = !claim.search.empty() || claim.sweep.starts_with("hard/");
-        if (claim.evidence == Claim::Evidence::search) CHECK(searched);
+        const auto* const sweep = claim.on<scene::claim::SweepSubject>();
+        const bool searched = claim.on<scene::claim::SearchSubject>();
+        if (claim.evidence == Claim::Evidence::exhaustive)
+            CHECK((sweep && sweep->part_if<scene::claim::SweepSubject::EveryFloat>()));
+        if (claim.evidence == Claim::Evidence::search) CHECK((searched || (sweep && sweep->name.starts_with("hard/"))));
         proofs += claim.evidence == Claim::Evidence::proof;
-        searches += !claim.search.empty();
+        searches += searched;
     }
     CHECK(universal > 100);
     CHECK(proofs >= 5);

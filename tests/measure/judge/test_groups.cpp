@@ -41,8 +41,8 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
         const scene::test::DumpFile file("kinds.bin", scene::test::as_bytes<float>(columns));
         const auto dump = scene::dump::open_dump(
             file.path(), {.columns = columns.joined_names(":f32"), .solid = Shape::sphere, .keep = true});
-        JudgeRequest request{.solids = solids, .answered = true, .metrics = all_metrics};
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
+        JudgeRequest request{.solids = solids, .file_form = &form.form(), .metrics = all_metrics};
         request.rows = {{&form.form(), row.format}};
         if (!only) request.by = 0;
         return judge::run_judge(*dump, request, {});

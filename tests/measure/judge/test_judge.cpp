@@ -54,7 +54,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
                                                     {.solids = solids,
                                                      .march = march,
                                                      .rows = {{&form.form(), row.format}, row},
-                                                     .answered = true,
+                                                     .file_form = &form.form(),
                                                      .metrics = all_metrics,
                                                      .picture = std::pair{scene.width, scene.height}},
                                                     {});
@@ -211,7 +211,8 @@ TEST_CASE("judged rays do not depend on the number of threads, and the worst are
         const judge::FileForm form("a", Shape::sphere, *row.form->info);
         Worst worst(10);
         results.push_back(judge::run_judge(
-            *dump, {.rows = {{&form.form(), row.format}, row}, .answered = true, .metrics = all_metrics}, {&worst}));
+            *dump, {.rows = {{&form.form(), row.format}, row}, .file_form = &form.form(), .metrics = all_metrics},
+            {&worst}));
         noted.push_back(worst.worst.all());
     }
     for (const JudgeResult& result : results) {
@@ -266,10 +267,10 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     decides.roots = intersect::Roots::none;
     const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
-    const auto s =
-        std::move(judge::run_judge(
-                      *dump, {.rows = {{&form.form(), dump->format()}}, .answered = true, .metrics = all_metrics}, {})
-                      .summaries.front());
+    const auto s = std::move(
+        judge::run_judge(
+            *dump, {.rows = {{&form.form(), dump->format()}}, .file_form = &form.form(), .metrics = all_metrics}, {})
+            .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
     CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
     CHECK(s.count(answer::Outcome::not_a_number) == 0);
@@ -287,7 +288,7 @@ TEST_CASE("of equal errors and of wrong decisions the first are kept") {
     judge::run_judge(*dump,
                      {.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
                       .rows = {{&form.form(), dump->format()}},
-                      .answered = true,
+                      .file_form = &form.form(),
                       .metrics = all_metrics},
                      {&worst});
     std::vector<std::uint64_t> places;
@@ -304,7 +305,7 @@ TEST_CASE("rays that are not the pixels of the picture are refused") {
         const judge::FileForm form("a", Shape::sphere, intersect::Info{});
         const JudgeRequest request{.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
                                    .rows = {{&form.form(), dump->format()}},
-                                   .answered = true,
+                                   .file_form = &form.form(),
                                    .metrics = all_metrics,
                                    .picture = std::pair{4, 3}};
         CHECK_THROWS_WITH(judge::run_judge(*dump, request, {}), Catch::Contains("picture of 4x3 has 12"));

@@ -16,7 +16,7 @@ std::string row_of(Evidence evidence, Claim::Verdict verdict, std::uint64_t floa
     Claim claim;
     claim.id = "a.claim";
     claim.statement = "It never fails";
-    claim.table = "arithmetic";
+    claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};
     claim.verdict = verdict;
     claim.evidence = evidence;
     if (evidence == Evidence::proof) claim.lemma = "e < 4u";
@@ -50,7 +50,7 @@ TEST_CASE("a claim on the page says what its verdict rests on") {
 
 TEST_CASE("a claim that came out otherwise rests on nothing, but still says how many floats were tried") {
     Claim claim;
-    claim.table = "arithmetic";
+    claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};
     claim.evidence = Evidence::sample;
     ClaimResult result;
     result.state = ClaimResult::State::disagrees;

@@ -1,0 +1,141 @@
+#include "output/claim/subject_words.hpp"
+
+#include <fmt/format.h>
+
+#include "measure/claim/claim_columns.hpp"
+#include "output/blame/explain_command.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/file/number_text.hpp"
+#include "scene/toml/parse_number.hpp"
+
+namespace lostbits::output::claim {
+
+using blame::shell_word;
+using measure::metric::Metric;
+
+namespace {
+
+using namespace scene::claim;
+
+/// What differs from kind to kind. Behind the name of the subject: `kind` in a heading, `part` in a text.
+struct KindWords {
+    std::string command, kind = {}, part = {}, place = {};
+    std::string at = {};  ///< of a place on axes its numbers, which follow the convention; `place` is empty
+};
+
+/// ` --metric contribution:c` for a claim about contribution_c_p50: what a run does not measure unless it is told to.
+std::string metric_option(const Claim& c) {
+    if (!c.operations.empty()) return " --metric culprit";
+    if (!measure::claim::asks_for_attribution(c)) {
+        const Metric* const metric = metric_of_column(c.metric);
+        return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
+    }
+    const std::string metric = c.metric.substr(0, c.metric.rfind('_'));
+    const auto label = metric.find('_');
+    return label == std::string::npos
+               ? " --metric " + metric
+               : fmt::format(" --metric \"{}:{}\"", metric.substr(0, label), metric.substr(label + 1));
+}
+
+/// `options` of the command's own stand before those of the form, `more` behind them.
+std::string asked(const Claim& c, const char* command, const std::string& options, const std::string& more = "") {
+    return fmt::format("lostbits {} {}{} -i {} -f {}{} -o out", command, shell_word(c.subject_name()), options, c.form,
+                       c.format, more);
+}
+
+std::string checked(const Claim& c, const char* options, const char* more) {
+    // In quotes always: what --filter takes is a glob.
+    const std::string id = c.id.find('\'') == std::string::npos ? "'" + c.id + "'" : shell_word(c.id);
+    return fmt::format("lostbits check{}{} --filter {}{}", c.named ? " " + shell_word(c.where.source) : "", options, id,
+                       more);
+}
+
+std::string numbers_text(const std::vector<double>& values) {
+    std::string text;
+    for (const double x : values) text += (text.empty() ? "" : ", ") + file::decimal(x);
+    return text;
+}
+
+KindWords words(const Claim& c, const SceneSubject& on) {
+    if (!on.step) return {asked(c, "map", "", metric_option(c))};
+    return {
+        .command = fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(on.name), c.form, c.format),
+        .place = fmt::format("sample {}", *on.step)};
+}
+
+KindWords words(const Claim& c, const SweepSubject& on) {
+    KindWords w{asked(c, "sweep", "", metric_option(c))};
+    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = numbers_text(at->values);
+    if (const auto* const one = on.part_if<SweepSubject::Case>()) w.part = ": " + (w.place = one->name);
+    if (const auto* const every = on.part_if<SweepSubject::EveryFloat>()) {
+        w.command = checked(c, "", " --measure");
+        if (!every->ray.empty()) w.part = ": " + (w.place = every->ray);
+        if (!every->from) return w;
+        const std::string range =
+            fmt::format("{} to {}", scene::toml::exact_text(*every->from), scene::toml::exact_text(*every->to));
+        w.part += ", " + range;
+        w.place += (w.place.empty() ? "" : ", ") + range;
+    }
+    return w;
+}
+
+KindWords words(const Claim& c, const RenderSubject& on) {
+    const std::string stage = on.stage ? "stage " + std::string(name_of(*on.stage)) : "";
+    return {.command = asked(c, "render", stage.empty() ? "" : " --" + stage),
+            .kind = ", rendered",
+            .part = ", rendered" + (stage.empty() ? "" : " to " + stage),
+            .place = stage};
+}
+
+KindWords words(const Claim& c, const OffsetsSubject& on) {
+    const std::string place =
+        fmt::format("{}, {}, {} points", on.strategy, on.side == "outside" ? "rays outside" : "rays inside", on.points);
+    return {.command = asked(c, "offsets", fmt::format(" --strategy {} --points {}", on.strategy, on.points)),
+            .kind = ", offsets",
+            .part = ", " + place,
+            .place = place};
+}
+
+KindWords words(const Claim& c, const ConsistencySubject& on) {
+    const std::string place = "consistency, " + on.check;
+    return {.command = asked(c, "consistency", " --check " + on.check),
+            .kind = ", consistency",
+            .part = ", " + place,
+            .place = place};
+}
+
+KindWords words(const Claim& c, const SearchSubject& /*on*/) {
+    return {.command = asked(c, "sweep", " --worst"), .kind = ", searched"};
+}
+
+KindWords words(const Claim& c, const MendSubject& on) {
+    std::string options = fmt::format(" --bits {:.12g}", on.wish.bits);
+    if (on.wish.wrong != 0) options += fmt::format(" --wrong {:.12g}", on.wish.wrong);
+    if (on.wish.at != "max") options += " --at " + on.wish.at;
+    if (on.size) options += fmt::format(" --size {}x{}", on.size->first, on.size->second);
+    const std::string place = "mended:" + options;
+    return {.command = asked(c, "mend", "", options), .kind = ", mended", .part = ", " + place, .place = place};
+}
+
+KindWords words(const Claim& c, const TableSubject& on) {
+    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = numbers_text({on.at})};
+}
+
+KindWords words(const Claim& c, const TimingSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }
+
+KindWords words(const Claim& c, const ChoiceSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }
+
+}  // namespace
+
+SubjectWords words_of(const Claim& c) {
+    const KindWords w = std::visit([&c](const auto& on) { return words(c, on); }, c.subject);
+    const std::string& name = c.subject_name();
+    return {.heading = name + w.kind,
+            .where = fmt::format("{}{}{}{}{}", name, w.part,
+                                 c.convention ? fmt::format(" ({})", intersect::convention_name(c.convention)) : "",
+                                 w.at.empty() ? "" : ", ", w.at),
+            .place = w.at.empty() ? w.place : "at " + w.at,
+            .command = w.command + blame::where_form_is_from(c.form)};
+}
+
+}  // namespace lostbits::output::claim

@@ -1,0 +1,253 @@
+#include "scene/claim/subject.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "scene/claim/claims_file.hpp"
+#include "scene/file/beside.hpp"
+#include "scene/sweep/convention.hpp"
+
+namespace lostbits::scene::claim {
+
+using toml::Node;
+using toml::TableReader;
+
+namespace {
+
+using file::Stage;
+
+constexpr std::string_view needs_cases = "needs a sweep of cases, and no `at`";
+
+void read_row(TableReader& table, Claim& claim) {
+    claim.form = table.string("form");
+    claim.format = table.string("format");
+}
+
+/// The keys of a place, which are known wherever a subject is not timed or mended: they say themselves what they need.
+void expect_place(TableReader& table) {
+    for (const char* key : {"at", "case", "exhaustive", "step", "convention"}) static_cast<void>(table.has(key));
+}
+
+/// `bits`, `wrong` and `at`.
+WishedBits read_wish(TableReader& table, const char* usually_at) {
+    WishedBits wish{static_cast<double>(table.number("bits")),
+                    static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
+    if (!(wish.bits >= 0 && wish.bits <= 53)) table.fail_at("bits", "must lie in 0 to 53");
+    if (!(wish.wrong >= 0 && wish.wrong <= 1)) table.fail_at("wrong", "is a share of the rays, 0 to 1");
+    wish.at = table.optional_string("at").value_or(usually_at);
+    return wish;
+}
+
+Subject read_timing(TableReader& table, Claim& claim, std::string name) {
+    TimingSubject timing{.name = std::move(name)};
+    claim.form = table.string("form");
+    timing.kernel = table.string("kernel");
+    claim.format = table.string("format");
+    timing.data = table.string("data");
+    timing.all_processors = table.optional_boolean("all_processors").value_or(false);
+    if (auto over = table.optional_table("over")) {
+        if (timing.all_processors)
+            table.reject("over", "cannot be combined with all_processors, which compares with one processor");
+        timing.over_form = over->optional_string("form").value_or(claim.form);
+        timing.over_kernel = over->optional_string("kernel").value_or(timing.kernel);
+        over->reject_unknown_keys();
+    } else if (!timing.all_processors) {
+        toml::fail(table.where(),
+                   "claim.given needs `over = { form = \"...\", kernel = \"...\" }`, whose speed is 1, or "
+                   "`all_processors = true`");
+    }
+    return timing;
+}
+
+/// A wish on a scene, or a time over another's there.
+Subject read_choice(TableReader& table, Claim& claim, std::string name) {
+    ChoiceSubject choice{.name = std::move(name)};
+    read_row(table, claim);
+    if (auto over = table.optional_table("over")) {
+        for (const char* key : {"bits", "wrong", "at", "formats"})
+            table.reject(key, "belongs to a wish, and `over` compares two times; write one of the two");
+        choice.against = ChoiceSubject::Over{over->optional_string("form").value_or(claim.form),
+                                             over->optional_string("format").value_or(claim.format)};
+        over->reject_unknown_keys();
+    } else {
+        if (!table.has("bits"))
+            toml::fail(table.where(),
+                       "claim.given needs a wish, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
+                       "time is 1");
+        const WishedBits wish = read_wish(table, "p99");
+        choice.against = ChoiceSubject::Others{
+            wish, table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"})};
+    }
+    return choice;
+}
+
+Subject read_mend(TableReader& table, Claim& claim, std::string name) {
+    MendSubject mend{.name = std::move(name), .wish = read_wish(table, "max")};
+    if (table.has("size")) {
+        const auto size = table.numbers("size", 2);
+        const auto side = [&](const Real& x) {
+            if (!(x >= 1 && x <= 4096)) table.fail_at("size", "must lie in 1 to 4096, as [width, height]");
+            return static_cast<int>(x);
+        };
+        mend.size = {side(size[0]), side(size[1])};
+    }
+    read_row(table, claim);
+    return mend;
+}
+
+std::optional<int> read_step(TableReader& table) {
+    const auto step = table.optional_integer("step", 0, 100000);
+    return step ? std::optional(static_cast<int>(*step)) : std::nullopt;
+}
+
+Subject read_scene(TableReader& table, Claim& claim, std::string name) {
+    read_row(table, claim);
+    expect_place(table);
+    table.reject("at", "needs a sweep or a table: it is a place on their axes");
+    return SceneSubject{std::move(name), read_step(table)};
+}
+
+/// `exhaustive` and what goes with it. `may`: about a sweep of which nothing else is named.
+std::optional<SweepSubject::EveryFloat> read_every_float(TableReader& table, bool may) {
+    if (!table.optional_boolean("exhaustive").value_or(false)) {
+        for (const char* key : {"ray", "from", "to"})
+            table.reject(key, "goes with `exhaustive = true`: it is of a sweep over every float");
+        return std::nullopt;
+    }
+    if (!may) table.fail_at("exhaustive", "needs a sweep over every float, and neither `at` nor `case`");
+    return SweepSubject::EveryFloat{table.optional_string("ray").value_or(""), table.optional_number("from"),
+                                    table.optional_number("to")};
+}
+
+std::vector<double> read_at(TableReader& table) {
+    std::vector<double> at;
+    if (table.node("at").kind != Node::Kind::array) return {static_cast<double>(table.number("at"))};
+    for (const Real& x : table.numbers("at")) at.push_back(static_cast<double>(x));
+    return at;
+}
+
+Subject read_sweep(TableReader& table, Claim& claim, std::string name) {
+    SweepSubject sweep{.name = std::move(name)};
+    read_row(table, claim);
+    const bool placed = table.has("at");
+    if (placed) sweep.part = SweepSubject::At{read_at(table)};
+    const std::string of_case = table.optional_string("case").value_or("");
+    if (placed) table.reject("case", needs_cases);
+    if (!of_case.empty()) sweep.part = SweepSubject::Case{of_case};
+    if (auto every = read_every_float(table, !placed && of_case.empty())) sweep.part = std::move(*every);
+    return sweep;
+}
+
+Subject read_table(TableReader& table, Claim& claim, std::string name) {
+    TableSubject row{.name = std::move(name), .row = table.string("row")};
+    claim.format = table.string("format");
+    const auto at = table.has("at") ? read_at(table) : std::vector<double>{};
+    if (at.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
+    row.at = at.front();
+    return row;
+}
+
+Subject read_render(TableReader& table, Claim& claim, std::string name) {
+    static constexpr std::pair<std::string_view, Stage> stages[] = {
+        {"visible", Stage::visible}, {"diffuse", Stage::diffuse}, {"shadows", Stage::shadows}, {"phong", Stage::phong}};
+    RenderSubject render{.name = std::move(name), .stage = table.optional_one_of<Stage>("stage", stages)};
+    read_row(table, claim);
+    return render;
+}
+
+Subject read_offsets(TableReader& table, Claim& claim, std::string name) {
+    OffsetsSubject offsets{.name = std::move(name), .strategy = table.string("strategy")};
+    offsets.side = table.optional_string("side").value_or("outside");
+    offsets.points = table.optional_string("points").value_or("computed");
+    read_row(table, claim);
+    return offsets;
+}
+
+Subject read_consistency(TableReader& table, Claim& claim, std::string name) {
+    ConsistencySubject consistency{.name = std::move(name), .check = table.string("check")};
+    read_row(table, claim);
+    return consistency;
+}
+
+Subject read_search(TableReader& table, Claim& claim, std::string name) {
+    read_row(table, claim);
+    return SearchSubject{std::move(name)};
+}
+
+/// A kind of subject, which is named by its key.
+struct Kind {
+    std::string_view key;
+    Subject (*read)(TableReader& table, Claim& claim, std::string name);
+    std::string_view no_place = {};  ///< why `at`, `case` and `convention` have no meaning there
+};
+
+constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, mend{"mend", read_mend};
+constexpr Kind measured[] = {
+    {"scene", read_scene},
+    {"sweep", read_sweep},
+    {"table", read_table},
+    {"render", read_render, "has no meaning for a rendered scene; leave it out"},
+    {"offsets", read_offsets, "has no meaning for offsets of a scene; leave it out"},
+    {"consistency", read_consistency, "has no meaning for the consistency of a scene; leave it out"},
+    {"search", read_search, "has no meaning for a search, which draws its rays by itself; leave it out"}};
+
+/// A key of one kind, and what to say where it stands beside another.
+struct OwnKey {
+    std::string_view key, kind, why;
+};
+constexpr std::string_view of_offsets = "goes with offsets = \"...\", a scene whose respawned rays the claim is about";
+constexpr OwnKey own_keys[] = {
+    {"size", "", "is the scene's own; write it there, or name a variant of the scene that has that size"},
+    {"strategy", "offsets", of_offsets},
+    {"side", "offsets", of_offsets},
+    {"points", "offsets", of_offsets},
+    {"check", "consistency", "goes with consistency = \"...\", a scene whose questions are put in two ways"},
+    {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""}};
+
+/// What is neither timed nor mended: a form is asked about the rays of one thing.
+Subject read_measured(TableReader& table, Claim& claim) {
+    for (const Kind& other : {timing, choice})
+        table.reject(other.key, "needs `profile = \"timing\"` at the head of the file");
+    std::vector<std::pair<const Kind*, std::string>> given;
+    for (const Kind& kind : measured) {
+        const std::string name = table.optional_string(kind.key).value_or("");
+        if (!name.empty()) given.emplace_back(&kind, file::beside(table.where().source, name));
+    }
+    if (given.size() != 1)
+        toml::fail(
+            table.where(),
+            "claim.given names a scene, a sweep, a search, a table, a scene to render or one of which offsets or "
+            "consistency are measured; write one of them");
+    auto& [kind, name] = given.front();
+    if (!kind->no_place.empty()) {
+        for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_place);
+    }
+    for (const OwnKey& own : own_keys) {
+        if (own.kind != kind->key) table.reject(own.key, own.why);
+    }
+    Subject subject = kind->read(table, claim, std::move(name));
+    expect_place(table);
+    if (!std::holds_alternative<SweepSubject>(subject)) {
+        if (table.optional_string("case")) table.reject("case", needs_cases);
+        read_every_float(table, false);
+    }
+    if (!std::holds_alternative<SceneSubject>(subject) && read_step(table))
+        table.reject("step", "needs a scene: it is a sample of the march along the scene's pixel (0, 0)");
+    claim.convention = sweep::read_convention(table);
+    return subject;
+}
+
+}  // namespace
+
+void read_given(TableReader table, Claim& claim) {
+    const auto whole = [&](const Kind& kind) {
+        return kind.read(table, claim, file::beside(table.where().source, table.string(kind.key)));
+    };
+    if (claim.profile == Claim::Profile::timing) claim.subject = whole(table.has(choice.key) ? choice : timing);
+    else if (table.has(mend.key)) claim.subject = whole(mend);
+    else claim.subject = read_measured(table, claim);
+    claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
+    table.reject_unknown_keys();
+}
+
+}  // namespace lostbits::scene::claim
