@@ -55,10 +55,10 @@ endfunction()
 
 # And for its packs: c++ -c mine.cpp -o packs.o @form.flags @form.w256.flags, with packs.o beside mine.cpp above.
 foreach(isa IN LISTS LOSTBITS_ISAS)
-    set(words "$<TARGET_PROPERTY:lostbits_stages_${isa},COMPILE_DEFINITIONS>")
-    set(options "$<FILTER:$<TARGET_PROPERTY:lostbits_stages_${isa},COMPILE_OPTIONS>,INCLUDE,^-(m|O|ffp|fno)>")
+    set(words "$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_DEFINITIONS>")
+    set(options "$<FILTER:$<TARGET_PROPERTY:lostbits_packed_${isa},COMPILE_OPTIONS>,INCLUDE,^-(m|O|ffp|fno)>")
     file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/form.${isa}.flags CONTENT
-        "-D$<JOIN:${words}, -D> $<JOIN:${options}, >\n" TARGET lostbits_stages_${isa})
+        "-D$<JOIN:${words}, -D> $<JOIN:${options}, >\n" TARGET lostbits_packed_${isa})
     install(FILES ${PROJECT_BINARY_DIR}/form.${isa}.flags DESTINATION lib/lostbits)
 endforeach()
 

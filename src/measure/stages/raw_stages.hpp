@@ -72,9 +72,9 @@ struct RawStages {
     void (*unit_directions)(const RawDirections&);      ///< the same for every shape
 };
 
-/// One function a register width, each in an object of its own: those of every shape, in the order of the list.
+/// One function for registers of 128 bits and one for wider ones, each in an object of its own: those of every shape,
+/// in the order of the list.
 void fill_stages_w128(RawStages* of_shape);
 void fill_stages_w256(RawStages* of_shape);
-void fill_stages_w512(RawStages* of_shape);
 
 }  // namespace lostbits::measure::stages
