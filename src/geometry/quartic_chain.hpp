@@ -49,6 +49,27 @@ T sign_changes(const std::array<T, 5>& chain) {
     return count;
 }
 
+/// The same of numbers with a bound, and whether it is known.
+template <class E>
+struct Changes {
+    typename E::P count;
+    mask_t<typename E::P> known;
+};
+template <class E>
+Changes<E> changes_in(const std::array<E, 5>& chain) {
+    using P = typename E::P;
+    const E zero(0);
+    auto before = (chain[0] > zero).yes();
+    Changes<E> all{P(0), before || (chain[0] < zero).yes()};
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+        const auto now = (chain[i] > zero).yes();
+        all.known = all.known && (now || (chain[i] < zero).yes());
+        all.count = all.count + select((now && !before) || (before && !now), P(1), P(0));
+        before = now;
+    }
+    return all;
+}
+
 /// A number near the first root behind `begin`, as the signs say: 24 times by halves, and by Newton's steps from there.
 template <class T>
 T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {

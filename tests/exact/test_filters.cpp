@@ -21,6 +21,7 @@
 #include "shapes/disc/forms/filtered.hpp"
 #include "shapes/ellipsoid/forms/filtered.hpp"
 #include "shapes/plane/forms/filtered.hpp"
+#include "shapes/torus/forms/filtered.hpp"
 #include "shapes/tube/forms/filtered.hpp"
 
 namespace test_filters {
@@ -33,7 +34,7 @@ namespace {
 using Filters = intersect::FormList<  //
     intersect::ellipsoid::FilteredEllipsoid, intersect::cylinder::FilteredCylinder, intersect::capsule::FilteredCapsule,
     intersect::tube::FilteredTube, intersect::cone::FilteredCone, intersect::disc::FilteredDisc,
-    intersect::plane::FilteredPlane>;
+    intersect::plane::FilteredPlane, intersect::torus::FilteredTorus>;
 
 constexpr std::size_t batch = 2000;
 

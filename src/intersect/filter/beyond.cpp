@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "intersect/filter/first_met.hpp"
+#include "intersect/filter/first_met_quartic.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 #include "number/wide/proving.hpp"

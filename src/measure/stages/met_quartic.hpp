@@ -7,28 +7,6 @@
 
 namespace lostbits::measure::stages {
 
-/// How often the sign changes along a chain, and whether that is known: the roots between two places are as many as the
-/// changes at the first less those at the second.
-template <class E>
-struct Changes {
-    typename E::P count;
-    mask_t<typename E::P> known;
-};
-template <class E>
-Changes<E> changes_in(const std::array<E, 5>& chain) {
-    using P = typename E::P;
-    const E zero(0);
-    auto before = (chain[0] > zero).yes();
-    Changes<E> all{P(0), before || (chain[0] < zero).yes()};
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-        const auto now = (chain[i] > zero).yes();
-        all.known = all.known && (now || (chain[i] < zero).yes());
-        all.count = all.count + select((now && !before) || (before && !now), P(1), P(0));
-        before = now;
-    }
-    return all;
-}
-
 /// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
 template <class E>
 struct FirstRoot {
