@@ -42,73 +42,63 @@ FirstMet<E> first_met(const QuarticSpan<E>& s) {
     return {Tri::no, E(-1)};
 }
 
-/// What a bound proves of the first root behind `begin` of a line that comes from before all of them, or from b:
-///
-///   - no root: b lies behind ±bound; or p > 0 and q² < 4 p r, at which p x² + q x + r > 0; or Sturm's chain has no
-///   more
-///     changes of sign at the begin than at infinity;
-///   - x within `away`: f changes its sign between x − away and x + away, and the chain has as many changes at the
-///     former as at the begin. Newton's step, which `away` is 5/4 of with its bound, leads at most that far where f is
-///     nearly straight.
+/// What a bound proves of the roots at or behind b, where a line begins: that there is none, or some. None are where b
+/// is more than `bound`; where p > 0 and q² < 4 p r, at which p x² + q x + r > 0; and where the signs along Sturm's
+/// chain change no more often than at infinity.
 template <class U>
-struct ProvedRoot {
-    using P = typename U::P;
-    using Lanes = mask_t<P>;
-
-    QuarticChain<U> chain;
-    U b, bound;
-    Lanes ahead, none, some;  ///< whether the line comes from before all roots, whether there is none, or one
-    P changes;                ///< at the begin
-
-    ProvedRoot(const QuarticChain<U>& of, const U& begin, const U& reach) : chain(of), b(begin), bound(reach) {
-        const U zero(0);
-        ahead = (b < -bound).yes();
-        const auto last = changes_in(chain.at_infinity());
-        const Changes<U> at_minus =
-            changes_in(typename QuarticChain<U>::Values{chain.n, -chain.n, -chain.p, -chain.u, chain.last});
-        const Changes<U> at_b = changes_in(chain.at(b));
-        const Lanes known = last.known && ((ahead && at_minus.known) || (!ahead && at_b.known));
-        changes = select(ahead, at_minus.count, at_b.count);
-        const Lanes above = (chain.p > zero && U(4) * chain.p * chain.r > square(chain.q)).yes();
-        none = (b > bound).yes() || above || (known && changes <= last.count);
-        some = known && changes > last.count;
-    }
-
-    /// Near a root by its word; the mask says where it is proved.
-    struct Found {
-        Lanes proved;
-        P radius;
-    };
-    [[nodiscard]] Found around(const P& x) const {
-        using lostbits::abs;
-        using number::wide::roundoff_of, number::wide::outward_of;
-        const U off = chain.value(U(x)) / chain.slope(U(x)), zero(0);
-        const P away = P(5) / P(4) * (abs(off.word()) + off.radius()) + P(4) * roundoff_of<P>() * abs(x);
-        const U low(x - away), high(x + away);
-        const auto at_low = chain.at(low);
-        const Changes<U> before = changes_in(at_low);
-        const U behind = chain.value(high);
-        const Lanes turns =
-            ((at_low[0] < zero).yes() && (behind > zero).yes()) || ((at_low[0] > zero).yes() && (behind < zero).yes());
-        return {some && before.known && before.count >= changes && turns && (ahead || (low > b).yes()),
-                away * outward_of<P>()};
-    }
+struct RootsAhead {
+    mask_t<typename U::P> none, some;
+    mask_t<typename U::P> all;  ///< b comes before every root
+    typename U::P changes;      ///< at b
 };
+template <class U>
+RootsAhead<U> roots_ahead(const QuarticChain<U>& f, const U& b, const U& bound) {
+    const auto all = (b < -bound).yes();
+    const auto last = changes_in(f.at_infinity()), before = changes_in<U>({f.n, -f.n, -f.p, -f.u, f.last}),
+               here = changes_in(f.at(b));
+    const auto changes = select(all, before.count, here.count);
+    const auto known = last.known && ((all && before.known) || (!all && here.known));
+    const auto above = (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
+    const auto none = (b > bound).yes() || above || (known && changes <= last.count);
+    return {none, known && changes > last.count, all, changes};
+}
+
+/// Whether the first of them is proved to be no farther than `away` from x: f changes its sign between x − away and x +
+/// away, and the chain as often at the former as at b. Of Newton's step with its bound that is 5/4.
+template <class U>
+struct RootNear {
+    mask_t<typename U::P> proved;
+    typename U::P away;
+};
+template <class U, class P = typename U::P>
+RootNear<U> root_near(const QuarticChain<U>& f, const P& x, const RootsAhead<U>& ahead, const U& b) {
+    using lostbits::abs;
+    const U step = f.value(U(x)) / f.slope(U(x)), zero(0);
+    const P away = P(5) / P(4) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(x);
+    const U low(x - away), high(x + away), above = f.value(high);
+    const auto chain = f.at(low);
+    const auto before = changes_in(chain);
+    const U& below = chain[0];
+    const auto turns = ((below < zero).yes() && (above > zero).yes()) || ((below > zero).yes() && (above < zero).yes());
+    const auto first = before.known && before.count >= ahead.changes && (ahead.all || (low > b).yes());
+    return {ahead.some && first && turns, away * number::wide::outward_of<P>()};
+}
 
 template <class T>
 FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Proving<T>>& s) {
     using E = number::wide::Proving<T>;
     using U = number::wide::Proving<typename E::P>;
     const auto untold = [](const E& x) { return U(number::wide::untold(x.word()), x.radius()); };
-    const ProvedRoot<U> root(QuarticChain<U>(untold(s.f.c[4]), untold(s.f.c[2]), untold(s.f.c[1]), untold(s.f.c[0])),
-                             untold(s.b), untold(s.bound));
+    const QuarticChain<U> f(untold(s.f.c[4]), untold(s.f.c[2]), untold(s.f.c[1]), untold(s.f.c[0]));
+    const U b = untold(s.b);
+    const RootsAhead<U> ahead = roots_ahead(f, b, untold(s.bound));
     const E missed(-1);
-    if (!any_of(root.some)) return {typename E::Mask(root.some, root.none), missed};
+    if (!any_of(ahead.some)) return {typename E::Mask(ahead.some, ahead.none), missed};
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
-    const auto found = root.around(number::wide::untold(x));
-    const typename E::Mask hit(found.proved, root.none);
-    return {hit, select(hit, s.time(E(x, found.radius)), missed)};
+    const RootNear<U> root = root_near<U>(f, number::wide::untold(x), ahead, b);
+    const typename E::Mask hit(root.proved, ahead.none);
+    return {hit, select(hit, s.time(E(x, root.away)), missed)};
 }
 
 }  // namespace lostbits::intersect::filter
