@@ -1,6 +1,7 @@
 #include "intersect/filter/beyond.hpp"
 
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <optional>
 
@@ -9,11 +10,12 @@
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 #include "number/wide/proving.hpp"
+#include "number/wide/running.hpp"
 
 namespace lostbits::intersect::filter {
 namespace {
 
-using number::wide::Proving;
+using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
 
 /// What one arithmetic proves of a ray.
 using Told = std::optional<Beyond>;
@@ -35,6 +37,12 @@ Told told(const FirstMet<Ball>& met, double u) {
     if (met.hit.is_yes() && met.t.is_bounded() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
     return std::nullopt;
 }
+Told told(const FirstMet<Running<TwoWords<double>>>& met, double u) {
+    if (met.hit.is_no()) return missed(Way::two_words);
+    const double t = met.t.first();
+    if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
+    return std::nullopt;
+}
 /// Both ends are rounded, so that a t which is subnormal, zero or too large is told too.
 Told told(const FirstMet<Interval>& met, double u) {
     if (met.hit.is_no()) return missed(Way::exact);
@@ -47,7 +55,10 @@ Told told(const FirstMet<Interval>& met, double u) {
 
 template <template <class> class S, class E>
 Told ask(const double* numbers, double u) {
-    const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
+    const auto number = [numbers](std::size_t i) {
+        if constexpr (std::constructible_from<E, double>) return E(numbers[i]);
+        else return E(TwoWords<double>(numbers[i]));
+    };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     return told(first_met(S<E>::of([&](int i) { return number(static_cast<std::size_t>(6 + i)); }).span(ray)), u);
 }
@@ -55,19 +66,25 @@ Told ask(const double* numbers, double u) {
 template <template <class> class S, class E>
 using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<E>&>()));
 
-/// Of any other span what decides is of degree 12 at most. A quartic, divided by what it has in common with its slope,
-/// is of degree 62 in the inputs where the ray begins: 62 (1024 + 1074) + 70 < 131072.
 template <class>
-inline constexpr long enough_bits = 32768;
+inline constexpr bool is_quartic = false;
 template <class E>
-inline constexpr long enough_bits<QuarticSpan<E>> = 131072;
+inline constexpr bool is_quartic<QuarticSpan<E>> = true;
+
+/// What decides is of degree 12 in the inputs at most. A quartic, divided by what it has in common with its slope, is
+/// of degree 62 in them where the ray begins: 62 (1024 + 1074) + 70 < 131072.
+template <template <class> class S>
+inline constexpr long enough_bits = is_quartic<SpanOf<S, Interval>> ? 131072 : 32768;
 
 template <template <class> class S>
 Beyond settle(const double* numbers, double u) {
     if (u > 0x1p-53)
         if (const Told in_double = ask<S, Proving<double>>(numbers, u)) return *in_double;
+    // Balls tell double roots of some numbers, and take seven times as long.
+    if constexpr (is_quartic<SpanOf<S, Ball>>)
+        if (const Told in_two_words = ask<S, Running<TwoWords<double>>>(numbers, u)) return *in_two_words;
     if (const Told in_two_words = ask<S, Ball>(numbers, u)) return *in_two_words;
-    for (long bits = 192; bits <= enough_bits<SpanOf<S, Interval>>; bits *= 2) {
+    for (long bits = 192; bits <= enough_bits<S>; bits *= 2) {
         const Interval::Precision precision(bits);
         if (const Told exactly = ask<S, Interval>(numbers, u)) return *exactly;
     }

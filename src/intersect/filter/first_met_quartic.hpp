@@ -2,7 +2,7 @@
 // numbers without rounding.
 #pragma once
 
-#include "geometry/quartic_chain.hpp"
+#include "geometry/first_root.hpp"
 #include "geometry/quartic_span.hpp"
 #include "intersect/filter/first_met.hpp"
 #include "number/wide/proving.hpp"
@@ -42,63 +42,45 @@ FirstMet<E> first_met(const QuarticSpan<E>& s) {
     return {Tri::no, E(-1)};
 }
 
-/// What a bound proves of the roots at or behind b, where a line begins: that there is none, or some. None are where b
-/// is more than `bound`; where p > 0 and q² < 4 p r, at which p x² + q x + r > 0; and where the signs along Sturm's
-/// chain change no more often than at infinity.
+/// Whether p > 0 and q² < 4 p r, at which p x² + q x + r is positive and f has no root: of a line far aside two pairs
+/// of roots that are not real are so close to each other that signs along the chain are not known.
 template <class U>
-struct RootsAhead {
-    mask_t<typename U::P> none, some;
-    mask_t<typename U::P> all;  ///< b comes before every root
-    typename U::P changes;      ///< at b
-};
-template <class U>
-RootsAhead<U> roots_ahead(const QuarticChain<U>& f, const U& b, const U& bound) {
-    const auto all = (b < -bound).yes();
-    const auto last = changes_in(f.at_infinity()), before = changes_in<U>({f.n, -f.n, -f.p, -f.u, f.last}),
-               here = changes_in(f.at(b));
-    const auto changes = select(all, before.count, here.count);
-    const auto known = last.known && ((all && before.known) || (!all && here.known));
-    const auto above = (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
-    const auto none = (b > bound).yes() || above || (known && changes <= last.count);
-    return {none, known && changes > last.count, all, changes};
+mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
+    return (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
 }
 
-/// Whether the first of them is proved to be no farther than `away` from x: f changes its sign between x − away and x +
-/// away, and the chain as often at the former as at b. Of Newton's step with its bound that is 5/4.
-template <class U>
-struct RootNear {
-    mask_t<typename U::P> proved;
-    typename U::P away;
-};
-template <class U, class P = typename U::P>
-RootNear<U> root_near(const QuarticChain<U>& f, const P& x, const RootsAhead<U>& ahead, const U& b) {
-    using lostbits::abs;
-    const U step = f.value(U(x)) / f.slope(U(x)), zero(0);
-    const P away = P(5) / P(4) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(x);
-    const U low(x - away), high(x + away), above = f.value(high);
-    const auto chain = f.at(low);
-    const auto before = changes_in(chain);
-    const U& below = chain[0];
-    const auto turns = ((below < zero).yes() && (above > zero).yes()) || ((below > zero).yes() && (above < zero).yes());
-    const auto first = before.known && before.count >= ahead.changes && (ahead.all || (low > b).yes());
-    return {ahead.some && first && turns, away * number::wide::outward_of<P>()};
-}
-
+/// By the signs along Sturm's chain. Newton's step from near the root, and its bound, say how far the root can be: a
+/// sixteenth more, and f has other signs to both sides.
 template <class T>
 FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Proving<T>>& s) {
     using E = number::wide::Proving<T>;
-    using U = number::wide::Proving<typename E::P>;
+    using P = typename E::P;
+    using U = number::wide::Proving<P>;
+    using lostbits::abs;
     const auto untold = [](const E& x) { return U(number::wide::untold(x.word()), x.radius()); };
     const QuarticChain<U> f(untold(s.f.c[4]), untold(s.f.c[2]), untold(s.f.c[1]), untold(s.f.c[0]));
     const U b = untold(s.b);
-    const RootsAhead<U> ahead = roots_ahead(f, b, untold(s.bound));
+    const auto from = changes_in(f.at(b));
+    const auto ahead = roots_between(from, changes_in(f.at_infinity()), f.last);
+    const auto none = ahead.none || is_above(f);
     const E missed(-1);
-    if (!any_of(ahead.some)) return {typename E::Mask(ahead.some, ahead.none), missed};
+    if (!any_of(!none)) return {typename E::Mask(!none, none), missed};
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
-    const RootNear<U> root = root_near<U>(f, number::wide::untold(x), ahead, b);
-    const typename E::Mask hit(root.proved, ahead.none);
-    return {hit, select(hit, s.time(E(x, root.away)), missed)};
+    const P at = number::wide::untold(x);
+    const U step = f.value(U(at)) / f.slope(U(at));
+    const P away = P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(at);
+    const U low(at - away), high(at + away);
+    const auto found = !none && (low > b).yes() && is_first_between(f, from, low, high);
+    const typename E::Mask hit(found, none);
+    return {hit, select(hit, s.time(E(x, away * number::wide::outward_of<P>())), missed)};
+}
+
+/// In two words, as the packs of the truth have it.
+template <class W>
+FirstMet<number::wide::Running<W>> first_met(const QuarticSpan<number::wide::Running<W>>& s) {
+    const auto root = first_root(s.f, s.b, s.bound);
+    return {{root.found, root.none}, s.time(root.x)};
 }
 
 }  // namespace lostbits::intersect::filter
