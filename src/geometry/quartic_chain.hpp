@@ -88,14 +88,17 @@ RootsBetween<P> roots_between(const Changes<E>& a, const Changes<E>& b, const E&
 }
 
 /// Whether the first root behind a place with these changes is proved to lie between two numbers: f has different signs
-/// at them, and no root lies before the lower.
+/// at them, no root lies before the lower, and no double one, at which u x − v is 0, between them.
 template <class E>
 mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const Changes<E>& from, const E& low, const E& high) {
-    const E zero(0), behind = f.value(high);
+    const E zero(0), behind = f.value(high), bend = f.u * high - f.v;
     const auto at_low = f.at(low);
     const auto turns =
         ((at_low[0] < zero).yes() && (behind > zero).yes()) || ((at_low[0] > zero).yes() && (behind < zero).yes());
-    return turns && roots_between(from, changes_in(at_low), f.last).none;
+    const auto before = changes_in(at_low);
+    const auto simple = (f.last > zero).yes() || (f.last < zero).yes() || (before.up && (bend > zero).yes()) ||
+                        (!before.up && (bend < zero).yes());
+    return turns && simple && roots_between(from, before, f.last).none;
 }
 
 /// A number near the first root behind `begin`, as the signs say: 24 times by halves, and by Newton's steps from there.
