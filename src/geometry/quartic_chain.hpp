@@ -49,6 +49,58 @@ T sign_changes(const std::array<T, 5>& chain) {
     return count;
 }
 
+/// The signs of a chain of numbers with a bound but its last: how often they change, whether all are known, and whether
+/// that before the last is positive.
+template <class E>
+struct Changes {
+    typename E::P count;
+    mask_t<typename E::P> known, up;
+};
+template <class E>
+Changes<E> changes_in(const std::array<E, 5>& chain) {
+    using P = typename E::P;
+    const E zero(0);
+    auto before = (chain[0] > zero).yes();
+    auto known = before || (chain[0] < zero).yes();
+    P count(0);
+    for (std::size_t i = 1; i + 1 < chain.size(); ++i) {
+        const auto now = (chain[i] > zero).yes();
+        known = known && (now || (chain[i] < zero).yes());
+        count = count + select((now && !before) || (before && !now), P(1), P(0));
+        before = now;
+    }
+    return {count, known, before};
+}
+
+/// How many roots are proved to be behind a place and not behind another: none, or some. Where the numbers before the
+/// last have the same sign, that of the last makes no difference, be it 0.
+template <class P>
+struct RootsBetween {
+    mask_t<P> none, some;
+};
+template <class E, class P = typename E::P>
+RootsBetween<P> roots_between(const Changes<E>& a, const Changes<E>& b, const E& last) {
+    const auto rises = (last > E(0)).yes(), falls = (last < E(0)).yes();
+    const auto more = (b.up && !a.up && rises) || (a.up && !b.up && falls), same = (a.up && b.up) || (!a.up && !b.up);
+    const auto known = a.known && b.known && (same || rises || falls);
+    const P count = a.count - b.count + select(same, P(0), select(more, P(1), P(-1)));
+    return {known && count <= P(0), known && count > P(0)};
+}
+
+/// Whether the first root behind a place with these changes is proved to lie between two numbers: f has different signs
+/// at them, no root lies before the lower, and no double one, at which u x − v is 0, between them.
+template <class E>
+mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const Changes<E>& from, const E& low, const E& high) {
+    const E zero(0), behind = f.value(high), bend = f.u * high - f.v;
+    const auto at_low = f.at(low);
+    const auto turns =
+        ((at_low[0] < zero).yes() && (behind > zero).yes()) || ((at_low[0] > zero).yes() && (behind < zero).yes());
+    const auto before = changes_in(at_low);
+    const auto simple = (f.last > zero).yes() || (f.last < zero).yes() || (before.up && (bend > zero).yes()) ||
+                        (!before.up && (bend < zero).yes());
+    return turns && simple && roots_between(from, before, f.last).none;
+}
+
 /// A number near the first root behind `begin`, as the signs say: 24 times by halves, and by Newton's steps from there.
 template <class T>
 T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {

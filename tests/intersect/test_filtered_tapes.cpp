@@ -121,7 +121,7 @@ TEST_CASE("the tape of a form that filters is of what ran, its exact step one op
             check_form<float>(form, *find_format("p20"), draws(1 << 15), any_scale);
         }
     }
-    CHECK(forms == 10);
+    CHECK(forms == 11);
 }
 
 }  // namespace lostbits::test::test_filtered_tapes

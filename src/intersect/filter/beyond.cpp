@@ -1,18 +1,21 @@
 #include "intersect/filter/beyond.hpp"
 
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <optional>
 
 #include "intersect/filter/first_met.hpp"
+#include "intersect/filter/first_met_quartic.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 #include "number/wide/proving.hpp"
+#include "number/wide/running.hpp"
 
 namespace lostbits::intersect::filter {
 namespace {
 
-using number::wide::Proving;
+using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
 
 /// What one arithmetic proves of a ray.
 using Told = std::optional<Beyond>;
@@ -34,6 +37,12 @@ Told told(const FirstMet<Ball>& met, double u) {
     if (met.hit.is_yes() && met.t.is_bounded() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
     return std::nullopt;
 }
+Told told(const FirstMet<Running<TwoWords<double>>>& met, double u) {
+    if (met.hit.is_no()) return missed(Way::two_words);
+    const double t = met.t.first();
+    if (met.hit.is_yes() && met.t.radius() <= 8 * u * t) return hit_at(t, Way::two_words);
+    return std::nullopt;
+}
 /// Both ends are rounded, so that a t which is subnormal, zero or too large is told too.
 Told told(const FirstMet<Interval>& met, double u) {
     if (met.hit.is_no()) return missed(Way::exact);
@@ -46,17 +55,36 @@ Told told(const FirstMet<Interval>& met, double u) {
 
 template <template <class> class S, class E>
 Told ask(const double* numbers, double u) {
-    const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
+    const auto number = [numbers](std::size_t i) {
+        if constexpr (std::constructible_from<E, double>) return E(numbers[i]);
+        else return E(TwoWords<double>(numbers[i]));
+    };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     return told(first_met(S<E>::of([&](int i) { return number(static_cast<std::size_t>(6 + i)); }).span(ray)), u);
 }
+
+template <template <class> class S, class E>
+using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<E>&>()));
+
+template <class>
+inline constexpr bool is_quartic = false;
+template <class E>
+inline constexpr bool is_quartic<QuarticSpan<E>> = true;
+
+/// What decides is of degree 12 in the inputs at most. A quartic, divided by what it has in common with its slope, is
+/// of degree 62 in them where the ray begins: 62 (1024 + 1074) + 70 < 131072.
+template <template <class> class S>
+inline constexpr long enough_bits = is_quartic<SpanOf<S, Interval>> ? 131072 : 32768;
 
 template <template <class> class S>
 Beyond settle(const double* numbers, double u) {
     if (u > 0x1p-53)
         if (const Told in_double = ask<S, Proving<double>>(numbers, u)) return *in_double;
+    // Balls tell double roots of some numbers, and take seven times as long.
+    if constexpr (is_quartic<SpanOf<S, Ball>>)
+        if (const Told in_two_words = ask<S, Running<TwoWords<double>>>(numbers, u)) return *in_two_words;
     if (const Told in_two_words = ask<S, Ball>(numbers, u)) return *in_two_words;
-    for (long bits = 192; bits <= 32768; bits *= 2) {
+    for (long bits = 192; bits <= enough_bits<S>; bits *= 2) {
         const Interval::Precision precision(bits);
         if (const Told exactly = ask<S, Interval>(numbers, u)) return *exactly;
     }
@@ -81,8 +109,7 @@ inline constexpr bool is_filtered_by_span<Span<E>> = true;
 Beyond beyond(Shape shape, const double* numbers, double u) {
     Beyond found = missed(Way::exact);
     Solids::each([&]<template <class> class S>() {
-        using Span = decltype(std::declval<const S<Ball>&>().span(std::declval<const Ray<Ball>&>()));
-        if constexpr (is_filtered_by_span<Span>)
+        if constexpr (is_filtered_by_span<SpanOf<S, Ball>>)
             if (shape == shape_as<S> && are_finite<S>(numbers)) found = settle<S>(numbers, u);
     });
     return found;

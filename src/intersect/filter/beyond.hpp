@@ -20,7 +20,7 @@ struct Beyond {
 ///
 /// In double where u is coarser, then in double-double (`Ball`), then in intervals (`Interval`) of 192 bits and twice
 /// as many until they tell. What decides are polynomials of the inputs, which enough bits hold exactly (each span says
-/// how many): 32768 are more.
+/// how many): 32768 are more, and 131072 of a quartic.
 Beyond beyond(Shape shape, const double* numbers, double u);
 
 }  // namespace lostbits::intersect::filter

@@ -8,6 +8,7 @@
 
 #include "intersect/filter/beyond.hpp"
 #include "intersect/filter/first_met.hpp"
+#include "intersect/filter/first_met_quartic.hpp"
 #include "number/wide/proving.hpp"
 
 namespace lostbits::intersect::filter {

@@ -1,68 +1,11 @@
 // Where a ray meets a surface of degree four first, of many rays at once. Included by met_spans.hpp.
 #pragma once
 
-#include "geometry/quartic_chain.hpp"
+#include "geometry/first_root.hpp"
 #include "geometry/quartic_span.hpp"
 #include "measure/stages/met_spans.hpp"
 
 namespace lostbits::measure::stages {
-
-/// How often the sign changes along a chain, and whether that is known: the roots between two places are as many as the
-/// changes at the first less those at the second.
-template <class E>
-struct Changes {
-    typename E::P count;
-    mask_t<typename E::P> known;
-};
-template <class E>
-Changes<E> changes_in(const std::array<E, 5>& chain) {
-    using P = typename E::P;
-    const E zero(0);
-    auto before = (chain[0] > zero).yes();
-    Changes<E> all{P(0), before || (chain[0] < zero).yes()};
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-        const auto now = (chain[i] > zero).yes();
-        all.known = all.known && (now || (chain[i] < zero).yes());
-        all.count = all.count + select((now && !before) || (before && !now), P(1), P(0));
-        before = now;
-    }
-    return all;
-}
-
-/// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
-template <class E>
-struct FirstRoot {
-    mask_t<typename E::P> found, none;
-    E low, high, x;
-};
-template <class W>
-FirstRoot<Running<W>> first_root(const Polynomial<Running<W>>& f, const Running<W>& begin, const Running<W>& bound) {
-    using E = Running<W>;
-    using P = typename E::P;
-    using lostbits::abs;
-    using lostbits::max;
-    const QuarticChain<E> chain(f);
-    const auto from = changes_in(chain.at(begin)), last = changes_in(chain.at_infinity());
-    const auto none = from.known && last.known && from.count <= last.count;
-    const auto some = from.known && from.count > last.count;
-    const E zero(0);
-    if (!any_of(some)) return {some, none, zero, zero, zero};
-    const QuarticChain<P> words(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
-    E x(W(near_first_root(words, begin.first(), bound.first(), 4)));
-    for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());
-    const E off = chain.value(x) / E(chain.slope(x).words());
-    const E away(W(P(2) * (abs(off.first()) + off.radius()) + P(0x1p-110) * bound.first()));
-    const E low((x - away).words()), high((x + away).words());
-    const auto at_low = chain.at(low);
-    const auto before = changes_in(at_low);
-    const E behind = chain.value(high);
-    const auto turns =
-        ((at_low[0] < zero).yes() && (behind > zero).yes()) || ((at_low[0] > zero).yes() && (behind < zero).yes());
-    const auto found = some && before.known && before.count >= from.count && turns && (low > begin).yes();
-    const E to_low = x - low, to_high = high - x;
-    const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());
-    return {found, none, low, high, E(x.words(), radius * P(1 + 0x1p-40))};
-}
 
 /// As `truth::enclose` has it for the usual convention: the first root ahead is an entry or an exit, where every root
 /// is known to be simple.

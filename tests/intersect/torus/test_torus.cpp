@@ -148,9 +148,11 @@ TEST_CASE("every torus form but one solves the problem when nothing is rounded",
     // The resolvent of nearly biquadratic ones leaves half of the bits.
     UnroundedForms<intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::SturmTorus,
                                        torus::TorusDoubleInside, torus::TorusFromClosest, torus::Bracketed,
-                                       torus::BracketedInDouble>>
+                                       torus::BracketedInDouble, torus::FilteredTorus>>
         forms(-60);
-    UnroundedForms<intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::BracketedInDouble>> close;
+    UnroundedForms<
+        intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::BracketedInDouble, torus::FilteredTorus>>
+        close;
     for_each_torus(static_cast<int>(draws(300)), [&](const SampledRays<Torus>& family, const Sample<Torus>& s) {
         const ClearTorusAnswer right = answer_of(s);
         forms.ask(family.name, s, right, right.is_within(0));

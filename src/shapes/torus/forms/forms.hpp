@@ -7,6 +7,7 @@
 #include "shapes/torus/forms/brl_cad.hpp"
 #include "shapes/torus/forms/closest_approach.hpp"
 #include "shapes/torus/forms/double_inside.hpp"
+#include "shapes/torus/forms/filtered.hpp"
 #include "shapes/torus/forms/graphics_gems.hpp"
 #include "shapes/torus/forms/pov_ray.hpp"
 #include "shapes/torus/forms/quilez.hpp"
@@ -23,7 +24,8 @@ using TorusForms = FormList<   //
     torus::TorusDoubleInside,  //
     torus::TorusFromClosest,   //
     torus::Bracketed,          //
-    torus::BracketedInDouble   //
+    torus::BracketedInDouble,  //
+    torus::FilteredTorus       //
     >;
 
 }  // namespace lostbits::intersect::torus

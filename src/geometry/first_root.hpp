@@ -1,0 +1,40 @@
+// The first root of a quartic behind a place, of many rays at once, and how far it can be off.
+#pragma once
+
+#include "geometry/quartic_chain.hpp"
+#include "number/wide/running.hpp"
+
+namespace lostbits {
+
+/// The first root of f behind `begin`: between `low` and `high`, where f changes its sign, and none comes before `low`.
+template <class E>
+struct FirstRoot {
+    mask_t<typename E::P> found, none;
+    E low, high, x;
+};
+template <class W>
+FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Running<W>>& f,
+                                               const number::wide::Running<W>& begin,
+                                               const number::wide::Running<W>& bound) {
+    using E = number::wide::Running<W>;
+    using P = typename E::P;
+    using lostbits::abs;
+    using lostbits::max;
+    const QuarticChain<E> chain(f);
+    const auto from = changes_in(chain.at(begin));
+    const auto ahead = roots_between(from, changes_in(chain.at_infinity()), chain.last);
+    const E zero(0);
+    if (!any_of(ahead.some)) return {ahead.some, ahead.none, zero, zero, zero};
+    const QuarticChain<P> words(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
+    E x(W(near_first_root(words, begin.first(), bound.first(), 4)));
+    for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());
+    const E off = chain.value(x) / E(chain.slope(x).words());
+    const E away(W(P(2) * (abs(off.first()) + off.radius()) + P(0x1p-110) * bound.first()));
+    const E low((x - away).words()), high((x + away).words());
+    const E to_low = x - low, to_high = high - x;
+    const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());
+    const auto found = ahead.some && (low > begin).yes() && is_first_between(chain, from, low, high);
+    return {found, ahead.none, low, high, E(x.words(), radius * P(1 + 0x1p-40))};
+}
+
+}  // namespace lostbits
