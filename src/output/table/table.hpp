@@ -2,6 +2,7 @@
 // `datapackage.json` follow.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -92,6 +93,12 @@ public:
             {column.about.name + "_hex", "string", column.about.unit, "the same, exactly", exactly<R>(column.value)});
     }
 
+    /// Null where no column has that name.
+    [[nodiscard]] TableColumn<R>* find(const std::string& name) {
+        const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
+        const auto found = std::ranges::find_if(columns_, named);
+        return found == columns_.end() ? nullptr : &*found;
+    }
     [[nodiscard]] auto begin() { return columns_.begin(); }
     [[nodiscard]] auto end() { return columns_.end(); }
     [[nodiscard]] auto begin() const { return columns_.begin(); }
@@ -101,6 +108,10 @@ public:
         std::vector<file::Column> all;
         for (const TableColumn<R>& column : columns_) all.push_back(column.about);
         return all;
+    }
+    /// In place of its own, if there is such a column.
+    void set_meaning(const std::string& name, const std::string& meaning) {
+        if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
     }
     void add_row(file::CsvWriter& csv, const R& row) const {
         for (const TableColumn<R>& column : columns_) csv.add(column.value(row));
@@ -139,6 +150,7 @@ public:
         for (const R& row : rows) add(row);
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
+    void add_lines(const std::string& lines) { csv_.add_lines(lines); }
     void close() { csv_.close(); }
 
 private:
