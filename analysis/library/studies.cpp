@@ -46,12 +46,9 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     request.progress = running.advancing(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
-    auto samples = result->tables.emplace_back("samples", output::sweep::sample_columns(request)).writer();
-    output::sweep::add_samples(samples, request, found.steps);
-    if (sweep.axes.size() == 1) {
-        auto onsets = result->tables.emplace_back("onsets", output::sweep::onset_columns(request)).writer();
-        output::sweep::add_onsets(onsets, request, found.onsets);
-    }
+    result->add_table("samples", output::sweep::sample_table(request),
+                      output::sweep::sample_rows(request, found.steps));
+    if (sweep.axes.size() == 1) result->add_table("onsets", output::sweep::onset_table(request), found.onsets);
     return result;
 }
 
@@ -99,8 +96,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     request.progress = running.advancing(scene.pixels() * request.rows.size());
     const auto summaries = measure::offset::run_offsets(request);
     auto result = std::make_unique<lostbits_result>();
-    auto csv = result->tables.emplace_back("offsets", output::offset::offset_summary_columns()).writer();
-    output::offset::add_summary_rows(request, summaries, csv);
+    result->add_table("offsets", output::offset::strategy_table(), output::offset::strategy_rows(request, summaries));
     return result;
 }
 

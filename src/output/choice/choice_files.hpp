@@ -45,7 +45,7 @@ private:
     std::filesystem::path folder_;
     table::TableFile<CandidateRow> candidates_;
     table::TableFile<measure::choice::Room> rooms_;
-    table::TableFile<OffsetRow> offsets_;
+    table::TableFile<SafeOffsetRow> offsets_;
     table::TableFile<InputRow> inputs_;
     table::TableFile<RequirementRow> requirement_;
 };

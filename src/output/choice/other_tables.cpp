@@ -14,8 +14,8 @@ std::string name_of_inputs(const FloatFormat& format) {
     return fmt::format("p{}", format.precision);
 }
 
-table::Table<OffsetRow> offset_table() {
-    using R = OffsetRow;
+table::Table<SafeOffsetRow> offset_table() {
+    using R = SafeOffsetRow;
     return {{"side", "string", "", "outside: right for every ray away from the solid; both: also for those into it",
              &R::side},
             {"strategy", "string", "", "where the next ray starts", [](const R& r) { return r.safe.strategy->name; }},
@@ -27,8 +27,8 @@ table::Table<OffsetRow> offset_table() {
              [](const R& r) { return number_or_missing(r.safe.oversize); }}};
 }
 
-std::vector<OffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
-    std::vector<OffsetRow> rows;
+std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
+    std::vector<SafeOffsetRow> rows;
     for (const auto& safe : offsets.outside) rows.push_back({"outside", safe});
     for (const auto& safe : offsets.both) rows.push_back({"both", safe});
     return rows;

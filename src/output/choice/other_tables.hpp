@@ -10,12 +10,12 @@
 namespace lostbits::output::choice {
 
 /// A strategy that is safe to one side or to both.
-struct OffsetRow {
+struct SafeOffsetRow {
     std::string_view side;
     measure::offset::SafeStrategy safe;
 };
-table::Table<OffsetRow> offset_table();
-std::vector<OffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets);
+table::Table<SafeOffsetRow> offset_table();
+std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets);
 
 /// A choice of inputs that come wider.
 struct InputRow {
