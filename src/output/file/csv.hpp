@@ -40,9 +40,6 @@ public:
     Cell(std::string value) : value_(std::move(value)) {}
     Cell(std::string_view value) : value_(std::string(value)) {}
     Cell(const char* value) : value_(std::string(value)) {}
-    /// Missing where there is none.
-    template <class T>
-    Cell(const std::optional<T>& value) : Cell(value ? Cell(*value) : Cell()) {}
 
     [[nodiscard]] bool is_missing() const { return std::holds_alternative<std::monostate>(value_); }
 
