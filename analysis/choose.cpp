@@ -290,7 +290,7 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
-    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    choice::add_forms(command, o->forms);
     command.add_list(
         "-f,--format", o->formats,
         "f32, f64 (default: both); an emulated format beside them counts where the narrowest for a pixel is asked");
@@ -306,7 +306,7 @@ void add_choose(const shell::Command& program, const Common& common) {
                 "and timed");
     command.add("--compiler", o->compiler, "That compiles for --mend (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

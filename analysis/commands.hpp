@@ -64,6 +64,12 @@ void require_folder(const std::string& out);
 [[nodiscard]] std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(
     const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
 
+/// The scenes of a command of solids, and of the rows those that can be asked about any of them. InputError for rays
+/// that a scene makes, or a form; `name` is the command.
+[[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
+                                                               std::vector<measure::map::MapRow>& rows,
+                                                               const char* name, const Common& common);
+
 /// `--shard` of a command.
 void add_shard(const shell::Command& command, std::string& word);
 

@@ -26,12 +26,8 @@ using scene::file::Scene;
 
 namespace {
 
-struct ConsistencyOptions {
-    choice::SceneChoice scenes;
-    std::vector<std::string> forms{"*"};
-    std::vector<std::string> formats{"f32"};
+struct ConsistencyOptions : choice::SharedOptions {
     std::vector<std::string> checks{"*"};
-    std::string pixels = "none", out;
 };
 
 /// `12 of 3072 (0.39%)`
@@ -106,14 +102,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
     if (rows.empty())
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
     const auto checks = choice::select_checks(o.checks);
-    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
-    choice::refuse_made_rays(scenes, "consistency");
-    choice::refuse_makers(rows, "consistency");
-    const auto met = choice::drop_unfitting(
-        scenes, {rows, o.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return choice::are_solids(forms) && s.meets(forms); },
-        [](const Scene& s) { return s.id; });
-    choice::note_unmeasured(o.forms, met, common.quiet);
+    auto scenes = scenes_of_solids(o, rows, "consistency", common);
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<ConsistencyRequest> requests;
@@ -152,15 +141,17 @@ void add_consistency(const shell::Command& program, const Common& common) {
         "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
         "segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
+    o->forms = {"*"};
+    o->formats = {"f32"};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
-    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
-    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_scenes(command, *o, "; spheres or boxes");
+    choice::add_forms(command, o->forms, "all that fit");
+    choice::add_formats(command, o->formats, "f32");
     command.add_list("--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_pixels(command, *o);
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

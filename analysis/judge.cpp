@@ -290,7 +290,7 @@ void add_judge(const shell::Command& program, const Common& common) {
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

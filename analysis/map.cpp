@@ -33,16 +33,11 @@ using scene::file::Scene;
 
 namespace {
 
-struct MapOptions {
-    std::string range;
-    choice::SceneChoice scenes;
-    std::vector<std::string> forms{"*"};
-    std::vector<std::string> formats{"f32", "f64"};
+struct MapOptions : choice::SharedOptions {
+    std::string range, against, shard;
     std::vector<std::string> metrics;
-    std::string pixels = "none", against;
     int bits_needed = 0;  ///< 0: not asked for
     bool envelope = false, exr = false;
-    std::string out, shard;
 };
 
 /// What is changed about a scene.
@@ -306,17 +301,19 @@ void add_map(const shell::Command& program, const Common& common) {
     auto command =
         program.add_command("map", "Error maps of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
+    o->forms = {"*"};
+    o->formats = {"f32", "f64"};
     o->scenes.stop = common.stop;
-    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes").required();
-    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
-    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    choice::add_scenes(command, *o);
+    choice::add_forms(command, o->forms);
+    choice::add_formats(command, o->formats, "f32 f64");
     command.add_list(
         "--metric", o->metrics,
         "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
     command.add("--range", o->range,
                 "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+    choice::add_pixels(command, *o);
     command.add(
         "--bits-needed", o->bits_needed,
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
@@ -329,7 +326,7 @@ void add_map(const shell::Command& program, const Common& common) {
                 "their t differ is drawn and counted");
     command.add("--envelope", o->envelope, "Draw lost bits paler where half an ulp in each input would cost as many");
     add_shard(command, o->shard);
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

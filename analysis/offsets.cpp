@@ -29,13 +29,10 @@ using scene::file::Scene;
 
 namespace {
 
-struct OffsetOptions {
-    choice::SceneChoice scenes;
-    std::vector<std::string> forms;
-    std::vector<std::string> formats{std::string(measure::offset::usual_format)};
+struct OffsetOptions : choice::SharedOptions {
     std::vector<std::string> strategies{"*"};
     std::vector<std::string> along;
-    std::string points = "both", pixels = "none", out;
+    std::string points = "both";
 
     /// The axes that it asks for, each once.
     [[nodiscard]] std::vector<Along> axes() const {
@@ -123,14 +120,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
             "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
             "'sphere.*'");
     const auto strategies = choice::select_strategies(o.strategies);
-    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
-    choice::refuse_made_rays(scenes, "offsets");
-    choice::refuse_makers(rows, "offsets");
-    const auto met = choice::drop_unfitting(
-        scenes, {rows, o.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return choice::are_solids(forms) && s.meets(forms); },
-        [](const Scene& s) { return s.id; });
-    choice::note_unmeasured(o.forms, met, common.quiet);
+    auto scenes = scenes_of_solids(o, rows, "offsets", common);
     const choice::ThreadLimit limit(common.threads);
 
     std::vector<OffsetRequest> requests;
@@ -169,24 +159,25 @@ void add_offsets(const shell::Command& program, const Common& common) {
         "offsets",
         "By how much the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
+    o->formats = {std::string(measure::offset::usual_format)};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; spheres or boxes").required();
+    choice::add_scenes(command, *o, "; spheres or boxes");
     command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
                      "box.ieee_minmax, and those of --plugin, --pipe and --shader)");
-    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_formats(command, o->formats, "f32");
     command.add_list("--strategy", o->strategies,
                      "Strategies, by name or glob (default: all); `lostbits list strategies`");
     command.add("--points", o->points, "Points as computed, put back onto the surface, or both (default)",
                 shell::one_of({"computed", "projected", "both"}));
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    command.add("--pixels", o->pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+    choice::add_pixels(command, *o);
     command.add_list("--along", o->along,
                      "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
                      "(offset from the origin); pictures of 48 columns",
                      shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -22,12 +22,8 @@ using scene::file::Scene;
 
 namespace {
 
-struct RenderOptions {
-    choice::SceneChoice scenes;
-    std::vector<std::string> forms;
-    std::vector<std::string> formats{"f32"};
+struct RenderOptions : choice::SharedOptions {
     std::vector<std::string> stages;
-    std::string out;
 };
 
 /// The scenes themselves; InputError where one has no spheres with colours.
@@ -146,19 +142,20 @@ void add_render(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
         "render", "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture");
     const auto o = std::make_shared<RenderOptions>();
+    o->formats = {"f32"};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    command.add("SCENE", o->scenes.names, "Scene files, or names in data/scenes; scenes of spheres").required();
+    choice::add_scenes(command, *o, "; scenes of spheres");
     command.add_list(
         "-i,--intersector", o->forms,
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, "
         "--pipe and --shader)");
-    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32)");
+    choice::add_formats(command, o->formats, "f32");
     command.add_list("--stage", o->stages,
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
                      shell::one_of({scene::file::stage_names.begin(), scene::file::stage_names.end()}));
     choice::add_changes(command, o->scenes, "light.position=[9,9,9]");
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

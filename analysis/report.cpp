@@ -311,7 +311,7 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("-i,--intersector", o->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader)");
-    command.add_list("-f,--format", o->formats, "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64)");
+    choice::add_formats(command, o->formats, "f32 f64");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command.add("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command.add_list("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");

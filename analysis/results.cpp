@@ -39,6 +39,21 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
     return folders;
 }
 
+std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
+                                                 std::vector<measure::map::MapRow>& rows, const char* name,
+                                                 const Common& common) {
+    using scene::file::Scene;
+    auto scenes = choice::load_scenes(shared.scenes, choice::data_folder(common.data));
+    choice::refuse_made_rays(scenes, name);
+    choice::refuse_makers(rows, name);
+    const auto met = choice::drop_unfitting(
+        scenes, {rows, shared.forms, common.quiet},
+        [](const Scene& s, Shapes forms) { return choice::are_solids(forms) && s.meets(forms); },
+        [](const Scene& s) { return s.id; });
+    choice::note_unmeasured(shared.forms, met, common.quiet);
+    return scenes;
+}
+
 void add_shard(const shell::Command& command, std::string& word) {
     command.add("--shard", word,
                 "Do part K of N alone, into shard-K-of-N in the folder of results; `lostbits merge` joins all N: K/N",

@@ -248,7 +248,7 @@ void add_sweep(const shell::Command& program, const Common& common) {
     auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
     command.add("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps").required();
-    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all)");
+    choice::add_forms(command, o->forms);
     command.add_list("-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
@@ -265,7 +265,7 @@ void add_sweep(const shell::Command& program, const Common& common) {
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
     command.add("--against", o->against, "A form to hold the others against, without asking what is true");
     add_shard(command, o->shard);
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -114,12 +114,12 @@ void add_trade(const shell::Command& program, const Common& common) {
     command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
     command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
-    command.add_list("-i,--intersector", o->forms, "Forms, by name or glob (default: all that fit)");
+    choice::add_forms(command, o->forms, "all that fit");
     command.add_list("-f,--format", o->formats, "f32, f64 (default: both)");
     command.add("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)",
                 shell::whole_from(1, 1000));
     command.add("--quick", o->quick, "Shorter measurements, for a first look");
-    command.add("-o,--out", o->out, "Folder for the results").required();
+    choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -60,6 +60,27 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& na
                                [&name](const auto& pattern) { return fnmatch(pattern.c_str(), name.c_str(), 0) == 0; });
 }
 
+void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds) {
+    command.add("SCENE", shared.scenes.names, "Scene files, or names in data/scenes" + kinds).required();
+}
+
+void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual) {
+    command.add_list("-i,--intersector", forms, "Forms, by name or glob (default: " + usual + ")");
+}
+
+void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual) {
+    command.add_list("-f,--format", formats,
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: " + usual + ")");
+}
+
+void add_pixels(const shell::Command& command, SharedOptions& shared) {
+    command.add("--pixels", shared.pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
+}
+
+void add_out(const shell::Command& command, std::string& out) {
+    command.add("-o,--out", out, "Folder for the results").required();
+}
+
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example) {
     command.add("--size", scenes.size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", scenes.variant, "One variant of a scene that has several (default: all)");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/choice/scenes.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "output/map/map_colour.hpp"
 
@@ -13,7 +14,22 @@ namespace lostbits::analysis::choice {
 /// Whether a name is, or fits, one of the patterns (fnmatch).
 bool matches_any(const std::vector<std::string>& patterns, const std::string& name);
 
-struct SceneChoice;
+/// Options of the commands that ask forms about scenes.
+struct SharedOptions {
+    SceneChoice scenes = {};
+    std::vector<std::string> forms = {}, formats = {};
+    std::string pixels = "none", out = {};
+};
+/// SCENE; `kinds` says which scenes, where that is not any.
+void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds = "");
+/// -i, with what stands in its place in words.
+void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual = "all");
+/// -f, with the same.
+void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual);
+/// --pixels csv.
+void add_pixels(const shell::Command& command, SharedOptions& shared);
+/// -o, which must be given.
+void add_out(const shell::Command& command, std::string& out);
 /// --size, --variant and --set of a command that takes scenes; `example` is an assignment for the help.
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
 

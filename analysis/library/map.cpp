@@ -3,7 +3,6 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/map/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
-#include "output/map/culprit_table.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
@@ -27,7 +26,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
-    const output::map::SummaryTable summary(request.metrics, scene.shapes(), scene.mesh != nullptr);
+    const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rays;
     std::vector<measure::map::MapSink*> sinks;
@@ -44,7 +43,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
                                    : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
-        summary.add_all(csv, r, request.rows[r], summaries[r], {}, name_of);
+        summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
     return result;
 }
 

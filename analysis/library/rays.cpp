@@ -185,7 +185,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         if (all.solids.empty() ? row.shape == all.shape : std::ranges::any_of(all.solids, of))
             shapes.push_back(row.shape);
     }
-    const output::map::SummaryTable summary(request.metrics, shapes, false, request.by ? "by" : "");
+    const auto summary = output::map::summary_table(request.metrics, shapes, false, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     std::deque<JudgedRows> judged;
@@ -199,8 +199,10 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     const auto found = measure::judge::run_judge(*all.dump, request, sinks);
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        summary.add_all(csv, r, request.rows[r], found.summaries[r], found.groups,
-                        [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); });
+        for (const auto& row : output::map::summary_rows(
+                 r, request.rows[r], found.summaries[r], found.groups,
+                 [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); }))
+            summary.add_row(csv, row);
     }
     return result;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measure/map/summary_columns.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -59,14 +60,10 @@ void ResultTable::seal() {
 }
 
 std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics) {
-    std::vector<Column> columns{{"outcome", "string", "", "outcome of the ray"},
-                                {"object", "integer", "", "solid that the form hit, from 0"},
-                                {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
-                                {"t", "number", "t", "the form's answer, in its own unit"},
-                                {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"}};
-    for (const Metric* m : metrics)
-        columns.push_back({measure::map::column_name(*m), m->categories.empty() ? "number" : "string",
-                           std::string(m->unit), std::string(m->meaning)});
+    std::vector<Column> columns = output::map::pixel_table(metrics).columns();
+    std::erase_if(columns, [](const Column& c) {
+        return c.name == "x" || c.name == "y" || c.name == "t_hex" || c.name == "truth_hex";
+    });
     return columns;
 }
 

@@ -9,7 +9,7 @@
 
 #include "analysis/library/lostbits.h"
 #include "measure/map/map.hpp"
-#include "output/file/csv.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::analysis::library {
 
@@ -59,4 +59,10 @@ private:
 struct lostbits_result {
     std::deque<lostbits::analysis::library::ResultTable> tables;
     std::vector<std::string> texts;
+
+    template <class R>
+    void add_table(const char* name, const lostbits::output::table::Table<R>& table, const std::vector<R>& rows) {
+        auto csv = tables.emplace_back(name, table.columns()).writer();
+        for (const R& row : rows) table.add_row(csv, row);
+    }
 };

@@ -46,12 +46,9 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     request.progress = running.advancing(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
-    auto samples = result->tables.emplace_back("samples", output::sweep::sample_columns(request)).writer();
-    output::sweep::add_samples(samples, request, found.steps);
-    if (sweep.axes.size() == 1) {
-        auto onsets = result->tables.emplace_back("onsets", output::sweep::onset_columns(request)).writer();
-        output::sweep::add_onsets(onsets, request, found.onsets);
-    }
+    result->add_table("samples", output::sweep::sample_table(request),
+                      output::sweep::sample_rows(request, found.steps));
+    if (sweep.axes.size() == 1) result->add_table("onsets", output::sweep::onset_table(request), found.onsets);
     return result;
 }
 
@@ -99,8 +96,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     request.progress = running.advancing(scene.pixels() * request.rows.size());
     const auto summaries = measure::offset::run_offsets(request);
     auto result = std::make_unique<lostbits_result>();
-    auto csv = result->tables.emplace_back("offsets", output::offset::offset_summary_columns()).writer();
-    output::offset::add_summary_rows(request, summaries, csv);
+    result->add_table("offsets", output::offset::strategy_table(), output::offset::strategy_rows(request, summaries));
     return result;
 }
 
@@ -139,10 +135,8 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
     request.progress = running.advancing(0);
     const auto mended = measure::mend::mend(request);
     const output::mend::MendResult found = output::mend::result_of(request, mended);
-    auto forms = result.tables.emplace_back("mend", output::mend::form_columns()).writer();
-    output::mend::add_forms(forms, found);
-    auto minimal = result.tables.emplace_back("minimal", output::mend::minimal_columns()).writer();
-    output::mend::add_minimal(minimal, found);
+    result.add_table("mend", output::mend::form_table(), output::mend::rows_of(found));
+    result.add_table("minimal", output::mend::minimal_table(), output::mend::minimal_rows(found));
     result.texts.push_back(output::mend::in_words(found));
     const bool is_better = output::mend::best_of(output::mend::proposals_of(found), wish) != nullptr;
     if (is_better) result.texts.push_back(output::mend::emitted(found, "mended.hpp", "lostbits_mend"));
@@ -169,10 +163,8 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     output::choice::Chosen found{request, all, timed, cheapest(all, request.wish)};
     if (found.meets) found.rooms = rooms_of(request, all[*found.meets].row);
     else found.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
-    auto candidates = result.tables.emplace_back("choose", output::choice::candidate_columns()).writer();
-    output::choice::add_candidates(candidates, found);
-    auto rooms = result.tables.emplace_back("room", output::choice::room_columns()).writer();
-    output::choice::add_rooms(rooms, found);
+    result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
+    result.add_table("room", output::choice::room_table(), found.rooms);
     result.texts.push_back(output::choice::in_words(found));
     return found.meets.has_value();
 }

@@ -6,8 +6,6 @@
 
 #include "intersect/process/parallel.hpp"
 #include "measure/offset/offsets.hpp"
-#include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -129,12 +127,7 @@ constexpr ConsistencyColumn column_rows[] = {
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }
 
 double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where) {
-    std::vector<std::string> names;
-    for (const ConsistencyColumn& c : column_rows) {
-        if (c.name == column) return c.value(summary);
-        names.emplace_back(c.name);
-    }
-    throw InputError(where + ": unknown metric \"" + column + "\"; " + scene::toml::did_you_mean(column, names));
+    return column_named(consistency_columns(), column, where).value(summary);
 }
 
 }  // namespace lostbits::measure::consistency

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/consistency/check.hpp"
+#include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
 
 namespace lostbits::measure::consistency {
@@ -66,14 +67,9 @@ bool can_be_compared(const intersect::table::Intersector& form);
 std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink = nullptr);
 
 /// A column of the summary after check, form and format; the CSV and the claims read the same rows.
-struct ConsistencyColumn {
-    std::string_view name, unit, meaning;
-    bool whole;  ///< a count
-    /// NaN where it is missing: a share of nothing, a quantile of no number.
-    double (*value)(const CheckSummary&);
-};
+using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;
 std::span<const ConsistencyColumn> consistency_columns();
-/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message.
+/// Of a column by its name; see `metric::column_named`.
 double consistency_value(const CheckSummary& summary, const std::string& column, const std::string& where);
 
 }  // namespace lostbits::measure::consistency

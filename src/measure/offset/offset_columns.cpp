@@ -2,8 +2,6 @@
 #include <cmath>
 
 #include "measure/offset/offsets.hpp"
-#include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -105,12 +103,7 @@ std::span<const OffsetColumn> offset_columns() { return table; }
 
 double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
                     const std::string& where) {
-    std::vector<std::string> names;
-    for (const OffsetColumn& c : table) {
-        if (c.name == column) return c.value(summary, side, strategy);
-        names.emplace_back(c.name);
-    }
-    throw InputError(where + ": unknown metric \"" + column + "\"; " + scene::toml::did_you_mean(column, names));
+    return column_named(offset_columns(), column, where).value(summary, side, strategy);
 }
 
 }  // namespace lostbits::measure::offset

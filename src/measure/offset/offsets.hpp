@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/metric/measured_column.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/offset/at_point.hpp"
 
@@ -116,14 +117,9 @@ bool can_be_asked(const intersect::table::Intersector& form);
 std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink* sink = nullptr);
 
 /// A column of the summary after point, side, strategy, form and format; the CSV and the claims read the same rows.
-struct OffsetColumn {
-    std::string_view name, unit, meaning;
-    bool whole;  ///< a count
-    /// NaN where it is missing: a share of nothing, a quantile of no point.
-    double (*value)(const OffsetSummary&, Side, std::size_t strategy);
-};
+using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
-/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message.
+/// Of a column by its name; see `metric::column_named`.
 double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
                     const std::string& where);
 

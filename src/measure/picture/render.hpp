@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "measure/map/map.hpp"
+#include "measure/metric/measured_column.hpp"
 #include "measure/picture/shade.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/picture/true_picture.hpp"
@@ -97,14 +98,9 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
                     RenderSummary& summary);
 
 /// A column of the summary, after stage, form and format; the CSV and the claims read the same rows.
-struct RenderColumn {
-    std::string_view name, unit, meaning;
-    bool whole;  ///< a count
-    /// NaN where it is missing: a share of nothing, a shadow where none are cast.
-    double (*value)(const RenderSummary&);
-};
+using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
-/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message.
+/// Of a column by its name; see `metric::column_named`.
 double render_value(const RenderSummary& summary, const std::string& column, const std::string& where);
 
 /// Receives the bands from top to bottom; `row` may come for different rows at the same time.

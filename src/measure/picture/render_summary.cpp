@@ -4,8 +4,6 @@
 
 #include "measure/picture/render.hpp"
 #include "measure/picture/stored_appearance.hpp"
-#include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::picture {
 
@@ -154,13 +152,7 @@ void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppea
 std::span<const RenderColumn> render_columns() { return table; }
 
 double render_value(const RenderSummary& summary, const std::string& column, const std::string& where) {
-    std::vector<std::string> names;
-    for (const RenderColumn& c : table) {
-        if (c.name == column) return c.value(summary);
-        names.emplace_back(c.name);
-    }
-    throw InputError(where + ": unknown metric \"" + column + "\" of a rendered scene; " +
-                     scene::toml::did_you_mean(column, names));
+    return column_named(render_columns(), column, where, " of a rendered scene").value(summary);
 }
 
 std::uint64_t RenderSummary::seen_wrong() const {

@@ -6,61 +6,72 @@
 #include <cmath>
 
 #include "measure/choice/file_rays.hpp"
-#include "output/choice/other_tables.hpp"
-#include "output/choice/requirement_files.hpp"
-#include "output/file/datapackage.hpp"
+#include "output/file/atomic_file.hpp"
 #include "output/plot/scatter_plot.hpp"
-#include "output/speed/kernel_rows.hpp"
 
 namespace lostbits::output::choice {
 
-using file::Cell;
-using file::Column;
 using file::number_or_missing;
 using measure::choice::Candidate;
 using measure::choice::Room;
+using measure::choice::Worth;
+using table::Table;
+using table::when;
 
-std::vector<Column> candidate_columns() {
-    auto columns = speed::kernel_columns("form under test; file.NAME: the answers that the files of rays have");
-    columns.insert(
-        columns.end(),
-        {{"time_ns", "number", "ns", "per ray and solid; median of the repetitions; missing: not known"},
-         {"time_ns_q1", "number", "ns", "per ray and solid; first quartile"},
-         {"time_ns_q3", "number", "ns", "per ray and solid; third quartile"},
-         {"rays", "integer", "", "whose truth is known"},
-         {"true_hits", "integer", "", "rays that truly hit"},
-         {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
-         {"wrong_fraction", "number", "1", "wrong/rays"},
-         {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
-         {"distance_error", "number", "length",
-          "how far the hit point is off along the ray, at the same share; missing: the wish has no tolerance"},
-         {"meets", "boolean", "", "whether it meets the wish"},
-         {"chosen", "boolean", "", "the cheapest that does"},
-         {"mended", "string", "", "what form was mended to it, and how; missing for a form as it is"}});
-    return columns;
+Table<Worth> worth_columns() {
+    return {
+        {"rays", "integer", "", "whose truth is known", &Worth::rays},
+        {"true_hits", "integer", "", "rays that truly hit", &Worth::hits},
+        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid", &Worth::wrong},
+        {"wrong_fraction", "number", "1", "wrong/rays", &Worth::wrong_fraction},
+        {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits",
+         [](const Worth& w) { return number_or_missing(w.kept_bits); }}};
 }
 
-std::vector<Column> room_columns() {
-    return {{"way", "string", "", "what grows: distance, radius, offset, view"},
-            {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is"},
-            {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0"},
-            {"beyond", "number", "1", "the first factor seen beyond that; missing: none"},
-            {"end", "string", "",
-             "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far "
-             "as was "
-             "tried)"},
-            {"wrong", "integer", "", "rays decided wrongly where it fails"},
-            {"rays", "integer", "", "of so many"},
-            {"kept_bits", "number", "bits", "kept there"},
-            {"distance_error", "number", "length", "off there; missing: the wish has no tolerance"}};
+Table<CandidateRow> candidate_table() {
+    using R = CandidateRow;
+    Table<R> table;
+    table.add(speed::kernel_columns("form under test; file.NAME: the answers that the files of rays have"), &R::name);
+    table.add(
+        speed::time_columns("per ray and solid; median of the repetitions; missing: not known", "per ray and solid; "),
+        &R::time);
+    table.add(worth_columns(), &R::worth);
+    table.add({{"distance_error", "number", "length",
+                "how far the hit point is off along the ray, at the same share; missing: the wish has no tolerance",
+                [](const R& r) { return number_or_missing(r.worth->off); }},
+               {"meets", "boolean", "", "whether it meets the wish", &R::meets},
+               {"chosen", "boolean", "", "the cheapest that does", &R::chosen},
+               {"mended", "string", "", "what form was mended to it, and how; missing for a form as it is",
+                [](const R& r) { return r.mended ? r.mended->how : ""; }}});
+    return table;
+}
+
+Table<Room> room_table() {
+    using measure::choice::End;
+    Table<Room> table{
+        {"way", "string", "", "what grows: distance, radius, offset, view",
+         [](const Room& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
+        {"holds", "number", "1", "the largest factor at which the wish was seen to hold; 0: not as the scene is",
+         &Room::holds},
+        {"value", "number", "", "what that is: world units, of view degrees; missing where holds is 0",
+         [](const Room& r) { return when(r.holds != 0, r.value); }},
+        {"beyond", "number", "1", "the first factor seen beyond that; missing: none",
+         [](const Room& r) { return when(r.beyond != 0, r.beyond); }},
+        {"end", "string", "",
+         "what is there: fails (the wish), nothing_hit, other_scene (what is stored is another one), none (as far "
+         "as was "
+         "tried)",
+         [](const Room& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
+    return table.add<Worth>(
+        {{"wrong", "integer", "", "rays decided wrongly where it fails", &Worth::wrong},
+         {"rays", "integer", "", "of so many", &Worth::rays},
+         {"kept_bits", "number", "bits", "kept there", [](const Worth& w) { return number_or_missing(w.kept_bits); }},
+         {"distance_error", "number", "length", "off there; missing: the wish has no tolerance",
+          [](const Worth& w) { return number_or_missing(w.off); }}},
+        [](const Room& r) { return r.end == End::fails ? &r.broken : nullptr; });
 }
 
 namespace {
-
-void add_worth(file::CsvWriter& csv, const measure::choice::Worth& worth) {
-    csv.add(worth.rays).add(worth.hits).add(worth.wrong).add(worth.wrong_fraction());
-    csv.add(number_or_missing(worth.kept_bits)).add(number_or_missing(worth.off));
-}
 
 plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     const auto& wish = chosen.request.wish;
@@ -104,75 +115,54 @@ void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
 
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
-      candidates_(folder / "choose.csv", candidate_columns()),
-      rooms_(folder / "room.csv", room_columns()),
-      offsets_(folder / "offset.csv", offset_columns()),
-      inputs_(folder / "inputs.csv", input_columns()),
-      requirement_(folder / "requirement.csv", requirement_columns) {}
+      candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
+                  candidate_table()),
+      rooms_(folder, "room.csv", "One row per way in which the scene was stretched under what is chosen", room_table()),
+      offsets_(folder, "offset.csv", "One row per strategy of offset that is safe under what is chosen, cheapest first",
+               offset_table()),
+      inputs_(folder, "inputs.csv",
+              "Where nothing meets the wish: one row per choice of inputs that come in a wider format", input_table()),
+      requirement_(folder, "requirement.csv",
+                   "On how many pixels each form and format meets the wish, and on how many it is the cheapest; then "
+                   "formats under any form, and nothing",
+                   requirement_table()) {}
 
-void add_candidates(file::CsvWriter& csv, const Chosen& chosen) {
+std::vector<CandidateRow> candidate_rows(const Chosen& chosen) {
+    const auto& wish = chosen.request.wish;
+    std::vector<CandidateRow> rows;
     for (const std::size_t k : by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
-        speed::add_kernel(csv, c.row, c.isa);
-        csv.add(c.time.median * 1e9).add(c.time.low_quartile * 1e9).add(c.time.high_quartile * 1e9);
-        add_worth(csv, c.worth);
-        csv.add(c.worth.meets(chosen.request.wish)).add(chosen.meets == k);
-        const MendedCandidate* const mended = chosen.mended_as(c.row.form->info->name);
-        csv.add(mended ? Cell(mended->how) : Cell());
-        csv.end_row();
+        const std::string_view form = c.row.form->info->name;
+        rows.push_back({{form, c.row.format.name, c.isa},
+                        &c.time,
+                        &c.worth,
+                        c.worth.meets(wish),
+                        chosen.meets == k,
+                        chosen.mended_as(form)});
     }
-    if (!chosen.request.rays || !chosen.request.rays->answers) return;
+    if (!chosen.request.rays || !chosen.request.rays->answers) return rows;
     const auto& [name, format, worth] = *chosen.request.rays->answers;
-    csv.add(name).add(format.name).add(Cell()).add(Cell()).add(Cell()).add(Cell());
-    add_worth(csv, worth);
-    csv.add(worth.meets(chosen.request.wish)).add(false).add(Cell());
-    csv.end_row();
-}
-
-void add_rooms(file::CsvWriter& csv, const Chosen& chosen) {
-    for (const Room& room : chosen.rooms) {
-        const bool fails = room.end == measure::choice::End::fails;
-        csv.add(measure::choice::growth_names[static_cast<std::size_t>(room.way)]).add(room.holds);
-        csv.add(room.holds == 0 ? Cell() : Cell(room.value)).add(room.beyond == 0 ? Cell() : Cell(room.beyond));
-        csv.add(measure::choice::end_names[static_cast<std::size_t>(room.end)]);
-        csv.add(fails ? Cell(room.broken.wrong) : Cell()).add(fails ? Cell(room.broken.rays) : Cell());
-        csv.add(fails ? number_or_missing(room.broken.kept_bits) : Cell());
-        csv.add(fails ? number_or_missing(room.broken.off) : Cell());
-        csv.end_row();
-    }
+    rows.push_back({{name, format.name, ""}, nullptr, &worth, worth.meets(wish), false, nullptr});
+    return rows;
 }
 
 void ChoiceFiles::finish(const Chosen& chosen) {
-    add_candidates(candidates_, chosen);
-    add_rooms(rooms_, chosen);
+    candidates_.add_all(candidate_rows(chosen));
+    rooms_.add_all(chosen.rooms);
     if (chosen.requirement) {
-        write_requirement(requirement_, chosen, *chosen.requirement);
+        requirement_.add_all(requirement_rows(chosen, *chosen.requirement));
         draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
     }
-    if (chosen.offsets) add_offsets(offsets_, *chosen.offsets);
-    if (chosen.obstacle) add_inputs(inputs_, *chosen.obstacle);
+    if (chosen.offsets) offsets_.add_all(offset_rows(*chosen.offsets));
+    if (chosen.obstacle)
+        for (const auto& trial : chosen.obstacle->trials) inputs_.add({&*chosen.obstacle, &trial});
     write_front_plot(folder_ / "front.png", chosen);
     file::AtomicFile words(folder_ / "choose.txt");
     words.write(in_words(chosen));
     words.commit();
-    file::write_datapackage(
-        folder_ / "datapackage.json",
-        fmt::format("What meets a wish on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
-        {{"choose.csv", "One row per form and format, cheapest first; times vary from run to run", candidate_columns()},
-         {"room.csv", "One row per way in which the scene was stretched under what is chosen", room_columns()},
-         {"offset.csv", "One row per strategy of offset that is safe under what is chosen, cheapest first",
-          offset_columns()},
-         {"inputs.csv", "Where nothing meets the wish: one row per choice of inputs that come in a wider format",
-          input_columns()},
-         {"requirement.csv",
-          "On how many pixels each form and format meets the wish, and on how many it is the cheapest; then formats "
-          "under any form, and nothing",
-          requirement_columns}});
-    candidates_.close();
-    rooms_.close();
-    offsets_.close();
-    inputs_.close();
-    requirement_.close();
+    table::close_tables(folder_,
+                        fmt::format("What meets a wish on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
+                        candidates_, rooms_, offsets_, inputs_, requirement_);
 }
 
 }  // namespace lostbits::output::choice

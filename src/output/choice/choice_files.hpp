@@ -6,18 +6,33 @@
 #include <filesystem>
 
 #include "output/choice/choice_text.hpp"
-#include "output/file/csv.hpp"
+#include "output/choice/other_tables.hpp"
+#include "output/choice/requirement_files.hpp"
+#include "output/speed/kernel_rows.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::choice {
 
 /// Every form and format by time and bits kept, with the Pareto front and what is chosen.
 void write_front_plot(const std::filesystem::path& path, const Chosen& chosen);
 
-/// The columns and rows of choose.csv and of room.csv.
-std::vector<file::Column> candidate_columns();
-void add_candidates(file::CsvWriter& csv, const Chosen& chosen);
-std::vector<file::Column> room_columns();
-void add_rooms(file::CsvWriter& csv, const Chosen& chosen);
+/// A row of choose.csv: a candidate, or the answers of the files.
+struct CandidateRow {
+    speed::KernelName name;
+    const measure::speed::Timing* time;  ///< null: it is not known
+    const measure::choice::Worth* worth;
+    bool meets, chosen;
+    const MendedCandidate* mended;  ///< null: it is a form as it is
+};
+table::Table<CandidateRow> candidate_table();
+/// Cheapest first.
+std::vector<CandidateRow> candidate_rows(const Chosen& chosen);
+
+/// rays, true_hits, wrong, wrong_fraction and kept_bits.
+table::Table<measure::choice::Worth> worth_columns();
+
+/// The columns of room.csv.
+table::Table<measure::choice::Room> room_table();
 
 /// Opened before the work, named when it is whole.
 class ChoiceFiles {
@@ -28,7 +43,11 @@ public:
 
 private:
     std::filesystem::path folder_;
-    file::CsvWriter candidates_, rooms_, offsets_, inputs_, requirement_;
+    table::TableFile<CandidateRow> candidates_;
+    table::TableFile<measure::choice::Room> rooms_;
+    table::TableFile<SafeOffsetRow> offsets_;
+    table::TableFile<InputRow> inputs_;
+    table::TableFile<RequirementRow> requirement_;
 };
 
 }  // namespace lostbits::output::choice

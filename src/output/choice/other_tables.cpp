@@ -4,11 +4,9 @@
 
 namespace lostbits::output::choice {
 
-using file::Cell;
-using file::Column;
 using file::number_or_missing;
 using measure::choice::Input;
-using measure::choice::InputTrial;
+using measure::choice::Worth;
 
 std::string name_of_inputs(const FloatFormat& format) {
     if (format == binary32) return "binary32";
@@ -16,53 +14,56 @@ std::string name_of_inputs(const FloatFormat& format) {
     return fmt::format("p{}", format.precision);
 }
 
-std::vector<Column> offset_columns() {
-    return {{"side", "string", "", "outside: right for every ray away from the solid; both: also for those into it"},
-            {"strategy", "string", "", "where the next ray starts"},
-            {"operations", "integer", "", "that one new ray costs, as the rule is written"},
+table::Table<SafeOffsetRow> offset_table() {
+    using R = SafeOffsetRow;
+    return {{"side", "string", "", "outside: right for every ray away from the solid; both: also for those into it",
+             &R::side},
+            {"strategy", "string", "", "where the next ray starts", [](const R& r) { return r.safe.strategy->name; }},
+            {"operations", "integer", "", "that one new ray costs, as the rule is written",
+             [](const R& r) { return r.safe.operations; }},
             {"oversize_p50", "number", "1",
              "how many times longer than the smallest safe offset, the median; the larger of the sides; missing: none "
-             "is needed"}};
+             "is needed",
+             [](const R& r) { return number_or_missing(r.safe.oversize); }}};
 }
 
-void add_offsets(file::CsvWriter& csv, const measure::choice::SafeOffsets& offsets) {
-    const auto add = [&csv](const char* side, const std::vector<measure::offset::SafeStrategy>& all) {
-        for (const auto& [strategy, operations, oversize] : all) {
-            csv.add(side).add(strategy->name).add(operations).add(number_or_missing(oversize));
-            csv.end_row();
-        }
+std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
+    std::vector<SafeOffsetRow> rows;
+    for (const auto& safe : offsets.outside) rows.push_back({"outside", safe});
+    for (const auto& safe : offsets.both) rows.push_back({"both", safe});
+    return rows;
+}
+
+table::Table<InputRow> input_table() {
+    using R = InputRow;
+    const auto format_of = [](Input input) {
+        return [input](const R& r) {
+            if (!r.trial->has(input)) return name_of_inputs(r.obstacle->base);
+            return r.obstacle->wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
+        };
     };
-    add("outside", offsets.outside);
-    add("both", offsets.both);
-}
-
-std::vector<Column> input_columns() {
-    return {
-        {"origin", "string", "", "format that the origins of the rays come in; exact: not rounded"},
-        {"direction", "string", "", "the same of their directions"},
-        {"place", "string", "", "the same of the centres of spheres and the corners of boxes"},
-        {"radius", "string", "", "the same of the radii of spheres"},
-        {"rays", "integer", "", "whose truth is known"},
-        {"exact_wrong", "integer", "",
-         "rays on which the truth of these inputs decides otherwise than that of the ideal ones"},
-        {"exact_kept_bits", "number", "bits",
-         "of 53: what exact arithmetic on these inputs keeps of the ideal truth, at the wish's share of the hits"},
-        {"f64_wrong", "integer", "", "rays that the form nearest to the wish decides wrongly, in f64 on these inputs"},
-        {"f64_kept_bits", "number", "bits", "what it keeps there; missing: it was not asked"}};
-}
-
-void add_inputs(file::CsvWriter& csv, const measure::choice::Obstacle& obstacle) {
-    const auto format_of = [&obstacle](const InputTrial& trial, Input input) {
-        if (!trial.has(input)) return name_of_inputs(obstacle.base);
-        return obstacle.wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
-    };
-    for (const InputTrial& trial : obstacle.trials) {
-        for (const Input input : measure::choice::input_kinds) csv.add(format_of(trial, input));
-        csv.add(trial.exact.rays).add(trial.exact.wrong).add(number_or_missing(trial.exact.kept_bits));
-        csv.add(trial.form ? Cell(trial.form->wrong) : Cell());
-        csv.add(trial.form ? number_or_missing(trial.form->kept_bits) : Cell());
-        csv.end_row();
-    }
+    const auto exact = [](const R& r) -> const Worth& { return r.trial->exact; };
+    const auto form = [](const R& r) -> const std::optional<Worth>& { return r.trial->form; };
+    const auto kept_bits = [](const Worth& w) { return number_or_missing(w.kept_bits); };
+    table::Table<R> table{
+        {"origin", "string", "", "format that the origins of the rays come in; exact: not rounded",
+         format_of(Input::origin)},
+        {"direction", "string", "", "the same of their directions", format_of(Input::direction)},
+        {"place", "string", "", "the same of the centres of spheres and the corners of boxes", format_of(Input::place)},
+        {"radius", "string", "", "the same of the radii of spheres", format_of(Input::radius)}};
+    return table
+        .add<Worth>(
+            {{"rays", "integer", "", "whose truth is known", &Worth::rays},
+             {"exact_wrong", "integer", "",
+              "rays on which the truth of these inputs decides otherwise than that of the ideal ones", &Worth::wrong},
+             {"exact_kept_bits", "number", "bits",
+              "of 53: what exact arithmetic on these inputs keeps of the ideal truth, at the wish's share of the hits",
+              kept_bits}},
+            exact)
+        .add<Worth>({{"f64_wrong", "integer", "",
+                      "rays that the form nearest to the wish decides wrongly, in f64 on these inputs", &Worth::wrong},
+                     {"f64_kept_bits", "number", "bits", "what it keeps there; missing: it was not asked", kept_bits}},
+                    form);
 }
 
 }  // namespace lostbits::output::choice

@@ -5,15 +5,24 @@
 
 #include "measure/choice/obstacle.hpp"
 #include "measure/choice/respawn.hpp"
-#include "output/file/csv.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::choice {
 
-std::vector<file::Column> offset_columns();
-void add_offsets(file::CsvWriter& csv, const measure::choice::SafeOffsets& offsets);
+/// A strategy that is safe to one side or to both.
+struct SafeOffsetRow {
+    std::string_view side;
+    measure::offset::SafeStrategy safe;
+};
+table::Table<SafeOffsetRow> offset_table();
+std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets);
 
-std::vector<file::Column> input_columns();
-void add_inputs(file::CsvWriter& csv, const measure::choice::Obstacle& obstacle);
+/// A choice of inputs that come wider.
+struct InputRow {
+    const measure::choice::Obstacle* obstacle;
+    const measure::choice::InputTrial* trial;
+};
+table::Table<InputRow> input_table();
 
 /// `binary32`, `binary64`, `p31`: a format of inputs.
 std::string name_of_inputs(const FloatFormat& format);

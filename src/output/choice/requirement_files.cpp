@@ -11,32 +11,35 @@
 
 namespace lostbits::output::choice {
 
-using file::Cell;
 using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
 using measure::choice::Candidate;
 using measure::choice::Requirement;
 
-const std::vector<file::Column> requirement_columns{
-    {"form", "string", "", "form under test; any: whichever of them; none: no form in no format"},
-    {"format", "string", "", "format of its inputs and answers; of any: the format that the form computes in"},
-    {"time_ns", "number", "ns", "per ray and solid, median of this run; missing for an emulated format"},
-    {"met", "integer", "", "pixels on which it meets the wish"},
-    {"met_fraction", "number", "1", "met/pixels"},
-    {"required", "integer", "",
-     "of a form: pixels on which it is the cheapest that meets the wish; of a format: pixels on which it is the "
-     "narrowest in which any form does; of none: pixels on which nothing does"},
-    {"required_fraction", "number", "1", "required/pixels"}};
+table::Table<RequirementRow> requirement_table() {
+    using R = RequirementRow;
+    const auto share_of = [](std::uint64_t R::*count) {
+        return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
+    };
+    return {{"form", "string", "", "form under test; any: whichever of them; none: no form in no format", &R::form},
+            {"format", "string", "", "format of its inputs and answers; of any: the format that the form computes in",
+             &R::format},
+            {"time_ns", "number", "ns", "per ray and solid, median of this run; missing for an emulated format",
+             &R::time_ns},
+            {"met", "integer", "", "pixels on which it meets the wish", &R::met},
+            {"met_fraction", "number", "1", "met/pixels", share_of(&R::met)},
+            {"required", "integer", "",
+             "of a form: pixels on which it is the cheapest that meets the wish; of a format: pixels on which it is "
+             "the narrowest in which any form does; of none: pixels on which nothing does",
+             &R::required},
+            {"required_fraction", "number", "1", "required/pixels", share_of(&R::required)}};
+}
 
 namespace {
 
 /// So many choices have colours of their own; a picture with more is no answer.
 constexpr std::size_t most_colours = 10;
-
-double share(std::uint64_t count, const Requirement& r) {
-    return static_cast<double>(count) / static_cast<double>(r.pixels());
-}
 
 std::string name_of(const Candidate& c) {
     return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
@@ -96,26 +99,24 @@ private:
 };
 
 std::string percent(std::uint64_t count, const Requirement& r) {
-    const double of_100 = 100 * share(count, r);
+    const double of_100 = 100 * (static_cast<double>(count) / static_cast<double>(r.pixels()));
     if (count == 0 || count == r.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
     return of_100 < 0.1 ? fmt::format("{:.1g}%", of_100) : fmt::format("{:.4g}%", std::min(of_100, 99.99));
 }
 
 }  // namespace
 
-void write_requirement(file::CsvWriter& csv, const Chosen& chosen, const Requirement& r) {
-    const auto add = [&](std::string_view form, std::string_view format, const Cell& time, std::uint64_t met,
-                         std::uint64_t required) {
-        csv.add(form).add(format).add(time).add(met).add(share(met, r)).add(required).add(share(required, r));
-        csv.end_row();
-    };
+std::vector<RequirementRow> requirement_rows(const Chosen& chosen, const Requirement& r) {
+    std::vector<RequirementRow> rows;
     for (const std::size_t c : measure::choice::by_price(chosen.all)) {
         const Candidate& at = chosen.all[c];
-        add(at.row.form->info->name, at.row.format.name, Cell(at.time.median * 1e9), r.met[c], r.taken[c]);
+        rows.push_back(
+            {at.row.form->info->name, at.row.format.name, at.time.median * 1e9, r.met[c], r.taken[c], r.pixels()});
     }
     for (std::size_t f = 0; f < r.formats.size(); ++f)
-        add("any", r.formats[f].name, Cell(), r.any_meets[f], r.needed[f]);
-    add("none", "", Cell(), 0, r.none_meets);
+        rows.push_back({"any", r.formats[f].name, {}, r.any_meets[f], r.needed[f], r.pixels()});
+    rows.push_back({"none", "", {}, 0, r.none_meets, r.pixels()});
+    return rows;
 }
 
 void draw_requirement(const std::filesystem::path& path, const Chosen& chosen, const Requirement& r) {

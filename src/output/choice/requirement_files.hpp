@@ -6,15 +6,19 @@
 
 #include "measure/choice/requirement.hpp"
 #include "output/choice/choice_text.hpp"
-#include "output/file/csv.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::choice {
 
-extern const std::vector<file::Column> requirement_columns;
-
+struct RequirementRow {
+    std::string_view form, format;
+    file::Cell time_ns;
+    std::uint64_t met, required, pixels;
+};
+table::Table<RequirementRow> requirement_table();
 /// A row per form and format with a pixel to its name or a time, cheapest first; then one per format under `any`, and
 /// one for the pixels on which nothing meets the wish.
-void write_requirement(file::CsvWriter& csv, const Chosen& chosen, const measure::choice::Requirement& requirement);
+std::vector<RequirementRow> requirement_rows(const Chosen& chosen, const measure::choice::Requirement& requirement);
 
 /// Left the cheapest that meets the wish, right the narrowest format in which any form does; pixel by pixel.
 void draw_requirement(const std::filesystem::path& path, const Chosen& chosen,

@@ -10,9 +10,9 @@
 #include "output/blame/explain_command.hpp"
 #include "output/claim/subject_words.hpp"
 #include "output/claim/verdict_counts.hpp"
-#include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
+#include "output/table/table.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::output::claim {
@@ -141,75 +141,82 @@ const Metric* metric_of_column(const std::string& column) {
     return best;
 }
 
+namespace {
+
+struct ClaimRow {
+    const Claim& claim;
+    const ClaimResult& result;
+    measure::metric::Spread spread;
+};
+
+table::Table<ClaimRow> claim_table() {
+    using R = ClaimRow;
+    using table::when;
+    const auto of_claim = [](const auto& value) { return [value](const R& r) { return std::invoke(value, r.claim); }; };
+    const auto counted = [](const auto& value) {
+        return [value](const R& r) { return when(std::invoke(value, r.result) != 0, std::invoke(value, r.result)); };
+    };
+    const auto drawn = [](const auto& value) {
+        return [value](const R& r) {
+            return when(r.result.is_drawn() && r.spread.draws > 0, std::invoke(value, r.spread));
+        };
+    };
+    using S = measure::metric::Spread;
+    return {
+        {"id", "string", "", "the claim", of_claim(&Claim::id)},
+        {"statement", "string", "", "its sentence", of_claim(&Claim::statement)},
+        {"source", "string", "", "where the sentence is from", of_claim(&Claim::source)},
+        {"verdict", "string", "", "what was found: holds, qualified or refuted", of_claim(verdict_name)},
+        {"condition", "string", "", "of a qualified sentence: when it is true, which its source does not say",
+         of_claim(&Claim::condition)},
+        {"sourced", "boolean", "", "whether it is from a source; false: it is our own", of_claim(&Claim::is_sourced)},
+        {"subject", "string", "", "scene, sweep or table, and the place in it",
+         [](const R& r) { return words_of(r.claim).where; }},
+        {"form", "string", "", "form under test", of_claim(&Claim::form)},
+        {"format", "string", "", "format it computes in", of_claim(&Claim::format)},
+        {"quantity", "string", "", "what is measured", of_claim(quantity)},
+        {"criterion", "string", "",
+         "what the sentence says of the quantity, from which the verdict follows; empty where it describes the "
+         "number and the expected interval says as much",
+         [](const R& r) { return r.claim.criterion ? r.claim.criterion->text : ""; }},
+        {"expected_low", "number", "", "smallest value that agrees", of_claim(&Claim::low)},
+        {"expected_high", "number", "", "largest value that agrees", of_claim(&Claim::high)},
+        {"measured", "number", "", "missing where nothing could be measured",
+         [](const R& r) { return file::number_or_missing(r.result.measured); }},
+        {"samples", "integer", "", "independent random samples that it rests on; 0: nothing is random",
+         [](const R& r) { return r.result.samples; }},
+        {"floats", "integer", "",
+         "every float of a range was tried, so many; missing where the claim does not rest on all of them",
+         counted(&ClaimResult::floats)},
+        {"evidence", "string", "",
+         "what a sentence about all cases rests on: proof, exhaustive, search or sample; empty for others",
+         [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
+        {"lemma", "string", "", "the inequality of a proof", of_claim(&Claim::lemma)},
+        {"evaluations", "integer", "", "rays that a search tried; missing where none did",
+         counted(&ClaimResult::evaluations)},
+        {"draws", "integer", "", "of those samples, one a seed: missing where nothing is random", drawn(&S::draws)},
+        {"draw_low", "number", "", "smallest number measured over the draws", drawn(&S::low)},
+        {"draw_median", "number", "", "the middle one, the lower of two", drawn(&S::median)},
+        {"draw_high", "number", "", "the largest", drawn(&S::high)},
+        {"interval_draws", "integer", "",
+         "draws that the expected interval comes from: their range, and half as much again on either side (in "
+         "logarithms of onsets and fractions)",
+         [](const R& r) { return when(r.claim.draws != 0, r.claim.draws); }},
+        {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped",
+         [](const R& r) { return state_name(r.result.state); }},
+        {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats",
+         [](const R& r) { return witness_text(r.result); }},
+        {"witness_explain", "string", "", "the command that explains that ray",
+         [](const R& r) { return explain_witness(r.claim, r.result); }}};
+}
+
+}  // namespace
+
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results) {
-    file::CsvWriter csv(
-        path, {{"id", "string", "", "the claim"},
-               {"statement", "string", "", "its sentence"},
-               {"source", "string", "", "where the sentence is from"},
-               {"verdict", "string", "", "what was found: holds, qualified or refuted"},
-               {"condition", "string", "", "of a qualified sentence: when it is true, which its source does not say"},
-               {"sourced", "boolean", "", "whether it is from a source; false: it is our own"},
-               {"subject", "string", "", "scene, sweep or table, and the place in it"},
-               {"form", "string", "", "form under test"},
-               {"format", "string", "", "format it computes in"},
-               {"quantity", "string", "", "what is measured"},
-               {"criterion", "string", "",
-                "what the sentence says of the quantity, from which the verdict follows; empty where it describes the "
-                "number and the expected interval says as much"},
-               {"expected_low", "number", "", "smallest value that agrees"},
-               {"expected_high", "number", "", "largest value that agrees"},
-               {"measured", "number", "", "missing where nothing could be measured"},
-               {"samples", "integer", "", "independent random samples that it rests on; 0: nothing is random"},
-               {"floats", "integer", "",
-                "every float of a range was tried, so many; missing where the claim does not rest on all of them"},
-               {"evidence", "string", "",
-                "what a sentence about all cases rests on: proof, exhaustive, search or sample; empty for others"},
-               {"lemma", "string", "", "the inequality of a proof"},
-               {"evaluations", "integer", "", "rays that a search tried; missing where none did"},
-               {"draws", "integer", "", "of those samples, one a seed: missing where nothing is random"},
-               {"draw_low", "number", "", "smallest number measured over the draws"},
-               {"draw_median", "number", "", "the middle one, the lower of two"},
-               {"draw_high", "number", "", "the largest"},
-               {"interval_draws", "integer", "",
-                "draws that the expected interval comes from: their range, and half as much again on either side (in "
-                "logarithms of onsets and fractions)"},
-               {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped"},
-               {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats"},
-               {"witness_explain", "string", "", "the command that explains that ray"}});
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        const Claim& c = claims[i];
-        const ClaimResult& r = results[i];
-        const auto s = r.spread();
-        const auto drawn = [&](const auto& x) { return r.is_drawn() && s.draws > 0 ? file::Cell(x) : file::Cell(); };
-        csv.row({c.id,
-                 c.statement,
-                 c.source,
-                 verdict_name(c),
-                 c.condition,
-                 c.is_sourced(),
-                 words_of(c).where,
-                 c.form,
-                 c.format,
-                 quantity(c),
-                 c.criterion ? c.criterion->text : "",
-                 c.low,
-                 c.high,
-                 std::isnan(r.measured) ? file::Cell() : file::Cell(r.measured),
-                 r.samples,
-                 r.floats == 0 ? file::Cell() : file::Cell(r.floats),
-                 std::string(name_of(c.evidence)),
-                 c.lemma,
-                 r.evaluations == 0 ? file::Cell() : file::Cell(r.evaluations),
-                 drawn(s.draws),
-                 drawn(s.low),
-                 drawn(s.median),
-                 drawn(s.high),
-                 c.draws == 0 ? file::Cell() : file::Cell(c.draws),
-                 state_name(r.state),
-                 witness_text(r),
-                 explain_witness(c, r)});
-    }
+    const auto table = claim_table();
+    file::CsvWriter csv(path, table.columns());
+    for (std::size_t i = 0; i < claims.size(); ++i) table.add_row(csv, {claims[i], results[i], results[i].spread()});
     csv.close();
 }
 

@@ -9,13 +9,12 @@
 #include "output/blame/explain_command.hpp"
 #include "output/consistency/accord_colour.hpp"
 #include "output/consistency/consistency_sheet.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/row_names.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
 
-using file::Cell;
 using image::HeatmapWriter;
 using measure::consistency::accord_names;
 using measure::consistency::AccordOfPixels;
@@ -25,6 +24,7 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyRequest;
 using measure::consistency::RowChecks;
 using measure::map::MapRow;
+using table::Table;
 
 namespace {
 
@@ -34,20 +34,69 @@ struct CheckMap {
     AccordCounts counts{};
 };
 
-std::vector<file::Column> pixel_columns(const ConsistencyRequest& request) {
+struct AccordPixel {
+    const ConsistencyBand* band;
+    std::size_t i;
+};
+
+Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
+    using R = AccordPixel;
     std::string known;
     for (const std::string_view name : accord_names) known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
-    std::vector<file::Column> columns{{"x", "integer", "", "column of the pixel"},
-                                      {"y", "integer", "", "row of the pixel"}};
-    for (const Check* check : request.checks) {
-        columns.push_back({std::string(check->name), "string", "", fmt::format("{}: {}", check->title, known)});
-        if (!check->numbers) continue;
-        columns.push_back({fmt::format("{}_apart", check->name), "number", "ulp",
-                           "|near + far from the other end - length| in ulps of the length"});
-        columns.push_back(
-            {fmt::format("{}_excess", check->name), "number", "ulp", "how far that is from the exact sum"});
+    Table<R> table{
+        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
+        {"y", "integer", "", "row of the pixel",
+         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
+    for (std::size_t c = 0; c < request.checks.size(); ++c) {
+        const Check& check = *request.checks[c];
+        table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known),
+                   [c](const R& r) { return accord_names[static_cast<std::size_t>(r.band->checks[c].accord[r.i])]; }});
+        if (!check.numbers) continue;
+        const auto number = [c](std::vector<double> AccordOfPixels::*numbers) {
+            return [c, numbers](const R& r) {
+                const AccordOfPixels& pixels = r.band->checks[c];
+                return pixels.excess.empty() ? file::Cell() : file::number_or_missing((pixels.*numbers)[r.i]);
+            };
+        };
+        table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
+                    "|near + far from the other end - length| in ulps of the length", number(&AccordOfPixels::apart)},
+                   {fmt::format("{}_excess", check.name), "number", "ulp", "how far that is from the exact sum",
+                    number(&AccordOfPixels::excess)}});
     }
-    return columns;
+    return table;
+}
+
+/// What a check finds of a row.
+struct CheckRow {
+    const Check* check;
+    const MapRow* row;
+    const CheckSummary* summary;
+};
+
+Table<CheckRow> check_table() {
+    using R = CheckRow;
+    Table<R> table{{"check", "string", "", "which questions are compared: a row of the checks",
+                    [](const R& r) { return r.check->name; }}};
+    table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
+    for (const auto& column : measure::consistency::consistency_columns())
+        table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
+    const auto explain = [](auto ray) {
+        return [ray](const R& r) {
+            const auto& shown = r.summary->shown;
+            return shown && !(shown->rays.*ray).solids.empty()
+                       ? blame::explain_command(blame::name_of_ray(&(shown->rays.*ray)), *r.row)
+                       : std::string();
+        };
+    };
+    using Rays = decltype(CheckSummary{}.shown->rays);
+    return table.add(
+        {{"first_x", "integer", "", "column of the first pixel that the form is to blame for",
+          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->x) : file::Cell(); }},
+         {"first_y", "integer", "", "its row",
+          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->y) : file::Cell(); }},
+         {"first_explain", "string", "", "command that explains the ray of the first question there",
+          explain(&Rays::first)},
+         {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
 /// The files of one form in one format.
@@ -59,7 +108,8 @@ public:
             request.limit.stop.check();
             open(*check, row, options.folder);
         }
-        if (options.pixels_csv) pixels_.emplace(options.folder / (map::row_name(row) + ".csv"), pixel_columns(request));
+        if (options.pixels_csv)
+            pixels_.emplace(options.folder, map::row_name(row) + ".csv", "One row per pixel", pixel_table(request));
     }
 
     void band(const ConsistencyBand& band) {
@@ -72,7 +122,7 @@ public:
             }
             maps_[c].heatmap->write_rows(field);
         }
-        if (pixels_) add_pixels(band);
+        for (std::size_t i = 0; pixels_ && i < band.checks.front().accord.size(); ++i) pixels_->add({&band, i});
     }
 
     void finish() {
@@ -80,6 +130,9 @@ public:
             maps_[c].heatmap->finish(accord_legend(*request_.checks[c], maps_[c].counts, request_.scene->pixels()));
         if (pixels_) pixels_->close();
     }
+
+    /// Of its pixels, where there is one.
+    [[nodiscard]] const std::optional<table::TableFile<AccordPixel>>& table() const { return pixels_; }
 
 private:
     void open(const Check& check, const MapRow& row, const std::filesystem::path& folder) {
@@ -99,79 +152,26 @@ private:
         maps_.push_back({std::make_unique<HeatmapWriter>(image::image_backend(), folder / name, std::move(spec)), {}});
     }
 
-    void add_pixels(const ConsistencyBand& band) {
-        for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) {
-            pixels_->add(static_cast<int>(i) % band.width).add(band.y0 + static_cast<int>(i) / band.width);
-            for (std::size_t c = 0; c < band.checks.size(); ++c) {
-                const AccordOfPixels& pixels = band.checks[c];
-                pixels_->add(accord_names[static_cast<std::size_t>(pixels.accord[i])]);
-                if (!request_.checks[c]->numbers) continue;
-                const bool any = !pixels.excess.empty();
-                pixels_->add(any ? file::number_or_missing(pixels.apart[i]) : Cell());
-                pixels_->add(any ? file::number_or_missing(pixels.excess[i]) : Cell());
-            }
-            pixels_->end_row();
-        }
-    }
-
     const ConsistencyRequest& request_;
     image::ColourScale scale_;
     std::vector<CheckMap> maps_;
-    std::optional<file::CsvWriter> pixels_;
+    std::optional<table::TableFile<AccordPixel>> pixels_;
 };
 
-void add_first(const MapRow& row, const CheckSummary& summary, file::CsvWriter& table) {
-    if (!summary.shown) {
-        for (int k = 0; k < 4; ++k) table.add(Cell());
-        return;
-    }
-    table.add(summary.shown->x).add(summary.shown->y);
-    for (const auto* group : {&summary.shown->rays.first, &summary.shown->rays.second})
-        table.add(group->solids.empty() ? Cell() : Cell(blame::explain_command(blame::name_of_ray(group), row)));
-}
-
-void add_rows(const ConsistencyRequest& request, const std::vector<RowChecks>& rows, file::CsvWriter& table) {
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t c = 0; c < rows[r].size(); ++c) {
-            table.add(request.checks[c]->name).add(request.rows[r].form->info->name).add(request.rows[r].format.name);
-            for (const auto& column : measure::consistency::consistency_columns()) {
-                const double x = column.value(rows[r][c]);
-                table.add(std::isnan(x) ? Cell() : column.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
-            }
-            add_first(request.rows[r], rows[r][c], table);
-            table.end_row();
-        }
-    }
-}
-
 }  // namespace
-
-std::vector<file::Column> consistency_summary_columns() {
-    std::vector<file::Column> columns{{"check", "string", "", "which questions are compared: a row of the checks"},
-                                      {"form", "string", "", "form that is asked"},
-                                      {"format", "string", "", "format that everything is computed in"}};
-    for (const auto& c : measure::consistency::consistency_columns())
-        columns.push_back(
-            {std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
-    columns.push_back({"first_x", "integer", "", "column of the first pixel that the form is to blame for"});
-    columns.push_back({"first_y", "integer", "", "its row"});
-    columns.push_back({"first_explain", "string", "", "command that explains the ray of the first question there"});
-    columns.push_back({"second_explain", "string", "", "command that explains the ray of the second"});
-    return columns;
-}
 
 struct ConsistencyFiles::Parts {
     Parts(const ConsistencyRequest& of, const ConsistencyFilesOptions& with)
         : request(of),
           options(with),
-          table(with.folder / "summary.csv", consistency_summary_columns()),
+          table(with.folder, "summary.csv", "One row per check, form and format", check_table()),
           sheet(image::image_backend(), with.folder / "contact.png", of) {
         for (const MapRow& row : of.rows) rows.push_back(std::make_unique<ConsistencyRowFiles>(of, row, with));
     }
 
     const ConsistencyRequest& request;
     ConsistencyFilesOptions options;
-    file::CsvWriter table;
+    table::TableFile<CheckRow> table;
     ConsistencySheet sheet;
     std::vector<std::unique_ptr<ConsistencyRowFiles>> rows;
 };
@@ -190,13 +190,12 @@ void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
     Parts& p = *parts_;
     for (auto& row : p.rows) row->finish();
     p.sheet.finish(rows);
-    std::vector<file::DataResource> resources{
-        {"summary.csv", "One row per check, form and format", consistency_summary_columns()}};
-    if (p.options.pixels_csv) {
-        for (const MapRow& row : p.request.rows)
-            resources.push_back({map::row_name(row) + ".csv", "One row per pixel", pixel_columns(p.request)});
-    }
-    add_rows(p.request, rows, p.table);
+    std::vector<file::DataResource> resources{p.table.about()};
+    for (const auto& row : p.rows)
+        if (row->table()) resources.push_back(row->table()->about());
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        for (std::size_t c = 0; c < rows[r].size(); ++c)
+            p.table.add({p.request.checks[c], &p.request.rows[r], &rows[r][c]});
     file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     p.table.close();  // last: a folder with a summary is a finished one
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "measure/consistency/consistency.hpp"
-#include "output/file/csv.hpp"
 
 namespace lostbits::output::consistency {
 
@@ -14,10 +13,6 @@ struct ConsistencyFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     bool pixels_csv = false;       ///< also one row per pixel
 };
-
-/// The columns of summary.csv: check, form, format, `consistency_columns`, and the first disagreement: its pixel and a
-/// command for each of its two rays.
-[[nodiscard]] std::vector<file::Column> consistency_summary_columns();
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///

@@ -6,13 +6,10 @@
 #include <cmath>
 
 #include "output/blame/explain_command.hpp"
-#include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
-#include "output/file/number_text.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::edges {
 
-using file::Cell;
 using measure::edges::NearestRay;
 using measure::edges::sought;
 
@@ -22,23 +19,39 @@ std::string name_of(std::size_t outcome) {
     return std::string(measure::answer::outcome_names[static_cast<std::size_t>(sought.at(outcome))]);
 }
 
-std::vector<file::Column> nearest_columns() {
-    std::vector<file::Column> columns{
-        {"form", "string", "", "form under test"},
-        {"format", "string", "", "format it computes in"},
-        {"outcome", "string", "", "what was searched for: crack or double_hit"},
-        {"found", "boolean", "", "whether a ray with that outcome was found"},
-        {"distance_edges", "number", "1",
-         "of the nearest one: from the eye to the point of the edge that it is aimed at, in lengths of the edge"},
-        {"rays", "integer", "", "rays tried"},
-        {"face_a", "integer", "", "the place of the one triangle of the edge among the solids of the scene"},
-        {"face_b", "integer", "", "the place of the other"},
-        {"t", "number", "t", "the form's answer, in its own unit; missing where it misses"},
-        {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"}};
-    for (const char* name : {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z"})
-        columns.push_back({std::string(name) + "_hex", "string", "", "of the nearest ray"});
-    columns.push_back({"explain", "string", "", "the command that explains it"});
-    return columns;
+struct NearestRow {
+    measure::map::MapRow row;
+    std::string outcome;
+    std::uint64_t rays;
+    const std::optional<NearestRay>& nearest;
+    std::string explain;
+};
+
+table::Table<NearestRow> nearest_table() {
+    using R = NearestRow;
+    using N = NearestRay;
+    const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
+    table::Table<R> table;
+    table.add(table::subject_columns(), &R::row);
+    table.add({{"outcome", "string", "", "what was searched for: crack or double_hit", &R::outcome},
+               {"found", "boolean", "", "whether a ray with that outcome was found",
+                [](const R& r) { return r.nearest.has_value(); }}});
+    table.add<N>({{"distance_edges", "number", "1",
+                   "of the nearest one: from the eye to the point of the edge that it is aimed at, in lengths of the "
+                   "edge",
+                   &N::distance}},
+                 nearest);
+    table.add({"rays", "integer", "", "rays tried", &R::rays});
+    table.add<N>({{"face_a", "integer", "", "the place of the one triangle of the edge among the solids of the scene",
+                   [](const N& n) { return n.faces[0]; }},
+                  {"face_b", "integer", "", "the place of the other", [](const N& n) { return n.faces[1]; }},
+                  {"t", "number", "t", "the form's answer, in its own unit; missing where it misses",
+                   [](const N& n) { return file::number_or_missing(n.t); }},
+                  {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
+                 nearest);
+    table.add(table::ray_columns("of the nearest ray"),
+              [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });
+    return table.add({"explain", "string", "", "the command that explains it", &R::explain});
 }
 
 }  // namespace
@@ -49,30 +62,15 @@ std::string NearestFiles::explain(std::size_t r, const NearestRay& ray) const {
 }
 
 void NearestFiles::write(const std::filesystem::path& folder) const {
-    const std::vector<file::Column> columns = nearest_columns();
-    file::CsvWriter csv(folder / "worst.csv", columns);
+    table::TableFile<NearestRow> csv(
+        folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
     for (std::size_t r = 0; r < found.size(); ++r) {
         for (std::size_t k = 0; k < sought.size(); ++k) {
             const auto& nearest = found[r].nearest.at(k);
-            csv.add(request.rows[r].form->info->name).add(request.rows[r].format.name).add(name_of(k));
-            csv.add(nearest.has_value()).add(nearest ? Cell(nearest->distance) : Cell()).add(found[r].rays.at(k));
-            if (!nearest) {
-                for (std::size_t c = 6; c < columns.size(); ++c) csv.add(Cell());
-            } else {
-                for (const std::uint32_t face : nearest->faces) csv.add(std::uint64_t{face});
-                csv.add(std::isnan(nearest->t) ? Cell() : Cell(nearest->t)).add(nearest->truth);
-                const auto& [origin, direction] = nearest->ray;
-                for (const Vec<double>& v : {origin, direction})
-                    for (int axis = 0; axis < 3; ++axis) csv.add(file::hex(v[axis]));
-                csv.add(explain(r, *nearest));
-            }
-            csv.end_row();
+            csv.add({request.rows[r], name_of(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
         }
     }
-    file::write_datapackage(
-        folder / "datapackage.json", request.search->title,
-        {{"worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", columns}});
-    csv.close();
+    table::close_tables(folder, request.search->title, csv);
 }
 
 std::string NearestFiles::sentence(std::size_t r) const {

@@ -41,6 +41,8 @@ public:
     Cell(std::string_view value) : value_(std::string(value)) {}
     Cell(const char* value) : value_(std::string(value)) {}
 
+    [[nodiscard]] bool is_missing() const { return std::holds_alternative<std::monostate>(value_); }
+
     /// The text between the commas, before quoting.
     [[nodiscard]] std::string text() const;
 

@@ -52,7 +52,7 @@ public:
     RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map)
         : row_(row), worst_(std::move(worst)), map_(map) {}
     void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
-        rows_.emplace(path, dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only());
+        rows_.emplace(path, ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
     void piece(const Chunk& chunk, const measure::map::BandResult& result) override {
         worst_.look_at(chunk.first, result);
@@ -104,7 +104,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         for (const MapRow& row : request.rows)
             tables.push_back({table_of(row),
                               fmt::format("One row per ray: {} in {}", row.form->info->name, row.format.name),
-                              RayRows::columns(dump, request.metrics)});
+                              ray_table(dump, request.metrics).columns()});
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
                                                       .drawn = p.options.drawn,

@@ -5,34 +5,38 @@
 #include <vector>
 
 #include "measure/judge/judge.hpp"
-#include "output/file/csv.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::judge {
+
+/// A ray of a chunk of the file.
+struct JudgedRay {
+    const scene::dump::Chunk* chunk;
+    map::BandRay found;
+};
+
+/// The columns of one row of the work. `decides`: its answers have no t.
+table::Table<JudgedRay> ray_table(const scene::dump::Dump& dump,
+                                  const std::vector<const measure::metric::Metric*>& metrics, bool decides = false);
 
 /// The CSV of one row of the work.
 class RayRows {
 public:
-    /// `decides`: the row's answers have no t. Without a path there is no file: see `take_lines`.
-    RayRows(const std::filesystem::path& path, const scene::dump::Dump& dump,
-            const std::vector<const measure::metric::Metric*>& metrics, bool decides);
-    static std::vector<file::Column> columns(const scene::dump::Dump& dump,
-                                             const std::vector<const measure::metric::Metric*>& metrics);
+    /// Without a path there is no file: see `take_lines`.
+    RayRows(const std::filesystem::path& path, table::Table<JudgedRay> table)
+        : table_(std::move(table)),
+          csv_(path.empty() ? file::CsvWriter(table_.columns()) : file::CsvWriter(path, table_.columns())) {}
 
-    void add(const scene::dump::Chunk& chunk, const measure::map::BandResult& result, const measure::map::MapRow& row);
+    void add(const scene::dump::Chunk& chunk, const measure::map::BandResult& result, const measure::map::MapRow& row) {
+        for (std::size_t i = 0; i < chunk.size(); ++i) table_.add_row(csv_, {&chunk, {&result, i, &row}});
+    }
     /// What was added since the last call, where there is no file.
     [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
     void close() { csv_.close(); }
 
 private:
-    void add_given(const scene::dump::Chunk& chunk, std::size_t i);
-    [[nodiscard]] file::Cell number(double x) const;
-
-    const scene::dump::Dump& dump_;
-    const std::vector<const measure::metric::Metric*>& metrics_;
-    bool decides_;
-    std::size_t kept_;  ///< columns of the file's own
-    bool narrow_;       ///< its numbers are floats, and are written as short as floats are
+    table::Table<JudgedRay> table_;
     file::CsvWriter csv_;
 };
 

@@ -4,10 +4,10 @@
 #include <array>
 
 #include "measure/blame/culprits.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::map {
 
-using file::Column;
 using measure::metric::Metric;
 
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts) {
@@ -19,40 +19,32 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
     return order;
 }
 
-std::vector<Column> CulpritTable::columns(std::vector<Column> before) {
-    before.push_back({"form", "string", "", "form under test"});
-    before.push_back({"format", "string", "", "format it computes in"});
-    before.push_back(
-        {"operation", "string", "",
-         "what the form computes there; one axis stands for all three, and one round of a loop for every round"});
-    before.push_back(
-        {"culprit_rays", "integer", "", "rays whose culprit it is: correct hits, false hits and false misses"});
-    before.push_back({"culprit_fraction", "number", "1", "their share of the rays that have a culprit"});
-    return before;
+table::Table<Culprit> culprit_table() {
+    using R = Culprit;
+    table::Table<R> table;
+    table.add(table::subject_columns(), &R::row);
+    table.add({{"operation", "string", "",
+                "what the form computes there; one axis stands for all three, and one round of a loop for every round",
+                &R::operation},
+               {"culprit_rays", "integer", "", "rays whose culprit it is: correct hits, false hits and false misses",
+                &R::rays},
+               {"culprit_fraction", "number", "1", "their share of the rays that have a culprit", &R::fraction}});
+    return table;
 }
 
-bool CulpritTable::is_wanted(const std::vector<const Metric*>& metrics) {
+bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::by_run);
 }
 
-CulpritTable::CulpritTable(const std::filesystem::path& path, const std::vector<Column>& before,
-                           const std::vector<const Metric*>& metrics)
-    : csv_(path, columns(before)),
-      place_(static_cast<std::size_t>(std::ranges::find_if(metrics, &Metric::by_run) - metrics.begin())),
-      categories_(metrics.at(place_)->categories) {}
-
-void CulpritTable::add(const measure::map::MapRow& row, const measure::map::MapSummary& summary,
-                       const std::function<void(file::CsvWriter&)>& put) {
-    const auto& counts = summary.categories[place_];
-    for (const std::size_t c : culprits_by_count(counts)) {
-        put(csv_);
-        csv_.add(row.form->info->name)
-            .add(row.format.name)
-            .add(categories_[c])
-            .add(counts[c])
-            .add(measure::blame::culprit_share(counts, std::array{c}));
-        csv_.end_row();
-    }
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const measure::map::MapRow& row,
+                                 const measure::map::MapSummary& summary) {
+    const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
+    const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
+    std::vector<Culprit> culprits;
+    for (const std::size_t c : culprits_by_count(counts))
+        culprits.push_back(
+            {row, (*metric)->categories[c], counts[c], measure::blame::culprit_share(counts, std::array{c})});
+    return culprits;
 }
 
 }  // namespace lostbits::output::map

@@ -6,7 +6,6 @@
 
 #include "intersect/process/parallel.hpp"
 #include "output/blame/explain_command.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/culprit_table.hpp"
 #include "output/map/map_sheet.hpp"
@@ -75,6 +74,7 @@ public:
           exr_(options.exr),
           pixels_(options.pixels_csv),
           keep_(options.keep),
+          pixel_table_(pixel_table(request.metrics)),
           named_(options.named),
           lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
           excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))) {
@@ -106,7 +106,9 @@ public:
                 backend, options.folder / (stem + suffix + ".png"), std::move(spec));
         }
         if (options.pixels_csv && !keep_)
-            csv_ = std::make_unique<CsvWriter>(options.folder / (stem + ".csv"), pixel_columns(request));
+            csv_.emplace(options.folder, stem + ".csv",
+                         fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
+                         pixel_table_);
     }
 
     void band(const measure::map::BandResult& result) override {
@@ -138,6 +140,8 @@ public:
         if (csv_) csv_->close();
     }
 
+    /// Of its pixels, where there is one.
+    [[nodiscard]] const std::optional<table::TableFile<BandRay>>& table() const { return csv_; }
     /// Pixels drawn paler, in any of the pictures of lost bits.
     [[nodiscard]] std::uint64_t inside() const { return paler_; }
 
@@ -155,8 +159,8 @@ private:
         }
         if (exr_) piece.exr = exr_->rows_of(row_, result, drawings_.empty() ? outcomes_of(result) : piece.fields[0]);
         if (pixels_) {
-            CsvWriter lines(pixel_columns(request_));
-            write_pixels(lines, request_, row_, result);
+            CsvWriter lines(pixel_table_.columns());
+            for (std::size_t i = 0; i < result.outcomes.size(); ++i) pixel_table_.add_row(lines, {&result, i, &row_});
             piece.lines = lines.take_lines();
         }
         return piece;
@@ -196,46 +200,46 @@ private:
     MapExr* exr_;
     bool pixels_;
     const KeepPiece& keep_;
+    table::Table<BandRay> pixel_table_;
     const std::string& named_;
     std::size_t lost_, excess_;  ///< metrics of the request; `excess_` is none without an envelope
     std::uint64_t paler_ = 0;
     std::vector<Drawing> drawings_;
-    std::unique_ptr<CsvWriter> csv_;
+    std::optional<table::TableFile<BandRay>> csv_;
 };
 
 struct MapFiles::Parts {
     const MapRequest& request;
     MapFilesOptions options;
-    SummaryTable table;
     std::vector<MapSheet> sheets = {};
     std::vector<std::unique_ptr<RowFiles>> rows = {};
-    std::unique_ptr<CsvWriter> summary = {};
-    std::optional<CulpritTable> culprits = {};
+    std::optional<table::TableFile<SummaryRow>> summary = {};
+    std::optional<table::TableFile<Culprit>> culprits = {};
 
-    /// Of the summary.
-    [[nodiscard]] std::vector<file::Column> columns() const {
-        std::vector<file::Column> all = table.columns();
-        for (file::Column& c : all) {
-            if (!options.listed) continue;
-            if (c.unit == "pixel") c.unit = "";
-            if (c.name == "rays") c.meaning = "rays of the file";
-            if (c.name == "worst_x") c.meaning = "place in the file, from 0, of the ray with the largest |ulp_error|";
-            if (c.name == "worst_y") c.meaning = "0";
-        }
-        return all;
+    [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
+        auto table =
+            summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by);
+        if (!options.listed) return table;
+        for (auto& c : table)
+            if (c.about.unit == "pixel") c.about.unit = "";
+        table.set_meaning("rays", "rays of the file");
+        table.set_meaning("worst_x", "place in the file, from 0, of the ray with the largest |ulp_error|");
+        table.set_meaning("worst_y", "0");
+        return table;
     }
 };
 
 MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
-    : parts_(
-          new Parts{.request = request,
-                    .options = options,
-                    .table = {request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by}}) {
+    : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
-    if (!options.keep) p.summary = std::make_unique<CsvWriter>(options.folder / "summary.csv", p.columns());
-    if (!options.keep && CulpritTable::is_wanted(request.metrics))
-        p.culprits.emplace(options.folder / "culprits.csv", std::vector<file::Column>{}, request.metrics);
+    if (!options.keep)
+        p.summary.emplace(options.folder, "summary.csv",
+                          options.by.empty() ? "One row per form and format" : "One row per form, format and group",
+                          p.summary_columns());
+    if (!options.keep && asks_for_culprits(request.metrics))
+        p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
+                           culprit_table());
     p.sheets = sheets_of(request, options);
     for (const MapRow& row : request.rows) {
         request.limit.stop.check();
@@ -285,24 +289,14 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries, const measure::m
                                      : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.table.add_all(*p.summary, r, p.request.rows[r], summaries[r], groups, name_of);
-        if (p.culprits) p.culprits->add(p.request.rows[r], summaries[r]);
+        p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, name_of));
+        if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
     }
 
-    std::vector<file::DataResource> resources{
-        {"summary.csv", p.options.by.empty() ? "One row per form and format" : "One row per form, format and group",
-         p.columns()}};
-    if (p.culprits)
-        resources.push_back(
-            {"culprits.csv", "One row per form, format and operation that is a culprit", CulpritTable::columns({})});
-    if (p.options.pixels_csv) {
-        for (const MapRow& row : p.request.rows) {
-            const std::string stem = row_name(row);
-            resources.push_back({stem + ".csv",
-                                 fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
-                                 pixel_columns(p.request)});
-        }
-    }
+    std::vector<file::DataResource> resources{p.summary->about()};
+    if (p.culprits) resources.push_back(p.culprits->about());
+    for (const auto& row : p.rows)
+        if (row->table()) resources.push_back(row->table()->about());
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
     file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     if (p.options.exr) p.options.exr->close();

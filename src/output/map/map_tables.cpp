@@ -6,14 +6,15 @@
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/machine.hpp"
-#include "output/file/number_text.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::map {
 
 using file::Cell;
-using file::Column;
 using measure::map::SummaryColumn;
 using measure::metric::Metric;
+using table::Table;
+using table::when;
 
 namespace {
 
@@ -39,100 +40,94 @@ Cell cell_of(const SummaryColumn& column, const measure::map::MapSummary& summar
     return x;
 }
 
+void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& columns) {
+    for (const SummaryColumn& c : columns)
+        table.add({c.name, type_of(c), c.unit, c.meaning, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
+}
+
+std::string command(const SummaryRow& r, const measure::map::WorstRay* ray) {
+    const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
+    return name.empty() ? "" : blame::explain_command(name, r.row);
+}
+
 }  // namespace
 
-SummaryTable::SummaryTable(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes, bool meshes,
-                           std::string by)
-    : by_(std::move(by)), columns_(measure::map::summary_columns(metrics)) {
-    std::erase_if(columns_, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
-    std::ranges::move(measure::map::worst_columns(shapes), std::back_inserter(columns_));
-    fault_columns_ = measure::map::fault_columns();
-    if (by_.empty()) return;
-    by_ = file::csv_text(by_);  // a column may be called like a formula, or like one of ours
-    const auto own = columns();
-    while (std::ranges::count(own, by_, &Column::name) > 1) by_ = "file_" + by_;
+Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
+                                bool meshes, std::string by) {
+    using R = SummaryRow;
+    std::vector<SummaryColumn> of_rays = measure::map::summary_columns(metrics);
+    std::erase_if(of_rays, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
+    Table<R> table;
+    table.add(table::subject_columns(), &R::row);
+    add_columns(table, of_rays);
+    add_columns(table, measure::map::worst_columns(shapes));
+    table.add({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again",
+               [](const R& r) { return command(r, &r.summary->worst); }});
+    add_columns(table, measure::map::fault_columns());
+    table.add({"fault_explain", "string", "", "the command that explains that ray",
+               [](const R& r) { return command(r, r.summary->fault()); }});
+    if (by.empty()) return table;
+    by = file::csv_text(by);  // a column may be called like a formula, or like one of ours
+    while (table.find(by) != nullptr) by = "file_" + by;
+    return Table<R>{{by, "string", "", "what the rays of this row have there; missing: all rays", &R::group}}.add(
+        std::move(table));
 }
 
-std::vector<Column> SummaryTable::columns() const {
-    std::vector<Column> columns;
-    if (!by_.empty()) columns.push_back({by_, "string", "", "what the rays of this row have there; missing: all rays"});
-    columns.push_back({"form", "string", "", "form under test"});
-    columns.push_back({"format", "string", "", "format it computes in"});
-    for (const SummaryColumn& c : columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
-    columns.push_back({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again"});
-    for (const SummaryColumn& c : fault_columns_) columns.push_back({c.name, type_of(c), c.unit, c.meaning});
-    columns.push_back({"fault_explain", "string", "", "the command that explains that ray"});
-    return columns;
+std::vector<SummaryRow> summary_rows(std::size_t r, const measure::map::MapRow& row,
+                                     const measure::map::MapSummary& summary, const measure::map::Groups& groups,
+                                     const NameOfRay& name_of_ray) {
+    std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
+    for (const measure::map::Group& group : groups.all())
+        rows.push_back({row, &group.summaries[r], name_of_ray, group.value.empty() ? "(empty)" : group.value});
+    return rows;
 }
 
-void SummaryTable::add(file::CsvWriter& csv, const measure::map::MapRow& row, const measure::map::MapSummary& summary,
-                       const NameOfRay& name_of_ray) const {
-    const auto command = [&](const measure::map::WorstRay* ray) -> Cell {
-        const std::string name = ray != nullptr && ray->x >= 0 ? name_of_ray(*ray) : "";
-        if (name.empty()) return {};
-        return blame::explain_command(name, row);
-    };
-    csv.add(row.form->info->name).add(row.format.name);
-    for (const SummaryColumn& c : columns_) csv.add(cell_of(c, summary));
-    csv.add(command(&summary.worst));
-    for (const SummaryColumn& c : fault_columns_) csv.add(cell_of(c, summary));
-    csv.add(command(summary.fault()));
+table::TableColumn<BandRay> outcome_column() {
+    return {"outcome", "string", "", "outcome of the ray", [](const BandRay& r) {
+                return measure::answer::outcome_names[static_cast<std::size_t>(r.result->outcomes[r.i])];
+            }};
 }
 
-void SummaryTable::add_all(file::CsvWriter& csv, std::size_t r, const measure::map::MapRow& row,
-                           const measure::map::MapSummary& summary, const measure::map::Groups& groups,
-                           const NameOfRay& name_of_ray) const {
-    if (!by_.empty()) csv.add(Cell());
-    add(csv, row, summary, name_of_ray);
-    csv.end_row();
-    for (const measure::map::Group& group : groups.all()) {
-        csv.add(group.value.empty() ? "(empty)" : group.value);
-        add(csv, row, group.summaries[r], name_of_ray);
-        csv.end_row();
+Table<BandRay> found_columns(const std::vector<const Metric*>& metrics) {
+    Table<BandRay> table;
+    table.add_exact(
+        {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", [](const BandRay& r) -> Cell {
+             if (!r.result->truth(r.i).is_hit()) return {};
+             return r.result->band->rounded_truth(r.i, binary64, r.row->form->info->direction, r.result->convention);
+         }});
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+        const auto categories = metrics[m]->categories;
+        table.add({measure::map::column_name(*metrics[m]), categories.empty() ? "number" : "string",
+                   std::string(metrics[m]->unit), std::string(metrics[m]->meaning),
+                   [m, categories](const BandRay& r) -> Cell {
+                       const double value = r.result->metrics[m][r.i];
+                       if (std::isnan(value)) return {};
+                       if (categories.empty()) return value;
+                       return categories[static_cast<std::size_t>(value)];
+                   }});
     }
+    return table;
 }
 
-std::vector<Column> pixel_columns(const measure::map::MapRequest& request) {
-    std::vector<Column> columns{{"x", "integer", "pixel", "column, from the left"},
-                                {"y", "integer", "pixel", "row, from the top"},
-                                {"outcome", "string", "", "outcome of the ray"},
-                                {"object", "integer", "", "solid that the form hit, from 0"},
-                                {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
-                                {"t", "number", "t", "the form's answer, in its own unit"},
-                                {"t_hex", "string", "t", "the same, exactly"},
-                                {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit"},
-                                {"truth_hex", "string", "t", "the same, exactly"}};
-    for (const Metric* m : request.metrics)
-        columns.push_back({measure::map::column_name(*m), m->categories.empty() ? "number" : "string",
-                           std::string(m->unit), std::string(m->meaning)});
-    return columns;
-}
-
-void write_pixels(file::CsvWriter& csv, const measure::map::MapRequest& request, const measure::map::MapRow& row,
-                  const measure::map::BandResult& result) {
-    for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-        const auto width = static_cast<std::size_t>(result.width);
-        csv.add(i % width).add(static_cast<std::size_t>(result.y0) + i / width);
-        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(result.outcomes[i])]);
-        const bool hit = result.answers->hit[i] != 0;
-        const measure::truth::Truth& truth = result.truth(i);
-        csv.add(hit ? Cell(result.answers->object[i]) : Cell()).add(truth.is_hit() ? Cell(truth.object) : Cell());
-        const auto exact = [&](bool there, double x) {
-            csv.add(there ? Cell(x) : Cell()).add(there ? Cell(file::hex(x)) : Cell());
-        };
-        exact(hit, result.answers->t[i]);
-        exact(
-            truth.is_hit(),
-            truth.is_hit() ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention) : 0);
-        for (std::size_t m = 0; m < request.metrics.size(); ++m) {
-            const double value = result.metrics[m][i];
-            const auto categories = request.metrics[m]->categories;
-            csv.add(std::isnan(value)    ? Cell()
-                    : categories.empty() ? Cell(value)
-                                         : Cell(categories[static_cast<std::size_t>(value)]));
-        }
-        csv.end_row();
-    }
+Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
+    using R = BandRay;
+    Table<R> table{{"x", "integer", "pixel", "column, from the left",
+                    [](const R& r) { return r.i % static_cast<std::size_t>(r.result->width); }},
+                   {"y", "integer", "pixel", "row, from the top",
+                    [](const R& r) {
+                        const auto width = static_cast<std::size_t>(r.result->width);
+                        return static_cast<std::size_t>(r.result->y0) + r.i / width;
+                    }},
+                   outcome_column(),
+                   {"object", "integer", "", "solid that the form hit, from 0",
+                    [](const R& r) { return when(r.hit(), r.result->answers->object[r.i]); }},
+                   {"truth_object", "integer", "", "solid that the ray truly hits first, from 0", [](const R& r) {
+                        const measure::truth::Truth& truth = r.result->truth(r.i);
+                        return when(truth.is_hit(), truth.object);
+                    }}};
+    table.add_exact({"t", "number", "t", "the form's answer, in its own unit",
+                     [](const R& r) { return r.hit() ? r.t() : Cell(); }});
+    return table.add(found_columns(metrics));
 }
 
 void require_open_files(const measure::map::MapRequest& request, std::size_t pictures, bool pixels_csv,

@@ -6,14 +6,13 @@
 #include <optional>
 
 #include "measure/metric/statistics.hpp"
-#include "output/file/csv.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::map {
 
 using file::Cell;
-using file::Column;
 using file::CsvWriter;
 using image::LegendEntry;
 using image::Rgb8;
@@ -25,6 +24,8 @@ using measure::map::NeededSummary;
 using measure::map::WidthCounts;
 using measure::metric::Statistic;
 using measure::metric::statistics;
+using table::Table;
+using table::when;
 
 namespace {
 
@@ -56,46 +57,67 @@ image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, 
             .legend = {beyond_entry(widest), unresolved_entry(widest)}};
 }
 
-std::vector<Column> table_columns() {
-    std::vector<Column> columns{
-        {"form", "string", "", "form under test"},
-        {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits"},
-        {"pixels", "integer", "", "rays, one per pixel"}};
-    for (const Statistic& s : statistics) {
-        columns.push_back({"needed_" + std::string(s.name), "number", "bits",
-                           std::string(s.meaning) + " of the widths needed, over the pixels that have one"});
-    }
-    for (const Statistic& s : statistics) {
-        columns.push_back({"hit_needed_" + std::string(s.name), "number", "bits",
-                           std::string(s.meaning) + " of the same over the rays that truly hit"});
-    }
-    columns.push_back(
-        {"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits are enough"});
-    columns.push_back({"misses_beyond_53", "integer", "", "rays that truly miss and that are hit even with 53 bits"});
-    columns.push_back({"unresolved", "integer", "", "rays whose truth was not proved within the stated limit"});
-    return columns;
+struct NeededRow {
+    std::string_view form;
+    int bits;
+    const NeededSummary* summary;
+    WidthCounts all;
+};
+
+Table<NeededRow> needed_table() {
+    using R = NeededRow;
+    Table<R> table{
+        {"form", "string", "", "form under test", &R::form},
+        {"bits_asked", "integer", "bits", "B: the answer is to be within half an ulp of B significand bits", &R::bits},
+        {"pixels", "integer", "", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
+    const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
+        for (const Statistic& s : statistics)
+            table.add({prefix + std::string(s.name), "number", "bits", std::string(s.meaning) + over,
+                       [s, counts_of](const R& r) {
+                           const WidthCounts& counts = counts_of(r);
+                           return counts.count() == 0 ? Cell() : Cell(s.of(counts));
+                       }});
+    };
+    add(
+        "needed_", " of the widths needed, over the pixels that have one",
+        [](const R& r) -> const auto& { return r.all; });
+    add(
+        "hit_needed_", " of the same over the rays that truly hit",
+        [](const R& r) -> const auto& { return r.summary->hits; });
+    using S = NeededSummary;
+    return table.add<S>(
+        {{"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits are enough",
+          &S::hits_beyond},
+         {"misses_beyond_53", "integer", "", "rays that truly miss and that are hit even with 53 bits",
+          &S::misses_beyond},
+         {"unresolved", "integer", "", "rays whose truth was not proved within the stated limit", &S::unresolved}},
+        &R::summary);
 }
 
-std::vector<Column> pixel_columns(int bits) {
+struct NeededPixel {
+    const NeededBand* band;
+    std::size_t i;
+    measure::truth::Truth truth;
+};
+
+Table<NeededPixel> needed_pixel_table(int bits) {
+    using R = NeededPixel;
     return {
-        {"x", "integer", "pixel", "column, from the left"},
-        {"y", "integer", "pixel", "row, from the top"},
-        {"truth", "string", "", "hit, miss or unresolved"},
-        {"truth_object", "integer", "", "solid that the ray truly hits first, from 0"},
+        {"x", "integer", "pixel", "column, from the left",
+         [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
+        {"y", "integer", "pixel", "row, from the top",
+         [](const R& r) {
+             return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
+         }},
+        {"truth", "string", "", "hit, miss or unresolved",
+         [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
+        {"truth_object", "integer", "", "solid that the ray truly hits first, from 0",
+         [](const R& r) { return when(r.truth.is_hit(), r.truth.object); }},
         {"needed", "number", "bits",
          fmt::format(
              "smallest width that is enough for {} correct bits, as every wider one is; inf where not even 53 bits are",
-             bits)}};
-}
-
-void add_row(CsvWriter& csv, const NeededRequest& request, const Info& form, const NeededSummary& s) {
-    csv.add(form.name).add(request.bits).add(s.pixels());
-    for (const WidthCounts& counts : {s.all(), s.hits}) {
-        for (const Statistic& statistic : statistics)
-            csv.add(counts.count() == 0 ? Cell() : Cell(statistic.of(counts)));
-    }
-    csv.add(s.hits_beyond).add(s.misses_beyond).add(s.unresolved);
-    csv.end_row();
+             bits),
+         [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
 }
 
 }  // namespace
@@ -106,14 +128,15 @@ public:
     NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
                     image::ImageBackend& backend)
         : place_(place),
-          columns_(pixel_columns(request.bits)),
+          pixel_table_(needed_pixel_table(request.bits)),
           scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
           options_(options) {
         const Info& form = *request.forms[place]->info;
         if (options.keep) return;
         heatmap_.emplace(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_));
         if (options.pixels_csv)
-            csv_ = std::make_unique<CsvWriter>(options.folder / (stem(form) + ".csv"), pixel_columns(request.bits));
+            csv_.emplace(options.folder, stem(form) + ".csv",
+                         fmt::format("One row per pixel: bits needed by {}", form.name), pixel_table_);
     }
 
     void band(const NeededBand& result) override {
@@ -132,6 +155,9 @@ public:
         if (csv_) csv_->add_lines(piece.lines);
     }
 
+    /// Of its pixels, where there is one.
+    [[nodiscard]] const std::optional<table::TableFile<NeededPixel>>& table() const { return csv_; }
+
     void finish(const NeededSummary& s) {
         std::vector<LegendEntry> legend;
         if (const auto n = s.hits_beyond + s.misses_beyond) legend.push_back(beyond_entry(count_text(n, s.pixels())));
@@ -147,38 +173,32 @@ private:
     }
 
     [[nodiscard]] std::string pixel_lines(const NeededBand& result) const {
-        CsvWriter csv(columns_);
-        const auto width = static_cast<std::size_t>(result.width);
-        for (std::size_t i = 0; i < result.needed.size(); ++i) {
-            const measure::truth::Truth& truth = result.truth(i);
-            csv.add(i % width)
-                .add(static_cast<std::size_t>(result.y0) + i / width)
-                .add(measure::truth::decision_names[static_cast<std::size_t>(truth.decision)]);
-            csv.add(truth.is_hit() ? Cell(truth.object) : Cell())
-                .add(std::isnan(result.needed[i]) ? Cell() : Cell(result.needed[i]));
-            csv.end_row();
-        }
+        CsvWriter csv(pixel_table_.columns());
+        for (std::size_t i = 0; i < result.needed.size(); ++i) pixel_table_.add_row(csv, {&result, i, result.truth(i)});
         return csv.take_lines();
     }
 
     std::size_t place_;  ///< of the form in the request
-    std::vector<Column> columns_;
+    Table<NeededPixel> pixel_table_;
     image::ColourScale scale_;
     const NeededFilesOptions& options_;
     std::optional<image::HeatmapWriter> heatmap_;
-    std::unique_ptr<CsvWriter> csv_;
+    std::optional<table::TableFile<NeededPixel>> csv_;
 };
 
 struct NeededFiles::Parts {
     const NeededRequest& request;
     NeededFilesOptions options;
-    std::optional<CsvWriter> table;
+    std::optional<table::TableFile<NeededRow>> table;
     std::vector<std::unique_ptr<NeededFormFiles>> forms;
 };
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options, {}, {}}) {
-    if (!options.keep) parts_->table.emplace(options.folder / "needed.csv", table_columns());
+    if (!options.keep)
+        parts_->table.emplace(
+            options.folder, "needed.csv",
+            fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), needed_table());
     for (std::size_t form = 0; form < request.forms.size(); ++form) {
         request.limit.stop.check();
         parts_->forms.push_back(
@@ -195,16 +215,10 @@ std::vector<NeededSink*> NeededFiles::sinks() {
 }
 
 std::vector<file::DataResource> NeededFiles::resources() const {
-    const NeededRequest& request = parts_->request;
-    std::vector<file::DataResource> resources{
-        {"needed.csv", fmt::format("One row per form: significand bits needed for {} correct ones", request.bits),
-         table_columns()}};
-    if (!parts_->options.pixels_csv) return resources;
-    for (const intersect::table::Intersector* form : request.forms) {
-        resources.push_back({stem(*form->info) + ".csv",
-                             fmt::format("One row per pixel: bits needed by {}", form->info->name),
-                             pixel_columns(request.bits)});
-    }
+    std::vector<file::DataResource> resources;
+    if (parts_->table) resources.push_back(parts_->table->about());
+    for (const auto& form : parts_->forms)
+        if (form->table()) resources.push_back(form->table()->about());
     return resources;
 }
 
@@ -214,7 +228,7 @@ void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         p.forms[f]->finish(summaries[f]);
-        add_row(*p.table, p.request, *p.request.forms[f]->info, summaries[f]);
+        p.table->add({p.request.forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();
 }

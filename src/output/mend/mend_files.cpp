@@ -5,56 +5,67 @@
 #include <algorithm>
 
 #include "number/error.hpp"
-#include "output/choice/choice_text.hpp"
+#include "output/choice/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/mend/mend_rows.hpp"
 #include "output/mend/shader_code.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::mend {
 
-using file::Cell;
-using file::Column;
 using file::number_or_missing;
 using measure::mend::Worth;
+using table::Table;
+using table::when;
 
-std::vector<Column> form_columns() {
-    return {
+Table<FormRow> form_table() {
+    using R = FormRow;
+    Table<R> table{
         {"kind", "string", "",
          "own: the form; wider: the smallest set of its operations wider; all_wider: all of them; rewritten: the form "
-         "written another way; catalogue"},
-        {"form", "string", "", "form"},
-        {"format", "string", "", "of its inputs and answers"},
-        {"wider", "string", "", "what wider operations are done in; missing where none is"},
-        {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue"},
-        {"operations", "integer", "", "that round; missing for the catalogue"},
-        {"rules", "string", "", "that made it, in order; missing where it was not rewritten"},
-        {"rays", "integer", "", "whose truth is known"},
-        {"true_hits", "integer", "", "rays that truly hit"},
-        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another solid"},
-        {"wrong_fraction", "number", "1", "wrong/rays"},
-        {"kept_bits", "number", "bits", "significand bits less what is lost, at the wish's share of the agreed hits"},
-        {"meets", "boolean", "", "whether it meets the wish"},
-        {"apart_rays", "integer", "", "rays on which nothing was searched; missing where they were not asked"},
-        {"apart_wrong", "integer", "", "of these, decided wrongly"},
-        {"apart_kept_bits", "number", "bits", "kept on these"},
-        {"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled"},
-        {"time_ns", "number", "ns", "a ray and solid in packs, median"},
-        {"single_time_ns", "number", "ns", "a ray and solid, one by one, median"},
-        {"front", "boolean", "",
-         "whether nothing here is at least as accurate and as fast in packs, and better in one"}};
+         "written another way; catalogue",
+         &R::kind}};
+    table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
+    table.add(
+        {{"wider", "string", "", "what wider operations are done in; missing where none is", &R::wider},
+         {"wider_operations", "integer", "", "so many of its operations are done wider; missing for the catalogue",
+          [](const R& r) { return when(r.operations != 0, r.wide); }},
+         {"operations", "integer", "", "that round; missing for the catalogue",
+          [](const R& r) { return when(r.operations != 0, r.operations); }},
+         {"rules", "string", "", "that made it, in order; missing where it was not rewritten", &R::rules}});
+    table.add(choice::worth_columns(), &R::worth);
+    table.add({"meets", "boolean", "", "whether it meets the wish", &R::meets});
+    table.add<Worth>({{"apart_rays", "integer", "",
+                       "rays on which nothing was searched; missing where they were not asked", &Worth::rays},
+                      {"apart_wrong", "integer", "", "of these, decided wrongly", &Worth::wrong},
+                      {"apart_kept_bits", "number", "bits", "kept on these",
+                       [](const Worth& w) { return number_or_missing(w.kept_bits); }}},
+                     &R::apart);
+    using P = measure::mend::Price;
+    table.add<P>(
+        {{"isa", "string", "", "registers of `time_ns`; missing, as times are, where nothing was compiled", &P::isa},
+         {"time_ns", "number", "ns", "a ray and solid in packs, median",
+          [](const P& p) { return p.packed.median * 1e9; }},
+         {"single_time_ns", "number", "ns", "a ray and solid, one by one, median",
+          [](const P& p) { return p.single.median * 1e9; }}},
+        &R::price);
+    return table.add({"front", "boolean", "",
+                      "whether nothing here is at least as accurate and as fast in packs, and better in one",
+                      [](const R& r) { return when(r.price != nullptr, r.front); }});
 }
 
-std::vector<Column> minimal_columns() {
+Table<MinimalRow> minimal_table() {
+    using R = MinimalRow;
     return {
-        {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider"},
+        {"operation", "string", "", "of the set, as the source names it; it alone is done as it was, the others wider",
+         &R::operation},
         {"step", "integer", "",
-         "its place among the form's operations, from 1; those of constants alone are not counted"},
-        {"rays", "integer", "", "whose truth is known"},
-        {"wrong", "integer", "", "decided wrongly without it"},
-        {"kept_bits", "number", "bits", "kept without it"},
-        {"meets", "boolean", "", "whether the wish is met without it: 0, or the set would not be minimal"}};
+         "its place among the form's operations, from 1; those of constants alone are not counted", &R::step},
+        {"rays", "integer", "", "whose truth is known", [](const R& r) { return r.without->rays; }},
+        {"wrong", "integer", "", "decided wrongly without it", [](const R& r) { return r.without->wrong; }},
+        {"kept_bits", "number", "bits", "kept without it",
+         [](const R& r) { return number_or_missing(r.without->kept_bits); }},
+        {"meets", "boolean", "", "whether the wish is met without it: 0, or the set would not be minimal", &R::meets}};
 }
 
 namespace {
@@ -79,53 +90,29 @@ std::vector<int> steps_of(const Tape& tape) {
 
 }  // namespace
 
-void add_forms(file::CsvWriter& csv, const MendResult& r) {
-    for (const FormRow& row : rows_of(r)) {
-        const Worth& w = *row.worth;
-        csv.add(row.kind).add(row.row.form->info->name).add(row.row.format.name);
-        csv.add(row.wide == 0 ? Cell() : Cell(name_of_wider(r.mended.wider)));
-        csv.add(row.operations == 0 ? Cell() : Cell(row.wide));
-        csv.add(row.operations == 0 ? Cell() : Cell(row.operations));
-        csv.add(row.rules.empty() ? Cell() : Cell(row.rules));
-        csv.add(w.rays).add(w.hits).add(w.wrong).add(w.wrong_fraction()).add(number_or_missing(w.kept_bits));
-        csv.add(w.meets(r.request.wish));
-        csv.add(row.apart ? Cell(row.apart->rays) : Cell()).add(row.apart ? Cell(row.apart->wrong) : Cell());
-        csv.add(row.apart ? number_or_missing(row.apart->kept_bits) : Cell());
-        csv.add(row.price ? Cell(row.price->isa) : Cell());
-        csv.add(row.price ? Cell(row.price->packed.median * 1e9) : Cell());
-        csv.add(row.price ? Cell(row.price->single.median * 1e9) : Cell());
-        csv.add(row.price ? Cell(row.front) : Cell()).end_row();
-    }
-}
-
-void add_minimal(file::CsvWriter& csv, const MendResult& r) {
-    if (!r.has_set()) return;
+std::vector<MinimalRow> minimal_rows(const MendResult& r) {
+    std::vector<MinimalRow> rows;
+    if (!r.has_set()) return rows;
     const auto& set = *r.mended.set;
     const std::vector<int> steps = steps_of(r.mended.tape);
-    for (std::size_t k = 0; k < set.operations.size(); ++k) {
-        const Worth& w = set.without[k];
-        csv.row({operation_in_words(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])], w.rays,
-                 w.wrong, number_or_missing(w.kept_bits), w.meets(r.request.wish)});
-    }
+    for (std::size_t k = 0; k < set.operations.size(); ++k)
+        rows.push_back({operation_in_words(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
+                        &set.without[k], set.without[k].meets(r.request.wish)});
+    return rows;
 }
 
 MendFiles::MendFiles(const std::filesystem::path& folder)
     : folder_(folder),
-      forms_(folder / "mend.csv", form_columns()),
-      minimal_(folder / "minimal.csv", minimal_columns()) {}
+      forms_(folder, "mend.csv", "a form, the same with wider operations, or one of the catalogue", form_table()),
+      minimal_(folder, "minimal.csv", "an operation that is done wider", minimal_table()) {}
 
 void MendFiles::finish(const MendResult& r) {
-    add_forms(forms_, r);
-    add_minimal(minimal_, r);
-    forms_.close();
-    minimal_.close();
+    forms_.add_all(rows_of(r));
+    minimal_.add_all(minimal_rows(r));
     file::AtomicFile text(folder_ / "mend.txt");
     text.write(in_words(r));
     text.commit();
-    file::write_datapackage(
-        folder_ / "datapackage.json", fmt::format("Mended: {}", r.request.id()),
-        {{"mend.csv", "a form, the same with wider operations, or one of the catalogue", form_columns()},
-         {"minimal.csv", "an operation that is done wider", minimal_columns()}});
+    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_);
 }
 
 namespace {

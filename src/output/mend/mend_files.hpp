@@ -4,16 +4,22 @@
 
 #include <filesystem>
 
-#include "output/file/csv.hpp"
-#include "output/mend/mend_text.hpp"
+#include "output/mend/mend_rows.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::mend {
 
-/// The columns and rows of mend.csv and of minimal.csv.
-std::vector<file::Column> form_columns();
-void add_forms(file::CsvWriter& csv, const MendResult& result);
-std::vector<file::Column> minimal_columns();
-void add_minimal(file::CsvWriter& csv, const MendResult& result);
+/// A row of minimal.csv: one of the operations that are done wider.
+struct MinimalRow {
+    std::string operation;
+    int step;  ///< its place among the operations on what is not constant
+    const measure::mend::Worth* without;
+    bool meets;
+};
+/// mend.csv, whose rows are those of `rows_of`, and minimal.csv.
+table::Table<FormRow> form_table();
+table::Table<MinimalRow> minimal_table();
+std::vector<MinimalRow> minimal_rows(const MendResult& result);
 
 /// Opened before the work, named when it is whole.
 class MendFiles {
@@ -24,7 +30,8 @@ public:
 
 private:
     std::filesystem::path folder_;
-    file::CsvWriter forms_, minimal_;
+    table::TableFile<FormRow> forms_;
+    table::TableFile<MinimalRow> minimal_;
 };
 
 /// A proposal as a header that holds `mended.NAME`, and what is to be compiled of it. `command` is what made it.

@@ -48,12 +48,14 @@ std::vector<FormRow> rows_of(const MendResult& r) {
         rows.push_back({"rewritten", rules, own, one.operations, one.set ? one.set->operations.size() : 0, &one.worth,
                         &one.apart, rules});
     }
+    for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
     const std::size_t first = rows.size();
     for (std::size_t k = 0; k < r.catalogue.size(); ++k)
         rows.push_back({.kind = "catalogue",
                         .name = std::string(r.catalogue[k].form->info->name),
                         .row = r.catalogue[k],
                         .worth = &r.catalogue_worth[k]});
+    for (FormRow& row : rows) row.meets = row.worth->meets(r.request.wish);
     std::vector<FormRow*> timed;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {

@@ -19,6 +19,8 @@ struct FormRow {
     const measure::mend::Worth* worth = nullptr;
     const measure::mend::Worth* apart = nullptr;  ///< on rays on which nothing was searched; null where not asked
     std::string rules = {};                       ///< that rewrote it
+    std::string wider = {};                       ///< what is done in a wider format is done in this
+    bool meets = false;                           ///< the wish
     const measure::mend::Price* price = nullptr;  ///< null: it was not timed
     bool front = false;  ///< it was timed, and nothing is at least as accurate and as fast, and better in one
     bool told = true;    ///< of the catalogue only the most accurate and the front are, and not the form itself

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "output/image/image.hpp"
-#include "output/offset/offset_files.hpp"
 #include "output/offset/offset_sheet.hpp"
 #include "output/plot/line_plot.hpp"
 
@@ -18,14 +17,6 @@ using measure::offset::Side;
 using measure::offset::SideSummary;
 
 namespace {
-
-std::vector<file::Column> columns_along(Along along) {
-    std::vector<file::Column> columns{
-        {std::string(name_of(along)), "number", "", std::string(measure::offset::meaning_of(along))}};
-    const auto rest = offset_summary_columns();
-    columns.insert(columns.end(), rest.begin(), rest.end());
-    return columns;
-}
 
 std::string subject(const OffsetRow& row, Side side) {
     return fmt::format("{} in {}, {} points, rays {}", row.row.form->info->name, row.row.format.name,
@@ -42,10 +33,14 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetRequest&
     : folder_(folder),
       request_(request),
       along_(along),
-      table_(folder / fmt::format("along.{}.csv", name_of(along)), columns_along(along)) {}
+      table_(folder, fmt::format("along.{}.csv", name_of(along)),
+             "One row per place on the axis, strategy, side, kind of point, form and format",
+             table::Table<PlaceRow>{{std::string(name_of(along)), "number", "",
+                                     std::string(measure::offset::meaning_of(along)), &PlaceRow::place}}
+                 .add(strategy_table(), &PlaceRow::of)) {}
 
 void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
-    add_summary_rows(request_, summaries, table_, {file::Cell(k)});
+    for (const StrategyRow& row : strategy_rows(request_, summaries)) table_.add({k, row});
     steps_.push_back(k);
     summaries_.push_back(std::move(summaries));
 }
@@ -105,11 +100,6 @@ void AlongFiles::finish() {
         }
     }
     table_.close();
-}
-
-file::DataResource AlongFiles::resource() const {
-    return {fmt::format("along.{}.csv", name_of(along_)),
-            "One row per place on the axis, strategy, side, kind of point, form and format", columns_along(along_)};
 }
 
 }  // namespace lostbits::output::offset

@@ -6,10 +6,15 @@
 
 #include "measure/offset/along.hpp"
 #include "measure/offset/offsets.hpp"
-#include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
+#include "output/offset/offset_files.hpp"
 
 namespace lostbits::output::offset {
+
+/// A strategy at a place on the axis.
+struct PlaceRow {
+    double place;
+    StrategyRow of;
+};
 
 /// `along.<axis>.csv` is the summary with the place on the axis in front; `along.<axis>.<row>.<side>.wrong.png` the
 /// share of rays that go wrong, and `….size.png` the offsets beside the smallest safe one.
@@ -22,7 +27,7 @@ public:
     void add(double k, std::vector<measure::offset::OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.
     void finish();
-    [[nodiscard]] file::DataResource resource() const;
+    [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
     void plot_wrong(std::size_t row, measure::offset::Side side) const;
@@ -32,7 +37,7 @@ private:
     std::filesystem::path folder_;
     const measure::offset::OffsetRequest& request_;
     measure::offset::Along along_;
-    file::CsvWriter table_;
+    table::TableFile<PlaceRow> table_;
     std::vector<double> steps_;
     std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< step by step
 };

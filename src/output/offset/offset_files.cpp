@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_colour.hpp"
 #include "output/offset/offset_sheet.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::offset {
 
-using file::Cell;
 using image::HeatmapWriter;
 using measure::offset::both_sides;
 using measure::offset::Fault;
@@ -23,6 +22,7 @@ using measure::offset::OffsetRow;
 using measure::offset::OffsetSummary;
 using measure::offset::Side;
 using measure::offset::Strategy;
+using table::Table;
 
 namespace {
 
@@ -34,25 +34,39 @@ struct OffsetMap {
     std::vector<std::uint64_t> counts;
 };
 
-std::vector<file::Column> pixel_columns(const OffsetRequest& request) {
-    std::vector<file::Column> columns{{"x", "integer", "", "column of the pixel"},
-                                      {"y", "integer", "", "row of the pixel"},
-                                      {"object", "integer", "", "the solid that is left, from 0"}};
+struct OffsetPixel {
+    const OffsetBand* band;
+    std::size_t i;
+};
+
+Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
+    using R = OffsetPixel;
+    Table<R> table{
+        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
+        {"y", "integer", "", "row of the pixel",
+         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }},
+        {"object", "integer", "", "the solid that is left, from 0", [](const R& r) { return r.band->object[r.i]; }}};
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
-        columns.push_back({"rays_" + name, "integer", "", "rays " + in_words(side)});
-        columns.push_back({"safe_" + name, "number", "world units", "smallest safe offset; inf where none is"});
-        columns.push_back({"quiet_" + name, "number", "world units",
-                           "smallest offset that is safe by truth and by the form's arithmetic; inf where none is"});
-        for (const Strategy* s : request.strategies) {
-            columns.push_back({short_name(*s) + "_self_hits_" + name, "integer", "",
-                               "rays of " + std::string(s->name) + " that meet by truth what they leave"});
-            columns.push_back({short_name(*s) + "_bad_" + name, "integer", "",
-                               "rays of " + std::string(s->name) +
-                                   " with any fault but a start on the wrong side, which alone harms nothing"});
+        using P = measure::offset::SideOfPoint;
+        table.add<P>(
+            {{"rays_" + name, "integer", "", "rays " + in_words(side), &P::rays},
+             {"safe_" + name, "number", "world units", "smallest safe offset; inf where none is", &P::safe},
+             {"quiet_" + name, "number", "world units",
+              "smallest offset that is safe by truth and by the form's arithmetic; inf where none is", &P::quiet}},
+            [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
+        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+            const Strategy& s = *request.strategies[k];
+            const std::string rays = "rays of " + std::string(s.name);
+            table.add(
+                {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that meet by truth what they leave",
+                  [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
+                 {short_name(s) + "_bad_" + name, "integer", "",
+                  rays + " with any fault but a start on the wrong side, which alone harms nothing",
+                  [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
         }
     }
-    return columns;
+    return table;
 }
 
 }  // namespace
@@ -65,41 +79,34 @@ std::string subject(const OffsetRow& row) {
 
 std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
 
-std::vector<file::Column> offset_summary_columns() {
-    std::vector<file::Column> columns{
-        {"strategy", "string", "", "how the new origin is made: a row of the table of strategies"},
-        {"side", "string", "", "where the new rays go: outside (light, mirror, hemisphere) or inside (refraction)"},
-        {"point", "string", "", "what is left: the point as computed, or put back onto the surface (projected)"},
-        {"form", "string", "", "form that finds the points, and that is asked for self-hits"},
-        {"format", "string", "", "format that everything is computed in"},
-        {"operations", "integer", "", "operations that one new ray costs, as the strategy is written"}};
-    for (const measure::offset::OffsetColumn& c : measure::offset::offset_columns())
-        columns.push_back(
-            {std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
-    return columns;
+Table<StrategyRow> strategy_table() {
+    using R = StrategyRow;
+    Table<R> table{
+        {"strategy", "string", "", "how the new origin is made: a row of the table of strategies",
+         [](const R& r) { return r.strategy->name; }},
+        {"side", "string", "", "where the new rays go: outside (light, mirror, hemisphere) or inside (refraction)",
+         [](const R& r) { return name_of(r.side); }},
+        {"point", "string", "", "what is left: the point as computed, or put back onto the surface (projected)",
+         [](const R& r) { return name_of(r.row->point); }}};
+    table.add(
+        table::subject_columns("form that finds the points, and that is asked for self-hits",
+                               "format that everything is computed in"),
+        [](const R& r) -> const auto& { return r.row->row; });
+    table.add({"operations", "integer", "", "operations that one new ray costs, as the strategy is written",
+               [](const R& r) { return r.strategy->operations(r.row->row.form->shape); }});
+    for (const auto& column : measure::offset::offset_columns())
+        table.add(table::measured_column<R>(
+            column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.place); }));
+    return table;
 }
 
-void add_summary_rows(const OffsetRequest& request, const std::vector<OffsetSummary>& summaries, file::CsvWriter& table,
-                      const std::vector<Cell>& before) {
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const OffsetRow& row = request.rows[r];
-        for (const Side side : both_sides) {
-            for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-                for (const Cell& cell : before) table.add(cell);
-                table.add(request.strategies[k]->name)
-                    .add(name_of(side))
-                    .add(name_of(row.point))
-                    .add(row.row.form->info->name)
-                    .add(row.row.format.name)
-                    .add(request.strategies[k]->operations(row.row.form->shape));
-                for (const measure::offset::OffsetColumn& c : measure::offset::offset_columns()) {
-                    const double x = c.value(summaries[r], side, k);
-                    table.add(std::isnan(x) ? Cell() : c.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
-                }
-                table.end_row();
-            }
-        }
-    }
+std::vector<StrategyRow> strategy_rows(const OffsetRequest& request, const std::vector<OffsetSummary>& summaries) {
+    std::vector<StrategyRow> rows;
+    for (std::size_t r = 0; r < request.rows.size(); ++r)
+        for (const Side side : both_sides)
+            for (std::size_t k = 0; k < request.strategies.size(); ++k)
+                rows.push_back({&request.rows[r], &summaries[r], side, request.strategies[k], k});
+    return rows;
 }
 
 /// The files of one form in one format, for one way to take its points.
@@ -113,7 +120,9 @@ public:
                 open(side, k, options.folder);
             }
         }
-        if (options.pixels_csv) pixels_.emplace(options.folder / (row_name(row) + ".csv"), pixel_columns(request));
+        if (options.pixels_csv)
+            pixels_.emplace(options.folder, row_name(row) + ".csv", "One row per pixel with a point that counts",
+                            pixel_table(request));
     }
 
     void band(const OffsetBand& band) {
@@ -128,7 +137,8 @@ public:
             }
             map.heatmap->write_rows(field);
         }
-        if (pixels_) add_pixels(band);
+        for (std::size_t i = 0; pixels_ && i < band.is_point.size(); ++i)
+            if (band.is_point[i] != 0) pixels_->add({&band, i});
     }
 
     void finish() {
@@ -138,6 +148,9 @@ public:
                                                  : shown_legend(map.counts, pixels));
         if (pixels_) pixels_->close();
     }
+
+    /// Of its pixels, where there is one.
+    [[nodiscard]] const std::optional<table::TableFile<OffsetPixel>>& table() const { return pixels_; }
 
 private:
     [[nodiscard]] bool is_safe_map(const OffsetMap& map) const { return map.strategy == request_.strategies.size(); }
@@ -164,40 +177,26 @@ private:
                          std::vector<std::uint64_t>(shown_labels.size())});
     }
 
-    void add_pixels(const OffsetBand& band) {
-        for (std::size_t i = 0; i < band.is_point.size(); ++i) {
-            if (band.is_point[i] == 0) continue;
-            pixels_->add(static_cast<int>(i) % band.width).add(band.y0 + static_cast<int>(i) / band.width);
-            pixels_->add(band.object[i]);
-            for (const Side side : both_sides) {
-                const measure::offset::SideOfPoint& at = band.sides[i][static_cast<std::size_t>(side)];
-                pixels_->add(at.rays).add(at.safe).add(at.quiet);
-                for (std::size_t k = 0; k < band.strategies; ++k)
-                    pixels_->add(band.at(i, side, k)[Fault::self_hit]).add(band.at(i, side, k).bad);
-            }
-            pixels_->end_row();
-        }
-    }
-
     const OffsetRequest& request_;
     const OffsetRow& row_;
     image::ColourScale scale_;
     std::vector<OffsetMap> maps_;
-    std::optional<file::CsvWriter> pixels_;
+    std::optional<table::TableFile<OffsetPixel>> pixels_;
 };
 
 struct OffsetFiles::Parts {
     Parts(const OffsetRequest& of, const OffsetFilesOptions& with)
         : request(of),
           options(with),
-          table(with.folder / "summary.csv", offset_summary_columns()),
+          table(with.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
+                strategy_table()),
           sheet(image::image_backend(), with.folder / "contact.png", of) {
         for (const OffsetRow& row : of.rows) rows.push_back(std::make_unique<OffsetRowFiles>(of, row, with));
     }
 
     const OffsetRequest& request;
     OffsetFilesOptions options;
-    file::CsvWriter table;
+    table::TableFile<StrategyRow> table;
     OffsetSheet sheet;
     std::vector<std::unique_ptr<OffsetRowFiles>> rows;
 };
@@ -216,15 +215,11 @@ void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
     Parts& p = *parts_;
     for (auto& row : p.rows) row->finish();
     p.sheet.finish(summaries);
-    std::vector<file::DataResource> resources{
-        {"summary.csv", "One row per strategy, side, kind of point, form and format", offset_summary_columns()}};
-    if (p.options.pixels_csv) {
-        for (const OffsetRow& row : p.request.rows)
-            resources.push_back(
-                {row_name(row) + ".csv", "One row per pixel with a point that counts", pixel_columns(p.request)});
-    }
+    std::vector<file::DataResource> resources{p.table.about()};
+    for (const auto& row : p.rows)
+        if (row->table()) resources.push_back(row->table()->about());
     resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
-    add_summary_rows(p.request, summaries, p.table);
+    p.table.add_all(strategy_rows(p.request, summaries));
     file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
     p.table.close();  // last: a folder with a summary is a finished one
 }

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "measure/offset/offsets.hpp"
-#include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::offset {
 
@@ -17,16 +16,23 @@ struct OffsetFilesOptions {
     std::vector<file::DataResource> also = {};  ///< other tables in the folder
 };
 
-/// The columns of summary.csv: strategy, side, point, form, format, operations and `offset_columns`.
-[[nodiscard]] std::vector<file::Column> offset_summary_columns();
+/// A strategy to one side.
+struct StrategyRow {
+    const measure::offset::OffsetRow* row;
+    const measure::offset::OffsetSummary* summary;
+    measure::offset::Side side;
+    const measure::offset::Strategy* strategy;
+    std::size_t place;  ///< of the strategy
+};
+/// strategy, side, point, form, format, operations and `offset_columns`.
+[[nodiscard]] table::Table<StrategyRow> strategy_table();
+/// Every strategy to every side.
+[[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
+                                                     const std::vector<measure::offset::OffsetSummary>& summaries);
 /// `sphere.half_b.f32.computed`
 [[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
 /// `away from the solid`, `into the solid`
 [[nodiscard]] std::string in_words(measure::offset::Side side);
-/// Adds a row for every strategy to every side, after the cells that stand `before`.
-void add_summary_rows(const measure::offset::OffsetRequest& request,
-                      const std::vector<measure::offset::OffsetSummary>& summaries, file::CsvWriter& table,
-                      const std::vector<file::Cell>& before = {});
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///

@@ -5,17 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/file/datapackage.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/picture/render_colour.hpp"
 #include "output/picture/render_exr.hpp"
 #include "output/picture/render_sheet.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::picture {
 
-using file::Cell;
 using image::HeatmapWriter;
 using map::row_name;
 using measure::map::MapRow;
@@ -50,18 +49,24 @@ struct DifferenceMap {
     std::unique_ptr<HeatmapWriter> heatmap;
 };
 
-}  // namespace
+struct StageRow {
+    scene::file::Stage stage;
+    const MapRow* row;
+    const measure::picture::RenderSummary* summary;
+};
 
-std::vector<file::Column> render_summary_columns() {
-    std::vector<file::Column> columns{
-        {"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong"},
-        {"form", "string", "", "form that finds hits and shadows"},
-        {"format", "string", "", "format that everything is computed in"}};
-    for (const measure::picture::RenderColumn& c : measure::picture::render_columns())
-        columns.push_back(
-            {std::string(c.name), c.whole ? "integer" : "number", std::string(c.unit), std::string(c.meaning)});
-    return columns;
+table::Table<StageRow> stage_table() {
+    using R = StageRow;
+    table::Table<R> table{{"stage", "string", "", "how far the picture goes: visible, diffuse, shadows, phong",
+                           [](const R& r) { return name_of(r.stage); }}};
+    table.add(table::subject_columns("form that finds hits and shadows", "format that everything is computed in"),
+              &R::row);
+    for (const auto& column : measure::picture::render_columns())
+        table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
+    return table;
 }
+
+}  // namespace
 
 /// The files of one form in one format.
 class RenderRowFiles {
@@ -147,14 +152,16 @@ private:
 struct RenderFiles::Parts {
     const RenderRequest& request;
     RenderFilesOptions options;
-    file::CsvWriter table;
+    table::TableFile<StageRow> table;
     RenderSheet sheet;
     std::vector<std::unique_ptr<image::PngWriter>> references{};  ///< one a stage
     std::vector<std::unique_ptr<RenderRowFiles>> rows{};
 };
 
 RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions& options)
-    : parts_(new Parts{request, options, file::CsvWriter(options.folder / "summary.csv", render_summary_columns()),
+    : parts_(new Parts{request, options,
+                       table::TableFile<StageRow>(options.folder, "summary.csv", "One row per stage, form and format",
+                                                  stage_table()),
                        RenderSheet(image::image_backend(), options.folder / "contact.png", request)}) {
     const scene::file::Scene& scene = *request.scene;
     for (const scene::file::Stage stage : request.stages) {
@@ -192,21 +199,11 @@ void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& sum
     for (const auto& picture : p.references) picture->close();
     p.sheet.finish(summaries);
 
-    for (std::size_t s = 0; s < stages; ++s) {
-        for (std::size_t r = 0; r < p.rows.size(); ++r) {
-            p.table.add(name_of(p.request.stages[s]))
-                .add(p.request.rows[r].form->info->name)
-                .add(p.request.rows[r].format.name);
-            for (const measure::picture::RenderColumn& c : measure::picture::render_columns()) {
-                const double x = c.value(summaries[r * stages + s]);
-                p.table.add(std::isnan(x) ? Cell() : c.whole ? Cell(static_cast<std::uint64_t>(x)) : Cell(x));
-            }
-            p.table.end_row();
-        }
-    }
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title,
-                            {{"summary.csv", "One row per stage, form and format", render_summary_columns()}});
-    p.table.close();  // last: a folder with a summary is a finished one
+    for (std::size_t s = 0; s < stages; ++s)
+        for (std::size_t r = 0; r < p.rows.size(); ++r)
+            p.table.add({p.request.stages[s], &p.request.rows[r], &summaries[r * stages + s]});
+    // Closed last: a folder with a summary is a finished one.
+    table::close_tables(p.options.folder, p.request.scene->title, p.table);
 }
 
 }  // namespace lostbits::output::picture

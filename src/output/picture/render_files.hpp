@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "measure/picture/render.hpp"
-#include "output/file/csv.hpp"
 
 namespace lostbits::output::picture {
 
@@ -15,9 +14,6 @@ struct RenderFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     std::string command;           ///< what to type to make these files again, for the EXR header
 };
-
-/// The columns of summary.csv: stage, form, format and `render_columns`.
-[[nodiscard]] std::vector<file::Column> render_summary_columns();
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
 ///

@@ -7,14 +7,21 @@
 
 namespace lostbits::output::speed {
 
-std::vector<file::Column> kernel_columns(const std::string& form) {
-    return {{"form", "string", "", form},
-            {"format", "string", "", "format it computes in"},
-            {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time"}};
+using measure::speed::Timing;
+
+table::Table<KernelName> kernel_columns(const std::string& form) {
+    return {{"form", "string", "", form, &KernelName::form},
+            {"format", "string", "", "format it computes in", &KernelName::format},
+            {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time",
+             &KernelName::isa}};
 }
 
-void add_kernel(file::CsvWriter& csv, const measure::map::MapRow& row, std::string_view isa) {
-    csv.add(row.form->info->name).add(row.format.name).add(isa);
+table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of) {
+    return {{"time_ns", "number", "ns", median, [](const Timing& t) { return t.median * 1e9; }},
+            {"time_ns_q1", "number", "ns", quartiles_of + "first quartile",
+             [](const Timing& t) { return t.low_quartile * 1e9; }},
+            {"time_ns_q3", "number", "ns", quartiles_of + "third quartile",
+             [](const Timing& t) { return t.high_quartile * 1e9; }}};
 }
 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }

@@ -7,15 +7,20 @@
 #include <vector>
 
 #include "measure/speed/trade.hpp"
-#include "output/file/csv.hpp"
 #include "output/plot/scatter_plot.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::speed {
 
+/// What a kernel is called in tables.
+struct KernelName {
+    std::string_view form, format, isa;
+};
 /// form, format and isa; `form` is what the first of them means.
-std::vector<file::Column> kernel_columns(const std::string& form);
-/// The cells of these.
-void add_kernel(file::CsvWriter& csv, const measure::map::MapRow& row, std::string_view isa);
+table::Table<KernelName> kernel_columns(const std::string& form);
+
+/// time_ns, time_ns_q1 and time_ns_q3.
+table::Table<measure::speed::Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
 
 /// A kernel in the plane of time and kept bits.
 struct FrontPoint {

@@ -5,79 +5,95 @@
 #include <algorithm>
 #include <numeric>
 
-#include "output/file/datapackage.hpp"
-#include "output/speed/kernel_rows.hpp"
+#include "output/file/atomic_file.hpp"
 #include "output/speed/trade_plot.hpp"
 
 namespace lostbits::output::speed {
 
-using file::Cell;
-using file::Column;
 using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::speed::TradeRequest;
 using measure::speed::TradeResult;
+using table::Table;
 
 namespace {
 
 constexpr const char* form_meaning = "form under test; with +contract or +fastmath, compiled with those flags";
 
-std::vector<Column> time_columns() {
-    std::vector<Column> columns = kernel_columns(form_meaning);
-    columns.insert(
-        columns.end(),
-        {{"working_set", "string", "",
-          "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again); scene: rays of the "
-          "scene, taken evenly over its picture"},
-         {"working_set_bytes", "integer", "B", "of rays and answers"},
-         {"working_set_rays", "integer", "", "rays that these bytes hold"},
-         {"hit_rate", "number", "1",
-          "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
-          "branch look faster than they are"},
-         {"time_ns", "number", "ns",
-          "per ray, of a scene per ray and solid; median of the repetitions, as are the quartiles"},
-         {"time_ns_q1", "number", "ns", "first quartile"},
-         {"time_ns_q3", "number", "ns", "third quartile"},
-         {"spread", "number", "1", "(third - first quartile)/median"},
-         {"rays_per_second", "number", "1/s", "1/time"},
-         {"repetitions", "integer", "", "measurements, one in each round over all kernels"}});
-    for (const auto name : operation_names) {
-        columns.push_back({fmt::format("ops_{}", name), "integer", "",
-                           fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
-                                       name == "add"      ? "additions and subtractions"
-                                       : name == "choose" ? "selects, minima and maxima"
-                                       : name == "sign"   ? "changes of sign, absolute values and copied signs"
-                                                          : std::string(name) + " operations")});
+Table<TimeRow> time_table() {
+    using R = TimeRow;
+    using Timed = TradeResult::Timed;
+    Table<R> table;
+    table.add(kernel_columns(form_meaning), &R::name);
+    table.add({"working_set", "string", "",
+               "where rays and answers lie: l1, l2 (half of the cache), memory (read again and again); scene: rays of "
+               "the scene, taken evenly over its picture",
+               [](const R& r) { return r.load->working_set; }});
+    table.add<Timed>({{"working_set_bytes", "integer", "B", "of rays and answers", &Timed::bytes},
+                      {"working_set_rays", "integer", "", "rays that these bytes hold", &Timed::rays},
+                      {"hit_rate", "number", "1",
+                       "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels that "
+                       "branch look faster than they are",
+                       &Timed::hit_rate}},
+                     &R::timed);
+    const auto timing = [](const R& r) -> const measure::speed::Timing& { return r.timed->timing; };
+    table.add(time_columns("per ray, of a scene per ray and solid; median of the repetitions, as are the quartiles"),
+              timing);
+    table.add<measure::speed::Timing>(
+        {{"spread", "number", "1", "(third - first quartile)/median",
+          [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
+         {"rays_per_second", "number", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
+        timing);
+    table.add({"repetitions", "integer", "", "measurements, one in each round over all kernels", &R::repetitions});
+    for (std::size_t k = 0; k < operation_names.size(); ++k) {
+        const std::string name(operation_names[k]);
+        table.add({"ops_" + name, "integer", "",
+                   fmt::format("{} of one evaluation of the form on a hit, as it is written, constants folded",
+                               name == "add"      ? "additions and subtractions"
+                               : name == "choose" ? "selects, minima and maxima"
+                               : name == "sign"   ? "changes of sign, absolute values and copied signs"
+                                                  : name + " operations"),
+                   [k](const R& r) { return r.operations->of[k]; }});
     }
-    return columns;
+    return table;
 }
 
-std::vector<Column> standing_columns() {
-    std::vector<Column> columns{{"ray_set", "string", "", "rays that accuracy is measured on"}};
-    const auto kernel = kernel_columns(form_meaning);
-    columns.insert(columns.end(), kernel.begin(), kernel.end());
-    columns.insert(
-        columns.end(),
+Table<StandingRow> standing_table() {
+    using R = StandingRow;
+    const auto fraction = [](Outcome o, const auto& whole) {
+        return [o, whole](const R& r) {
+            return number_or_missing(measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy)));
+        };
+    };
+    const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
+        return [metric, q](const R& r) { return number_or_missing((r.*metric)->quantile(q)); };
+    };
+    Table<R> table{{"ray_set", "string", "", "rays that accuracy is measured on", &R::set}};
+    table.add(kernel_columns(form_meaning), &R::name);
+    table.add(
         {{"time_ns", "number", "ns",
-          "per ray of the easy set, working set l1, hit rate 0.5; of a scene, per ray of its own and solid: median"},
-         {"rays", "integer", "", "rays of the set"},
-         {"lost_bits_p50", "number", "bits", "median over the correct hits"},
-         {"lost_bits_p99", "number", "bits", "99th percentile over the same"},
-         {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs"},
-         {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99"},
-         {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss"},
-         {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit"},
+          "per ray of the easy set, working set l1, hit rate 0.5; of a scene, per ray of its own and solid: median",
+          [](const R& r) { return r.worth.time_ns; }},
+         {"rays", "integer", "", "rays of the set", [](const R& r) { return r.accuracy->rays; }},
+         {"lost_bits_p50", "number", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
+         {"lost_bits_p99", "number", "bits", "99th percentile over the same", quantile(&R::lost, 0.99)},
+         {"excess_bits_p99", "number", "bits", "99th percentile of what is lost beyond what the problem itself costs",
+          quantile(&R::excess, 0.99)},
+         {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
+          [](const R& r) { return number_or_missing(r.worth.kept_bits); }},
+         {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss",
+          fraction(Outcome::false_hit, &measure::map::MapSummary::true_misses)},
+         {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
+          fraction(Outcome::false_miss, &measure::map::MapSummary::true_hits)},
          {"wrong_fraction", "number", "1",
-          "false hits, false misses, NaNs and, of a scene, hits of another solid, among all rays whose truth is known"},
+          "false hits, false misses, NaNs and, of a scene, hits of another solid, among all rays whose truth is known",
+          [](const R& r) { return r.worth.wrong_fraction; }},
          {"dominated", "boolean", "",
           "whether another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
-          "kept_bits_p99"}});
-    return columns;
-}
-
-Cell fraction(std::uint64_t part, std::uint64_t whole) {
-    return number_or_missing(measure::truth::fraction(part, whole));
+          "kept_bits_p99",
+          &R::dominated}});
+    return table;
 }
 
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
@@ -95,6 +111,10 @@ std::string timed_in_words(const TradeRequest& request, const TradeResult& resul
         "Time per ray and solid: {} rays of the scene against {} of its solids. Measured in this run, "
         "so it varies.\n",
         timed.rays, timed.solids);
+}
+
+KernelName name_of(const measure::speed::TradeKernel& kernel) {
+    return {kernel.measured.form->info->name, kernel.measured.format.name, kernel.isa};
 }
 
 std::string in_words(const measure::speed::TradeKernel& kernel) {
@@ -137,22 +157,18 @@ std::string trade_in_words(const TradeRequest& request, const TradeResult& resul
 TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
-      times_(folder / "trade.csv", time_columns()),
-      standings_(folder / "pareto.csv", standing_columns()) {}
+      times_(folder, "trade.csv",
+             "One row per form, format, register width, working set and hit rate; times vary from run to run",
+             time_table()),
+      standings_(folder, "pareto.csv",
+                 "One row per set of rays, form, format and register width; times vary from run to run",
+                 standing_table()) {}
 
 void TradeFiles::write_times(const TradeResult& result) {
     for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
-        for (std::size_t l = 0; l < request_.loads.size(); ++l) {
-            const auto& [timing, bytes, rays, hit_rate, solids] = result.times[k][l];
-            add_kernel(times_, request_.kernels[k].measured, request_.kernels[k].isa);
-            times_.add(request_.loads[l].working_set).add(bytes).add(rays).add(hit_rate);
-            times_.add(timing.median * 1e9).add(timing.low_quartile * 1e9).add(timing.high_quartile * 1e9);
-            times_.add((timing.high_quartile - timing.low_quartile) / timing.median)
-                .add(1 / timing.median)
-                .add(request_.plan.repetitions);
-            for (const std::uint64_t count : result.operations[k].of) times_.add(count);
-            times_.end_row();
-        }
+        for (std::size_t l = 0; l < request_.loads.size(); ++l)
+            times_.add({name_of(request_.kernels[k]), &request_.loads[l], &result.times[k][l],
+                        request_.plan.repetitions, &result.operations[k]});
     }
 }
 
@@ -162,21 +178,10 @@ void TradeFiles::write_standings(const TradeResult& result) {
         const auto all = pareto_points_of(request_, result, s);
         const auto beaten = measure::speed::dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const measure::map::MapSummary& a = result.accuracy(s, k);
-            const measure::metric::Distribution& lost = metric_of(request_, a, "lost_bits");
-            standings_.add(sets[s].name);
-            add_kernel(standings_, request_.kernels[k].measured, request_.kernels[k].isa);
-            standings_.add(all[k].time_ns)
-                .add(a.rays)
-                .add(number_or_missing(lost.quantile(0.5)))
-                .add(number_or_missing(lost.quantile(0.99)));
-            standings_.add(number_or_missing(metric_of(request_, a, "excess_bits").quantile(0.99)))
-                .add(number_or_missing(all[k].kept_bits));
-            standings_.add(fraction(a.count(Outcome::false_hit), a.true_misses()));
-            standings_.add(fraction(a.count(Outcome::false_miss), a.true_hits))
-                .add(all[k].wrong_fraction)
-                .add(static_cast<bool>(beaten[k]));
-            standings_.end_row();
+            const measure::map::MapSummary& accuracy = result.accuracy(s, k);
+            standings_.add({sets[s].name, name_of(request_.kernels[k]), all[k], &accuracy,
+                            &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
+                            static_cast<bool>(beaten[k])});
         }
         write_trade_plot(folder_ / fmt::format("{}.png", sets[s].name), request_, result, s);
     }
@@ -188,17 +193,11 @@ void TradeFiles::finish(const TradeResult& result) {
     file::AtomicFile words(folder_ / "trade.txt");
     words.write(trade_in_words(request_, result));
     words.commit();
-    file::write_datapackage(
-        folder_ / "datapackage.json",
-        request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
-                       : fmt::format("Speed against accuracy of the {} forms",
-                                     shape_names[static_cast<std::size_t>(request_.shape)]),
-        {{"trade.csv", "One row per form, format, register width, working set and hit rate; times vary from run to run",
-          time_columns()},
-         {"pareto.csv", "One row per set of rays, form, format and register width; times vary from run to run",
-          standing_columns()}});
-    times_.close();
-    standings_.close();
+    table::close_tables(folder_,
+                        request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
+                                       : fmt::format("Speed against accuracy of the {} forms",
+                                                     shape_names[static_cast<std::size_t>(request_.shape)]),
+                        times_, standings_);
 }
 
 }  // namespace lostbits::output::speed

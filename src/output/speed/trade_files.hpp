@@ -8,9 +8,28 @@
 #include <vector>
 
 #include "measure/speed/trade.hpp"
-#include "output/file/csv.hpp"
+#include "output/speed/kernel_rows.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::speed {
+
+/// A kernel on one of the loads.
+struct TimeRow {
+    KernelName name;
+    const measure::speed::TradeLoad* load;
+    const measure::speed::TradeResult::Timed* timed;
+    int repetitions;
+    const OperationCounts* operations;
+};
+/// A kernel on one of the sets of rays.
+struct StandingRow {
+    std::string_view set;
+    KernelName name;
+    measure::speed::ParetoPoint worth;
+    const measure::map::MapSummary* accuracy;
+    const measure::metric::Distribution *lost, *excess;
+    bool dominated;
+};
 
 /// Opened before the work, named when it is whole.
 class TradeFiles {
@@ -24,7 +43,8 @@ private:
 
     const measure::speed::TradeRequest& request_;
     std::filesystem::path folder_;
-    file::CsvWriter times_, standings_;
+    table::TableFile<TimeRow> times_;
+    table::TableFile<StandingRow> standings_;
 };
 
 /// What every kernel is worth on a set of rays, by its time on the standing load.

@@ -6,16 +6,13 @@
 #include <cmath>
 
 #include "output/blame/explain_command.hpp"
-#include "output/file/datapackage.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/matrix_plot.hpp"
 
 namespace lostbits::output::sweep {
 
-using file::Column;
 using measure::answer::Outcome;
 using measure::map::MapSummary;
 using measure::sweep::CaseRequest;
@@ -32,24 +29,25 @@ std::string within_means(const scene::sweep::CaseFile& file) {
 
 namespace {
 
-std::vector<Column> case_columns(const CaseRequest& request) {
-    std::vector<Column> columns{
-        {"case", "string", "", "name of the case"},
+table::Table<CaseRow> case_table(const CaseRequest& request) {
+    using R = CaseRow;
+    auto summary = map::summary_table(request.metrics, request.file->shapes());
+    summary.set_meaning("rays", "rays of the case");
+    summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
+    summary.set_meaning("worst_y", "0");
+    table::Table<R> table{
+        {"case", "string", "", "name of the case", &R::name},
         {"convention", "string", "",
          "by whose word touching and t = 0 are judged: the form's own (own); touching a hit (closed) or a miss (open), "
-         "t = 0 a hit"},
+         "t = 0 a hit",
+         [](const R& r) { return intersect::convention_name(r.summary.row.judged); }},
         {"verdict", "string", "",
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer {}: half an ulp in each input "
              "would cost the rest), wrong_value, or the most frequent wrong decision",
-             right_means(*request.file), within_means(*request.file))}};
-    for (Column& c : map::SummaryTable{request.metrics, request.file->shapes()}.columns()) {
-        if (c.name == "rays") c.meaning = "rays of the case";
-        if (c.name == "worst_x") c.meaning = "ray with the largest |ulp_error| in its group, from 0";
-        if (c.name == "worst_y") c.meaning = "0";
-        columns.push_back(std::move(c));
-    }
-    return columns;
+             right_means(*request.file), within_means(*request.file)),
+         [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
+    return table.add(summary, &R::summary);
 }
 
 /// Colours and texts of cells.
@@ -148,32 +146,29 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
 }
 
 CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named)
-    : request_(request), folder_(folder), named_(std::move(named)), csv_(folder / "cases.csv", case_columns(request)) {}
+    : request_(request),
+      folder_(folder),
+      named_(std::move(named)),
+      csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
 
 void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
-    const map::SummaryTable table{request_.metrics, request_.file->shapes()};
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-            const Verdict verdict =
-                measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits);
-            csv_.add(request_.file->name(i))
-                .add(intersect::convention_name(request_.rows[r].judged))
-                .add(measure::sweep::verdict_names[static_cast<std::size_t>(verdict)]);
-            table.add(csv_, request_.rows[r], cases[i][r], [&](const measure::map::WorstRay& ray) {
-                const std::int64_t place = std::int64_t{ray.group} * request_.file->rays_of(i) + ray.x;
-                return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", request_.file->name(i), place));
-            });
-            csv_.end_row();
-        }
+        const std::string name = request_.file->name(i);
+        const auto name_of_ray = [&](const measure::map::WorstRay& ray) {
+            const std::int64_t place = std::int64_t{ray.group} * request_.file->rays_of(i) + ray.x;
+            return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", name, place));
+        };
+        for (std::size_t r = 0; r < request_.rows.size(); ++r)
+            csv_.add({name,
+                      measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file->right_within_bits),
+                      {request_.rows[r], &cases[i][r], name_of_ray}});
     }
     for (const auto& judged : request_.file->conventions) {
         write_case_matrix(
             folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"),
             request_, cases, judged);
     }
-    file::write_datapackage(folder_ / "datapackage.json", request_.file->title,
-                            {{"cases.csv", "One row per case, form and format", case_columns(request_)}});
-    csv_.close();
+    table::close_tables(folder_, request_.file->title, csv_);
 }
 
 }  // namespace lostbits::output::sweep

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "measure/sweep/cases.hpp"
-#include "output/file/csv.hpp"
 #include "output/image/colour.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -22,6 +22,12 @@ inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 inline constexpr const char* numbers_mean =
     "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: and bits that the inputs cost";
 
+struct CaseRow {
+    std::string name;
+    measure::sweep::Verdict verdict;
+    map::SummaryRow summary;
+};
+
 /// Opened before the work, named when it is whole.
 class CaseFiles {
 public:
@@ -33,7 +39,7 @@ private:
     const measure::sweep::CaseRequest& request_;
     std::filesystem::path folder_;
     std::string named_;
-    file::CsvWriter csv_;
+    table::TableFile<CaseRow> csv_;
 };
 
 /// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.

@@ -4,18 +4,14 @@
 #include <span>
 
 #include "measure/truth/lost_bits.hpp"
-#include "output/file/datapackage.hpp"
-#include "output/file/number_text.hpp"
 #include "output/sweep/exhaustive_plots.hpp"
 #include "output/sweep/exhaustive_text.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
 
 using file::Cell;
-using file::Column;
-using file::CsvWriter;
 using measure::answer::Outcome;
-using measure::sweep::BinadePart;
 using measure::sweep::ExhaustiveRequest;
 using measure::sweep::ExhaustiveState;
 using measure::sweep::first_events;
@@ -23,160 +19,189 @@ using measure::sweep::FloatAnswer;
 using measure::sweep::FloatTally;
 using measure::sweep::RangeFinding;
 using scene::sweep::float_at;
+using table::Table;
+using table::when;
+
+/// Some of the floats of a ray, to a form in a format.
+struct FloatsRow {
+    struct Worst {
+        std::uint32_t place;
+        double ulps, at_most;
+        FloatAnswer answer;
+    };
+    /// Asks the form again.
+    void find_worst() {
+        if (const auto& w = tally.worst)
+            worst = {w->place, w->ulps, tally.at_most, answer_at(request, ray, row, w->place)};
+    }
+    [[nodiscard]] std::string explain(std::uint32_t place) const { return explain_float(request, ray, row, place); }
+
+    const ExhaustiveRequest& request;
+    std::size_t ray, row;
+    scene::sweep::FloatRange floats;
+    const FloatTally& tally;
+    std::optional<Worst> worst = {};
+    std::string binade = {}, statement = {};
+    Cell right_up_to = {};
+};
+
+/// What first happens among them, or does not.
+struct FloatEventRow {
+    FloatsRow of;
+    std::size_t event;
+    std::optional<std::uint32_t> bad, good;  ///< the first float, and the one before it
+
+    [[nodiscard]] bool is_of_bits() const { return first_events[event].lost_bits > 0; }
+};
 
 namespace {
 
-/// What a row of each table is about.
-void put_subject(std::vector<Column>& columns, const std::string& of) {
-    columns = {
-        {"form", "string", "", "form under test"},
-        {"format", "string", "", "format it computes in"},
-        {"ray", "string", "", "name of the ray"},
-        {"axis", "string", "", "the number that takes every float; numbers with a unit of their own are its values"},
-        {"from_hex", "string", of, "the first float that was tried, exactly"},
-        {"to_hex", "string", of, "the last"}};
-}
-
-/// Of those that can occur.
-std::size_t outcomes_of(const ExhaustiveRequest& request) {
-    return request.sweep->mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
-}
-
-void put_outcomes(std::vector<Column>& columns, const ExhaustiveRequest& request) {
-    columns.push_back({"floats", "integer", "", "how many were tried: counted"});
-    for (const auto name : std::span(measure::answer::outcome_names).first(outcomes_of(request)))
-        columns.push_back({std::string(name), "integer", "", "floats with this outcome"});
-}
-
-void put_worst(std::vector<Column>& columns, const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis.unit;
-    columns.insert(columns.end(),
-                   {{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both"},
-                    {"worst_ulp_error", "number", "ulp",
-                     "(t − t*)/ulp(t*) of the float with the largest in size, by its whole truth"},
-                    {"ulp_error_at_most", "number", "ulp",
-                     "no float's error is larger in size: next to the worst, and above it by no more than 2^-8 ulp "
-                     "where thousands "
-                     "of floats are as bad"},
-                    {"worst_at", "number", unit, "that float"},
-                    {"worst_hex", "string", unit, "the same, exactly"},
-                    {"worst_bits", "string", "", "its bits"},
-                    {"worst_t_hex", "string", "t", "the form's answer there"},
-                    {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64"},
-                    {"worst_explain", "string", "", "the command that explains it"}});
-}
-
-void put_wrong(std::vector<Column>& columns, const std::string& unit) {
-    for (const char* which : {"first", "last"}) {
-        const std::string w = which;
-        columns.push_back({w + "_wrong_hex", "string", unit, "the " + w + " float with a wrong decision, exactly"});
-        columns.push_back({w + "_wrong_bits", "string", "", "its bits"});
-        columns.push_back({w + "_wrong_outcome", "string", "", "what became of it"});
-    }
-    columns.push_back({"fault_explain", "string", "", "the command that explains the first"});
-    columns.push_back({"padding_max", "number", "u",
-                       "of a form that asks a box: the padding of tmax that no hit it misses would need more of, which "
-                       "is the metric padding; 0 where it misses none whose slabs come apart"});
-    columns.push_back({"padding_hex", "string", unit, "the float that needs it, exactly"});
-}
-
-std::vector<Column> binade_columns(const ExhaustiveRequest& request) {
-    std::vector<Column> columns;
-    put_subject(columns, request.sweep->axis.unit);
-    columns.insert(columns.begin() + 4,
-                   {"binade", "string", "",
-                    "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart"});
-    put_outcomes(columns, request);
-    put_worst(columns, request);
-    put_wrong(columns, request.sweep->axis.unit);
-    return columns;
-}
-
-std::vector<Column> statement_columns(const ExhaustiveRequest& request) {
-    std::vector<Column> columns;
-    put_subject(columns, request.sweep->axis.unit);
-    put_outcomes(columns, request);
-    columns.push_back({"right_up_to_hex", "string", request.sweep->axis.unit,
-                       "the last float before the first wrong decision; missing where none is wrong, or the first is"});
-    put_wrong(columns, request.sweep->axis.unit);
-    put_worst(columns, request);
-    columns.push_back({"statement", "string", "", "the same in words"});
-    return columns;
-}
-
-std::vector<Column> onset_columns(const ExhaustiveRequest& request) {
-    const std::string& unit = request.sweep->axis.unit;
-    std::vector<Column> columns;
-    put_subject(columns, unit);
-    columns.insert(columns.end(),
-                   {{"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs"},
-                    {"threshold", "number", "bits", "of the lost bits; 1 for an outcome"},
-                    {"found", "boolean", "", "whether it happens at any of the floats"},
-                    {"last_good", "number", unit, "the float before it; missing where the first float is bad already"},
-                    {"first_bad", "number", unit, "the first float at which it happens: its neighbour"},
-                    {"last_good_hex", "string", unit, "the same, exactly"},
-                    {"first_bad_hex", "string", unit, "the same, exactly"},
-                    {"first_bad_bits", "string", "", "its bits"},
-                    {"ulp_error", "number", "ulp", "(t − t*)/ulp(t*) there; missing for an outcome"},
-                    {"floats", "integer", "", "how many were tried: counted"},
-                    {"explain", "string", "", "the command that explains the first bad float"}});
-    return columns;
-}
-
-void add_subject(CsvWriter& csv, const ExhaustiveRequest& request, std::size_t ray, std::size_t row) {
-    csv.add(request.rows[row].form->info->name)
-        .add(request.rows[row].format.name)
-        .add(request.sweep->rays[ray].name)
-        .add(request.sweep->axis.name);
-}
-
 Cell hex_cell(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }
 
-void add_ends(CsvWriter& csv, const scene::sweep::FloatRange& floats) {
-    csv.add(hex_cell(floats.first)).add(hex_cell(floats.last));
+std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
+
+/// What a row of each table is about.
+Table<FloatsRow> subject_columns() {
+    using R = FloatsRow;
+    Table<R> table;
+    table.add(
+        table::subject_columns(), [](const R& r) -> const auto& { return r.request.rows[r.row]; });
+    return table.add(
+        {{"ray", "string", "", "name of the ray", [](const R& r) { return r.request.sweep->rays[r.ray].name; }},
+         {"axis", "string", "", "the number that takes every float; numbers with a unit of their own are its values",
+          [](const R& r) { return r.request.sweep->axis.name; }}});
 }
 
-void add_outcomes(CsvWriter& csv, const ExhaustiveRequest& request, const FloatTally& tally) {
-    csv.add(tally.floats());
-    for (const std::uint64_t n : std::span(tally.outcomes).first(outcomes_of(request))) csv.add(n);
+Table<FloatsRow> end_columns(const std::string& unit) {
+    return {{"from_hex", "string", unit, "the first float that was tried, exactly",
+             [](const FloatsRow& r) { return hex_cell(r.floats.first); }},
+            {"to_hex", "string", unit, "the last", [](const FloatsRow& r) { return hex_cell(r.floats.last); }}};
 }
 
-/// A ray and a form.
-struct Subject {
-    std::size_t ray, row;
-};
-
-void add_worst(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const FloatTally& tally) {
-    if (!tally.worst) {
-        for (int k = 0; k < 9; ++k) csv.add(Cell());
-        return;
-    }
-    const auto [place, ulps] = *tally.worst;
-    const FloatAnswer there = measure::sweep::answer_at(request, of.ray, of.row, place);
-    csv.add(measure::truth::lost_bits(ulps, binary32.precision))
-        .add(ulps)
-        .add(tally.at_most)
-        .add(float_at(place))
-        .add(hex_cell(place))
-        .add(float_bits(place))
-        .add(file::hex(static_cast<double>(there.t)))
-        .add(file::hex(there.truth))
-        .add(explain_float(request, of.ray, of.row, place));
+table::TableColumn<FloatsRow> count_column() {
+    return {"floats", "integer", "", "how many were tried: counted",
+            [](const FloatsRow& r) { return r.tally.floats(); }};
 }
 
-void add_wrong(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, const FloatTally& tally) {
-    for (const auto& wrong : {tally.first_wrong, tally.last_wrong}) {
-        if (!wrong) {
-            csv.add(Cell()).add(Cell()).add(Cell());
-            continue;
-        }
-        csv.add(hex_cell(wrong->place))
-            .add(float_bits(wrong->place))
-            .add(measure::answer::outcome_names[static_cast<std::size_t>(wrong->outcome)]);
-    }
-    csv.add(tally.first_wrong ? Cell(explain_float(request, of.ray, of.row, tally.first_wrong->place)) : Cell());
-    const double padding = measure::sweep::padding_max(request.rows[of.row], tally);
-    csv.add(padding >= 0 ? Cell(padding) : Cell()).add(tally.padding ? hex_cell(tally.padding->place) : Cell());
+/// How many floats have each of those that can occur.
+Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
+    Table<FloatsRow> table{count_column()};
+    const std::size_t outcomes =
+        request.sweep->mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
+    for (std::size_t o = 0; o < outcomes; ++o)
+        table.add({std::string(measure::answer::outcome_names[o]), "integer", "", "floats with this outcome",
+                   [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
+    return table;
+}
+
+Table<FloatsRow> worst_columns(const std::string& unit) {
+    using W = FloatsRow::Worst;
+    Table<FloatsRow> table;
+    table.add<W>({{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both",
+                   [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
+                  {"worst_ulp_error", "number", "ulp",
+                   "(t − t*)/ulp(t*) of the float with the largest in size, by its whole truth", &W::ulps},
+                  {"ulp_error_at_most", "number", "ulp",
+                   "no float's error is larger in size: next to the worst, and above it by no more than 2^-8 ulp "
+                   "where thousands "
+                   "of floats are as bad",
+                   &W::at_most},
+                  {"worst_at", "number", unit, "that float", [](const W& w) { return float_at(w.place); }},
+                  {"worst_hex", "string", unit, "the same, exactly", [](const W& w) { return hex_cell(w.place); }},
+                  {"worst_bits", "string", "", "its bits", [](const W& w) { return float_bits(w.place); }},
+                  {"worst_t_hex", "string", "t", "the form's answer there",
+                   [](const W& w) { return file::hex(static_cast<double>(w.answer.t)); }},
+                  {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
+                   [](const W& w) { return file::hex(w.answer.truth); }}},
+                 &FloatsRow::worst);
+    return table.add({"worst_explain", "string", "", "the command that explains it",
+                      [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->place) : ""; }});
+}
+
+Table<FloatsRow> wrong_columns(const std::string& unit) {
+    using R = FloatsRow;
+    using Wrong = FloatTally::Wrong;
+    Table<R> table;
+    const auto add = [&](const std::string& w, std::optional<Wrong> FloatTally::*wrong) {
+        table.add<Wrong>(
+            {{w + "_wrong_hex", "string", unit, "the " + w + " float with a wrong decision, exactly",
+              [](const Wrong& x) { return hex_cell(x.place); }},
+             {w + "_wrong_bits", "string", "", "its bits", [](const Wrong& x) { return float_bits(x.place); }},
+             {w + "_wrong_outcome", "string", "", "what became of it",
+              [](const Wrong& x) { return outcome_name(x.outcome); }}},
+            [wrong](const R& r) -> const auto& { return r.tally.*wrong; });
+    };
+    add("first", &FloatTally::first_wrong);
+    add("last", &FloatTally::last_wrong);
+    return table.add(
+        {{"fault_explain", "string", "", "the command that explains the first",
+          [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->place) : ""; }},
+         {"padding_max", "number", "u",
+          "of a form that asks a box: the padding of tmax that no hit it misses would need more of, which is the "
+          "metric padding; 0 where it misses none whose slabs come apart",
+          [](const R& r) {
+              const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
+              return when(padding >= 0, padding);
+          }},
+         {"padding_hex", "string", unit, "the float that needs it, exactly",
+          [](const R& r) { return r.tally.padding ? hex_cell(r.tally.padding->place) : Cell(); }}});
+}
+
+Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
+    const std::string& unit = request.sweep->axis.unit;
+    return subject_columns()
+        .add({"binade", "string", "",
+              "sign and power of two of its floats; zeros, subnormals, infinities and NaNs stand apart",
+              &FloatsRow::binade})
+        .add(end_columns(unit))
+        .add(outcome_columns(request))
+        .add(worst_columns(unit))
+        .add(wrong_columns(unit));
+}
+
+Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
+    const std::string& unit = request.sweep->axis.unit;
+    return subject_columns()
+        .add(end_columns(unit))
+        .add(outcome_columns(request))
+        .add({"right_up_to_hex", "string", unit,
+              "the last float before the first wrong decision; missing where none is wrong, or the first is",
+              &FloatsRow::right_up_to})
+        .add(wrong_columns(unit))
+        .add(worst_columns(unit))
+        .add({"statement", "string", "", "the same in words", &FloatsRow::statement});
+}
+
+Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
+    using R = FloatEventRow;
+    const std::string& unit = request.sweep->axis.unit;
+    const auto value = [](std::uint32_t place) { return float_at(place); };
+    Table<R> table;
+    table.add(subject_columns().add(end_columns(unit)), &R::of);
+    table.add({{"event", "string", "", "what first happens: lost_bits reach the threshold, or an outcome occurs",
+                [](const R& r) {
+                    return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
+                }},
+               {"threshold", "number", "bits", "of the lost bits; 1 for an outcome",
+                [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
+               {"found", "boolean", "", "whether it happens at any of the floats",
+                [](const R& r) { return r.bad.has_value(); }}});
+    using P = std::uint32_t;
+    table.add<P>(
+        {{"last_good", "number", unit, "the float before it; missing where the first float is bad already", value}},
+        &R::good);
+    table.add<P>({{"first_bad", "number", unit, "the first float at which it happens: its neighbour", value}}, &R::bad);
+    table.add<P>({{"last_good_hex", "string", unit, "the same, exactly", hex_cell}}, &R::good);
+    table.add<P>({{"first_bad_hex", "string", unit, "the same, exactly", hex_cell},
+                  {"first_bad_bits", "string", "", "its bits", float_bits}},
+                 &R::bad);
+    table.add({"ulp_error", "number", "ulp", "(t − t*)/ulp(t*) there; missing for an outcome", [](const R& r) -> Cell {
+                   if (!r.bad || !r.is_of_bits()) return {};
+                   return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
+               }});
+    table.add(Table<FloatsRow>{count_column()}, &R::of);
+    return table.add({"explain", "string", "", "the command that explains the first bad float",
+                      [](const R& r) { return r.bad ? r.of.explain(*r.bad) : ""; }});
 }
 
 }  // namespace
@@ -184,78 +209,45 @@ void add_wrong(CsvWriter& csv, const ExhaustiveRequest& request, Subject of, con
 ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
-      binades_(folder / "binades.csv", binade_columns(request)),
-      onsets_(folder / "onsets.csv", onset_columns(request)),
-      statements_(folder / "statements.csv", statement_columns(request)) {}
+      binades_(folder, "binades.csv", "One row per form, ray and binade of the axis", binade_table(request)),
+      statements_(folder, "statements.csv", "One row per form, ray and range of floats", statement_table(request)),
+      onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", onset_table(request)) {}
 
-void ExhaustiveFiles::write_binades(const ExhaustiveState& state) {
+void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::binades_of(*request_.sweep);
     for (std::size_t row = 0; row < request_.rows.size(); ++row) {
         for (std::size_t ray = 0; ray < request_.sweep->rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                const FloatTally& tally = state.tallies[request_.place(b, ray, row)];
-                add_subject(binades_, request_, ray, row);
-                binades_.add(binades[b].binade.name());
-                add_ends(binades_, binades[b].floats);
-                add_outcomes(binades_, request_, tally);
-                add_worst(binades_, request_, {ray, row}, tally);
-                add_wrong(binades_, request_, {ray, row}, tally);
-                binades_.end_row();
+                FloatsRow of{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
+                of.find_worst();
+                of.binade = binades[b].binade.name();
+                binades_.add(of);
             }
         }
     }
 }
 
-void ExhaustiveFiles::write_onsets(const RangeFinding& f) {
+void ExhaustiveFiles::add_onsets(const RangeFinding& f) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         if (!request_.sweep->mesh && !is_of_one_solid(first_events[e])) continue;
-        const bool bits = first_events[e].lost_bits > 0;
-        add_subject(onsets_, request_, f.ray, f.row);
-        add_ends(onsets_, f.floats);
-        onsets_.add(bits ? std::string_view("lost_bits")
-                         : measure::answer::outcome_names[static_cast<std::size_t>(first_events[e].outcome)]);
-        onsets_.add(bits ? first_events[e].lost_bits : 1).add(f.tally.first[e].has_value());
-        if (const auto bad = f.tally.first[e]) {
-            const auto good = f.before(*bad);
-            onsets_.add(good ? Cell(float_at(*good)) : Cell()).add(float_at(*bad));
-            onsets_.add(good ? hex_cell(*good) : Cell()).add(hex_cell(*bad)).add(float_bits(*bad));
-            onsets_.add(bits ? Cell(measure::sweep::answer_at(request_, f.ray, f.row, *bad).ulps) : Cell());
-        } else {
-            for (int k = 0; k < 6; ++k) onsets_.add(Cell());
-        }
-        onsets_.add(f.tally.floats());
-        onsets_.add(f.tally.first[e] ? Cell(explain_float(request_, f.ray, f.row, *f.tally.first[e])) : Cell());
-        onsets_.end_row();
+        const auto bad = f.tally.first[e];
+        onsets_.add({{request_, f.ray, f.row, f.floats, f.tally}, e, bad, bad ? f.before(*bad) : std::nullopt});
     }
-}
-
-void ExhaustiveFiles::write_statement(const RangeFinding& f) {
-    add_subject(statements_, request_, f.ray, f.row);
-    add_ends(statements_, f.floats);
-    add_outcomes(statements_, request_, f.tally);
-    const auto good = f.tally.first_wrong ? f.before(f.tally.first_wrong->place) : std::nullopt;
-    statements_.add(good ? hex_cell(*good) : Cell());
-    add_wrong(statements_, request_, {f.ray, f.row}, f.tally);
-    add_worst(statements_, request_, {f.ray, f.row}, f.tally);
-    statements_.add(statement(request_, f));
-    statements_.end_row();
 }
 
 void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings) {
-    write_binades(state);
-    for (const RangeFinding& finding : findings) {
-        write_onsets(finding);
-        write_statement(finding);
+    add_binades(state);
+    for (const RangeFinding& f : findings) {
+        add_onsets(f);
+        FloatsRow of{request_, f.ray, f.row, f.floats, f.tally};
+        of.find_worst();
+        if (const auto& wrong = f.tally.first_wrong)
+            if (const auto good = f.before(wrong->place)) of.right_up_to = hex_cell(*good);
+        of.statement = statement(request_, f);
+        statements_.add(of);
     }
     write_exhaustive_plots(folder_, request_, state);
-    file::write_datapackage(
-        folder_ / "datapackage.json", request_.sweep->title,
-        {{"binades.csv", "One row per form, ray and binade of the axis", binade_columns(request_)},
-         {"onsets.csv", "One row per form, ray, range of floats and event", onset_columns(request_)},
-         {"statements.csv", "One row per form, ray and range of floats", statement_columns(request_)}});
-    binades_.close();
-    onsets_.close();
-    statements_.close();
+    table::close_tables(folder_, request_.sweep->title, binades_, onsets_, statements_);
 }
 
 }  // namespace lostbits::output::sweep

@@ -4,9 +4,12 @@
 #include <filesystem>
 
 #include "measure/sweep/exhaustive_findings.hpp"
-#include "output/file/csv.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::sweep {
+
+struct FloatsRow;
+struct FloatEventRow;
 
 /// Opens the tables before the work and gives them their final names in `finish`.
 class ExhaustiveFiles {
@@ -16,13 +19,13 @@ public:
                 const std::vector<measure::sweep::RangeFinding>& findings);
 
 private:
-    void write_binades(const measure::sweep::ExhaustiveState& state);
-    void write_onsets(const measure::sweep::RangeFinding& finding);
-    void write_statement(const measure::sweep::RangeFinding& finding);
+    void add_binades(const measure::sweep::ExhaustiveState& state);
+    void add_onsets(const measure::sweep::RangeFinding& finding);
 
     const measure::sweep::ExhaustiveRequest& request_;
     std::filesystem::path folder_;
-    file::CsvWriter binades_, onsets_, statements_;
+    table::TableFile<FloatsRow> binades_, statements_;
+    table::TableFile<FloatEventRow> onsets_;
 };
 
 }  // namespace lostbits::output::sweep

@@ -6,18 +6,24 @@
 #include <optional>
 
 #include "measure/sweep/sweep.hpp"
-#include "output/file/csv.hpp"
 #include "output/map/culprit_table.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::sweep {
 
-/// The columns of samples.csv and of onsets.csv, and their rows.
-std::vector<file::Column> sample_columns(const measure::sweep::SweepRequest& request);
-std::vector<file::Column> onset_columns(const measure::sweep::SweepRequest& request);
-void add_samples(file::CsvWriter& samples, const measure::sweep::SweepRequest& request,
-                 const std::vector<measure::sweep::SweepStep>& steps);
-void add_onsets(file::CsvWriter& table, const measure::sweep::SweepRequest& request,
-                const std::vector<measure::sweep::Onset>& onsets);
+/// What is known of a row, or of one of its culprits, at a step.
+template <class Known>
+struct AtStep {
+    const measure::sweep::SweepStep* step;
+    Known known;
+};
+using SampleRow = AtStep<map::SummaryRow>;
+
+/// samples.csv and onsets.csv.
+table::Table<SampleRow> sample_table(const measure::sweep::SweepRequest& request);
+std::vector<SampleRow> sample_rows(const measure::sweep::SweepRequest& request,
+                                   const std::vector<measure::sweep::SweepStep>& steps);
+table::Table<measure::sweep::Onset> onset_table(const measure::sweep::SweepRequest& request);
 
 /// Opens the tables before the work and gives them their final names in `finish`.
 class SweepFiles {
@@ -30,9 +36,9 @@ public:
 private:
     const measure::sweep::SweepRequest& request_;
     std::filesystem::path folder_;
-    file::CsvWriter samples_;
-    std::optional<file::CsvWriter> onsets_;  ///< of a sweep with one axis
-    std::optional<map::CulpritTable> culprits_;
+    table::TableFile<SampleRow> samples_;
+    std::optional<table::TableFile<measure::sweep::Onset>> onsets_;  ///< of a sweep with one axis
+    std::optional<table::TableFile<AtStep<map::Culprit>>> culprits_;
 };
 
 }  // namespace lostbits::output::sweep

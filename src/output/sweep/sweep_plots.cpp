@@ -337,7 +337,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
             const MapRow& row = request.rows[r];
             if (const Parts parts = steps_of(request); row.format == format && !parts.empty() && row.form->is_placed)
                 write_parts_plot(file(fmt::format("steps.{}", row.form->info->name)), sweep, r, "Steps", parts);
-            if (row.format == format && map::CulpritTable::is_wanted(request.metrics))
+            if (row.format == format && map::asks_for_culprits(request.metrics))
                 write_culprit_plot(file(fmt::format("culprit.{}", row.form->info->name)), sweep, r);
         }
     }

@@ -5,59 +5,71 @@
 #include <cmath>
 
 #include "output/blame/explain_command.hpp"
-#include "output/file/csv.hpp"
-#include "output/file/datapackage.hpp"
-#include "output/file/number_text.hpp"
+#include "output/file/atomic_file.hpp"
 #include "output/sweep/case_text.hpp"
-#include "shapes/number_names.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
 
-using file::Cell;
+using file::number_or_missing;
+using measure::answer::Outcome;
 using measure::sweep::WorstFound;
 using measure::sweep::WorstRequest;
 
 namespace {
 
-constexpr const char* ray_names[] = {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z"};
+struct WorstRow {
+    measure::map::MapRow row;
+    const std::optional<WorstFound>& worst;
+};
 
-std::vector<double> ray_numbers(const WorstFound& w) {
-    return {w.ray.origin.x, w.ray.origin.y, w.ray.origin.z, w.ray.direction.x, w.ray.direction.y, w.ray.direction.z};
+scene::rays::RayGroup alone(const WorstFound& w) {
+    scene::rays::RayGroup one = scene::rays::group_of(w.ray);
+    one.solids = {w.solid};
+    return one;
 }
 
-std::vector<file::Column> worst_columns(const WorstRequest& request) {
+table::Table<WorstRow> worst_table(const WorstRequest& request) {
+    using R = WorstRow;
+    using W = WorstFound;
     const measure::metric::Metric& metric =
         *request.metrics[measure::metric::place_of(request.metrics, request.search->metric)];
-    std::vector<file::Column> columns{
-        {"form", "string", "", "form under test"},
-        {"format", "string", "", "format it computes in"},
-        {"found", "boolean", "", "whether the form hit anything within the ranges"},
-        {"outcome", "string", "", "class of the worst ray"},
+    const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
+    table::Table<R> table;
+    table.add(table::subject_columns(), &R::row);
+    table.add({"found", "boolean", "", "whether the form hit anything within the ranges",
+               [](const R& r) { return r.worst.has_value(); }});
+    table::Table<W> of_worst{
+        {"outcome", "string", "", "class of the worst ray",
+         [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
         {std::string(metric.name), "number", std::string(metric.unit),
-         "of the worst ray; missing where the decision is wrong"},
-        {"distance_radii", "number", "r",
-         "from the ray's origin to the centre of the sphere; missing for other solids"},
-        {"evaluations", "integer", "", "rays tried"},
-        {"t", "number", "t", "the form's answer, in its own unit"},
-        {"t_hex", "string", "t", "the same, exactly"},
-        {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss"},
-        {"truth_hex", "string", "t", "the same, exactly"}};
-    for (const char* name : ray_names)
-        columns.push_back({std::string(name) + "_hex", "string", "", "of the worst ray"});
-    for (const auto& name : number_names(request.search->shape))
-        columns.push_back({std::string(name) + "_hex", "string", "", "of its solid"});
-    columns.push_back({"explain", "string", "", "the command that explains the worst ray: these numbers again"});
-    return columns;
+         "of the worst ray; missing where the decision is wrong",
+         [](const W& w) { return table::when(w.outcome == Outcome::agree_hit, w.value); }},
+        {"distance_radii", "number", "r", "from the ray's origin to the centre of the sphere; missing for other solids",
+         [](const W& w) { return number_or_missing(w.distance); }},
+        {"evaluations", "integer", "", "rays tried", &W::evaluations}};
+    of_worst.add_exact({"t", "number", "t", "the form's answer, in its own unit",
+                        [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
+    of_worst.add_exact({"truth", "number", "t",
+                        "t*, correctly rounded to binary64, in the same unit; missing for a miss",
+                        [](const W& w) { return number_or_missing(w.truth); }});
+    of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
+    of_worst.add(table::solid_columns(request.search->shape, "of its solid"), &W::solid);
+    table.add(of_worst, worst);
+    return table.add(
+        {"explain", "string", "", "the command that explains the worst ray: these numbers again", [](const R& r) {
+             if (!r.worst) return std::string();
+             const scene::rays::RayGroup one = alone(*r.worst);
+             return blame::explain_command(blame::name_of_ray(&one), r.row);
+         }});
 }
 
 std::string case_of(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
-    const bool decided = w.outcome == measure::answer::Outcome::agree_hit;
+    const bool decided = w.outcome == Outcome::agree_hit;
     std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
                                : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!decided && request.search->nearest) what += fmt::format(" at {:.6g} radii", w.distance);
-    scene::rays::RayGroup one = scene::rays::group_of(w.ray);
-    one.solids = {w.solid};
-    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, what), one);
+    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, what), alone(w));
 }
 
 }  // namespace
@@ -65,7 +77,8 @@ std::string case_of(const WorstRequest& request, const measure::map::MapRow& row
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
                  const std::vector<std::optional<WorstFound>>& found) {
     const scene::sweep::SearchFile& search = *request.search;
-    file::CsvWriter csv(folder / "worst.csv", worst_columns(request));
+    table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
+                                   worst_table(request));
     file::AtomicFile hard(folder / "hard.toml");
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
@@ -75,37 +88,12 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
                                   search.smallest ? "smallest" : "largest", search.metric) +
                           (search.nearest ? ", nearest wrong decision" : ""));
     for (std::size_t r = 0; r < found.size(); ++r) {
-        const measure::map::MapRow& row = request.rows[r];
-        csv.add(row.form->info->name).add(row.format.name).add(found[r].has_value());
-        if (!found[r]) {
-            for (std::size_t i = 3; i < worst_columns(request).size(); ++i) csv.add(Cell());
-            csv.end_row();
-            continue;
-        }
-        const WorstFound& w = *found[r];
-        const bool missed = w.outcome == measure::answer::Outcome::false_miss;
-        csv.add(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)])
-            .add(w.outcome == measure::answer::Outcome::agree_hit ? Cell(w.value) : Cell())
-            .add(std::isnan(w.distance) ? Cell() : Cell(w.distance))
-            .add(w.evaluations)
-            .add(missed ? Cell() : Cell(w.t))
-            .add(missed ? Cell() : Cell(file::hex(w.t)));
-        csv.add(std::isnan(w.truth) ? Cell() : Cell(w.truth));
-        csv.add(std::isnan(w.truth) ? Cell() : Cell(file::hex(w.truth)));
-        for (const double x : ray_numbers(w)) csv.add(file::hex(x));
-        for (const double x : w.solid.used()) csv.add(file::hex(x));
-        scene::rays::RayGroup one = scene::rays::group_of(w.ray);
-        one.solids = {w.solid};
-        csv.add(blame::explain_command(blame::name_of_ray(&one), row));
-        csv.end_row();
-        text += case_of(request, row, w);
+        csv.add({request.rows[r], found[r]});
+        if (found[r]) text += case_of(request, request.rows[r], *found[r]);
     }
     hard.write(text);
-    file::write_datapackage(
-        folder / "datapackage.json", search.title,
-        {{"worst.csv", "One row per form and format: the worst ray found", worst_columns(request)}});
     hard.commit();
-    csv.close();
+    table::close_tables(folder, search.title, csv);
 }
 
 }  // namespace lostbits::output::sweep

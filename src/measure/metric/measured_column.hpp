@@ -1,0 +1,36 @@
+// Columns of summaries that claims can name: of offsets, of rendered pictures, of consistency.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+
+namespace lostbits::measure::metric {
+
+/// A number of what the parameters name.
+template <class... Of>
+struct MeasuredColumn {
+    std::string_view name, unit, meaning;
+    bool whole;              ///< a count
+    double (*value)(Of...);  ///< NaN where it is missing: a share of nothing, a quantile of no number
+};
+
+/// A column by its name. InputError for an unknown one, with did-you-mean; `where` starts the message, and `whose` is
+/// what has these columns.
+template <class... Of>
+const MeasuredColumn<Of...>& column_named(std::span<const MeasuredColumn<Of...>> columns, const std::string& name,
+                                          const std::string& where, const std::string& whose = "") {
+    std::vector<std::string> names;
+    for (const auto& column : columns) {
+        if (column.name == name) return column;
+        names.emplace_back(column.name);
+    }
+    throw InputError(where + ": unknown metric \"" + name + "\"" + whose + "; " +
+                     scene::toml::did_you_mean(name, names));
+}
+
+}  // namespace lostbits::measure::metric

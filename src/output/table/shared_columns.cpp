@@ -1,0 +1,37 @@
+#include "output/table/shared_columns.hpp"
+
+#include "shapes/number_names.hpp"
+
+namespace lostbits::output::table {
+
+using measure::map::MapRow;
+
+Table<MapRow> subject_columns(const std::string& form, const std::string& format) {
+    return {{"form", "string", "", form, [](const MapRow& row) { return row.form->info->name; }},
+            {"format", "string", "", format, [](const MapRow& row) { return row.format.name; }}};
+}
+
+Table<Ray<double>> ray_columns(const std::string& of) {
+    using R = Ray<double>;
+    Table<R> table;
+    const auto add = [&](const std::string& part, Vec<double> R::*vector) {
+        for (int k = 0; k < 3; ++k)
+            table.add({part + "_" + "xyz"[k] + "_hex", "string", "", of,
+                       [vector, k](const R& ray) { return file::hex((ray.*vector)[k]); }});
+    };
+    add("origin", &R::origin);
+    add("direction", &R::direction);
+    return table;
+}
+
+Table<Solid<double>> solid_columns(Shape shape, const std::string& of) {
+    using S = Solid<double>;
+    Table<S> table;
+    std::size_t place = 0;
+    for (const auto& name : number_names(shape))
+        table.add({std::string(name) + "_hex", "string", "", of,
+                   [k = place++](const S& solid) { return file::hex(solid.used()[k]); }});
+    return table;
+}
+
+}  // namespace lostbits::output::table

@@ -1,0 +1,169 @@
+// A table: each column says once what it is called, what it means and what stands in it; the CSV file and its entry in
+// `datapackage.json` follow.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "output/file/csv.hpp"
+#include "output/file/datapackage.hpp"
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::table {
+
+using file::Cell;
+
+/// What stands in a column of the row that an R is; a member of R is one, too.
+template <class R>
+using CellOf = std::function<Cell(const R&)>;
+
+template <class R>
+struct TableColumn {
+    TableColumn(std::string name, std::string type, std::string unit, std::string meaning, CellOf<R> cell)
+        : about{std::move(name), std::move(type), std::move(unit), std::move(meaning)}, value(std::move(cell)) {}
+
+    file::Column about;
+    CellOf<R> value;
+};
+
+/// Missing unless `there`.
+template <class T>
+Cell when(bool there, const T& x) {
+    return there ? Cell(x) : Cell();
+}
+
+/// A number as a C hexadecimal float; missing where it is.
+template <class R>
+CellOf<R> exactly(CellOf<R> value) {
+    return [value = std::move(value)](const R& row) {
+        const Cell cell = value(row);
+        return cell.is_missing() ? Cell() : Cell(file::hex(cell.number()));
+    };
+}
+
+/// A column of numbers as a measurement states it, which outlives this one, with `value(column, row)`: NaN is missing.
+template <class R, class Measured, class Value>
+TableColumn<R> measured_column(const Measured& column, const Value& value) {
+    return {std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
+            std::string(column.meaning), [&column, value](const R& row) {
+                const double x = value(column, row);
+                return column.whole && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
+                                                      : file::number_or_missing(x);
+            }};
+}
+
+/// The columns of rows of R.
+template <class R>
+class Table {
+public:
+    Table() = default;
+    Table(std::initializer_list<TableColumn<R>> columns) : columns_(columns) {}
+
+    Table& add(TableColumn<R> column) {
+        columns_.push_back(std::move(column));
+        return *this;
+    }
+    Table& add(Table columns) {
+        for (TableColumn<R>& column : columns.columns_) add(std::move(column));
+        return *this;
+    }
+    /// The columns of a Part that `find` names in a row, as a reference, an optional or a pointer; all are missing
+    /// where it is.
+    template <class Part, class Find>
+    Table& add(const Table<Part>& columns, const Find& find) {
+        for (const TableColumn<Part>& column : columns) {
+            const auto& [name, type, unit, meaning] = column.about;
+            add({name, type, unit, meaning, [find, value = column.value](const R& row) {
+                     const Part* const part = address(std::invoke(find, row));
+                     return part != nullptr ? value(*part) : Cell();
+                 }});
+        }
+        return *this;
+    }
+    /// As a decimal and, in a column `NAME_hex`, exactly.
+    Table& add_exact(const TableColumn<R>& column) {
+        add(column);
+        return add(
+            {column.about.name + "_hex", "string", column.about.unit, "the same, exactly", exactly<R>(column.value)});
+    }
+
+    /// Null where no column has that name.
+    [[nodiscard]] TableColumn<R>* find(const std::string& name) {
+        const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
+        const auto found = std::ranges::find_if(columns_, named);
+        return found == columns_.end() ? nullptr : &*found;
+    }
+    [[nodiscard]] auto begin() { return columns_.begin(); }
+    [[nodiscard]] auto end() { return columns_.end(); }
+    [[nodiscard]] auto begin() const { return columns_.begin(); }
+    [[nodiscard]] auto end() const { return columns_.end(); }
+
+    [[nodiscard]] std::vector<file::Column> columns() const {
+        std::vector<file::Column> all;
+        for (const TableColumn<R>& column : columns_) all.push_back(column.about);
+        return all;
+    }
+    /// In place of its own, if there is such a column.
+    void set_meaning(const std::string& name, const std::string& meaning) {
+        if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
+    }
+    void add_row(file::CsvWriter& csv, const R& row) const {
+        for (const TableColumn<R>& column : columns_) csv.add(column.value(row));
+        csv.end_row();
+    }
+
+private:
+    template <class Part>
+    static const Part* address(const Part& part) {
+        return &part;
+    }
+    template <class Part>
+    static const Part* address(const Part* part) {
+        return part;
+    }
+    template <class Part>
+    static const Part* address(const std::optional<Part>& part) {
+        return part ? &*part : nullptr;
+    }
+
+    std::vector<TableColumn<R>> columns_;
+};
+
+/// A file of such rows. It is opened at once, and has its final name after `close`.
+template <class R>
+class TableFile {
+public:
+    /// `title` says what a row is.
+    TableFile(const std::filesystem::path& folder, const std::string& name, std::string title, Table<R> table)
+        : table_(std::move(table)),
+          about_{name, std::move(title), table_.columns()},
+          csv_(folder / name, about_.columns) {}
+
+    void add(const R& row) { table_.add_row(csv_, row); }
+    void add_all(const std::vector<R>& rows) {
+        for (const R& row : rows) add(row);
+    }
+    [[nodiscard]] const file::DataResource& about() const { return about_; }
+    void add_lines(const std::string& lines) { csv_.add_lines(lines); }
+    void close() { csv_.close(); }
+
+private:
+    Table<R> table_;
+    file::DataResource about_;
+    file::CsvWriter csv_;
+};
+
+/// Closes the tables of a folder, and says in its `datapackage.json` what they are.
+template <class... R>
+void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>&... files) {
+    file::write_datapackage(folder / "datapackage.json", title, {files.about()...});
+    (files.close(), ...);
+}
+
+}  // namespace lostbits::output::table

@@ -1,0 +1,93 @@
+#include "output/table/table.hpp"
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "catch.hpp"
+#include "output/helpers.hpp"
+
+namespace test_table {
+
+using namespace lostbits::output::table;
+using namespace lostbits::output::test;
+
+namespace {
+
+struct Part {
+    double x;
+    std::uint64_t count;
+};
+struct Row {
+    std::string name;
+    std::optional<Part> own;
+    const Part* shared;
+};
+
+Table<Part> part_columns(const std::string& prefix) {
+    Table<Part> table;
+    table.add_exact({prefix + "_x", "number", "ulp", "a number", &Part::x});
+    return table.add({prefix + "_count", "integer", "", "a count", &Part::count});
+}
+
+Table<Row> row_table() {
+    Table<Row> table{{"name", "string", "", "what it is", &Row::name}};
+    table.add(part_columns("own"), &Row::own);
+    table.add(part_columns("shared"), &Row::shared);
+    return table.add({"small", "number", "1", "missing where it is not small",
+                      [](const Row& r) { return when(r.own && r.own->count < 9, 0.5); }});
+}
+
+}  // namespace
+
+TEST_CASE("a table writes what its columns say, and nothing for a part that is missing", "[table]") {
+    const Scratch folder;
+    const Part shared{0.75, 9};
+    TableFile<Row> file(folder / "", "rows.csv", "One row per row", row_table());
+    file.add({"both", Part{0.1, 3}, &shared});
+    file.add({"shared", std::nullopt, &shared});
+    file.add({"own", Part{std::numeric_limits<double>::infinity(), 12}, nullptr});
+    file.add({"none", std::nullopt, nullptr});
+    close_tables(folder / "", "Rows", file);
+    CHECK(contents(folder / "rows.csv") ==
+          "name,own_x,own_x_hex,own_count,shared_x,shared_x_hex,shared_count,small\n"
+          "both,0.1,0x1.999999999999ap-4,3,0.75,0x1.8p-1,9,0.5\n"
+          "shared,,,,0.75,0x1.8p-1,9,\n"
+          "own,inf,inf,12,,,,\n"
+          "none,,,,,,,\n");
+}
+
+TEST_CASE("the package has the columns of the file, with their types and units", "[table]") {
+    const Scratch folder;
+    TableFile<Row> file(folder / "", "rows.csv", "One row per row", row_table());
+    close_tables(folder / "", "Rows", file);
+    const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
+    const auto& resource = package.at("resources").at(0);
+    CHECK(resource.at("path") == "rows.csv");
+    CHECK(resource.at("title") == "One row per row");
+    std::string header;
+    for (const auto& field : resource.at("schema").at("fields"))
+        header += (header.empty() ? "" : ",") + field.at("name").get<std::string>();
+    CHECK(header + "\n" == contents(folder / "rows.csv"));
+    const auto& exact = resource.at("schema").at("fields").at(2);
+    CHECK(exact.at("type") == "string");
+    CHECK(exact.at("unit") == "ulp");
+    CHECK(exact.at("description") == "the same, exactly");
+}
+
+TEST_CASE("a cell of another type than its column's is refused", "[table]") {
+    const Table<Row> table{{"name", "integer", "", "no number", &Row::name}};
+    lostbits::output::file::CsvWriter csv(table.columns());
+    CHECK_THROWS_AS(table.add_row(csv, Row{"text", {}, nullptr}), std::logic_error);
+}
+
+TEST_CASE("a meaning is said of the column that is there", "[table]") {
+    Table<Row> table = row_table();
+    table.set_meaning("own_count", "another");
+    table.set_meaning("no_such", "nothing");
+    CHECK(table.columns().at(3).meaning == "another");
+    CHECK(table.columns().size() == row_table().columns().size());
+    CHECK(table.find("no_such") == nullptr);
+}
+
+}  // namespace test_table
