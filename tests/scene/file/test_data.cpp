@@ -183,7 +183,7 @@ bool hits(const Ray<Real>& ray, const Capsule<Real>& c) {
 double hit_fraction(const scene::file::Scene& scene) {
     const scene::rays::CameraFrame<Real> frame = make_frame<Real>(scene);
     const std::vector<Solid<Real>> solids = scene.mesh ? scene.solids() : scene.listed;
-    const int step = scene.mesh ? 16 : test::is_long() ? 4 : 8;
+    const int step = scene.mesh ? 16 : lostbits::test::is_long() ? 4 : 8;
     int hit = 0, seen = 0;
     for (int y = 1; y < scene.height; y += step) {
         for (int x = 1; x < scene.width; x += step) {
