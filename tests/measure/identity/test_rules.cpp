@@ -6,7 +6,6 @@
 #include <map>
 
 #include "catch.hpp"
-#include "counts.hpp"
 #include "intersect/table/recording.hpp"
 #include "measure/mend/rewrite.hpp"
 #include "measure/mend/sample.hpp"
@@ -62,7 +61,7 @@ bool divides_by_zero(const Tape& t) {
 int check_same(const Tape& before, const Tape& after, const Intersector& form, std::uint64_t seed) {
     Numbers numbers(seed);
     int hits = 0;
-    for (std::size_t ray = 0; ray < (is_long() ? 12 : 6); ++ray) {
+    for (std::size_t ray = 0; ray < 12; ++ray) {
         const auto inputs = inputs_of(form, numbers, ray % 3);
         const Tape a = filled(before, inputs, false), b = filled(after, inputs, false);
         if (divides_by_zero(a) || divides_by_zero(b)) continue;
