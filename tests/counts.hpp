@@ -11,10 +11,10 @@ inline bool is_long() {
     return asked;
 }
 
-/// Of so many draws those that are made: all in the long tests, else a tenth.
+/// Of so many draws those that are made: all in the long tests, else one in `part`.
 template <class Count>
-Count draws(Count all) {
-    return is_long() ? all : all / 10;
+Count draws(Count all, int part = 10) {
+    return is_long() ? all : all / static_cast<Count>(part);
 }
 
 }  // namespace lostbits::test

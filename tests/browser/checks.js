@@ -50,7 +50,7 @@ function make() {
         "--claims", "tilt.*,rtg7.*,sdf3.*,every.*,shader.unit-half-b-nearest*", "--trade", "--choose", "near-benign:18",
         "--mend", "rtg-fig-7-3-4100-oblique:sphere.half_b:16", "--offsets", "offset-tiny,offset-thin-box", "-o",
         at("report"));
-    lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "48x48", "-o", at("mend"));
+    lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "24x24", "-o", at("mend"));
     lostbits(
         "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
         at("large"));

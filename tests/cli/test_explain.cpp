@@ -110,7 +110,7 @@ bool says_the_same_twice(const std::string& said) {
 
 TEST_CASE("C programs compile alone, compute the recorded bits, and say so in the same words") {
     const Scratch scratch;
-    int compiled = 0;
+    int compiled = 0, narrow_asked = 0;
     std::vector<std::pair<std::string, std::string>> asked;
     std::vector<const char*> formats{"f32", "p52"};  // of 52 bits half of all results lie half way
     if (test::is_long()) formats.insert(formats.end(), {"f64", "bf16"});
@@ -140,6 +140,8 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
             continue;
         }
         REQUIRE(r.code == 0);
+        // Of the many in p52 one in four.
+        if (!test::is_long() && format == std::string("p52") && ++narrow_asked % 4 != 0) continue;
         const std::string source = scratch.write("ray.c", r.out), program = (scratch.path() / "ray").string();
         REQUIRE(std::system(("cc -std=c99 -O2 -o '" + program + "' '" + source + "' -lm").c_str()) == 0);
         CHECK(std::system(("'" + program + "' > '" + (scratch.path() / "said").string() + "'").c_str()) == 0);

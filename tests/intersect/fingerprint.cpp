@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/takes.hpp"
 #include "number/random.hpp"
@@ -118,7 +119,7 @@ Hit<T> shoot(Random& random, int kind) {
 
 template <class Form, class T>
 void print(const char* type) {
-    constexpr int rays = 120000;
+    const int rays = draws(120000);
     Checksum sum;
     Random random(2024);
     long hits = 0, undefined = 0;

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/hostile_rays.hpp"
 #include "measure/map/map.hpp"
 #include "number/pack.hpp"
@@ -113,7 +114,7 @@ void check_packs(const Draw& draw, const Ask& ask) {
     using P = Pack<S, Registers<16>>;
     constexpr std::size_t lanes = P::lanes;
     int differ = 0;
-    for (int round = 0; round < 40000; ++round) {
+    for (int round = 0; round < draws(40000); ++round) {
         S columns[13][lanes], t[lanes], near[lanes], far[lanes];
         bool hit[lanes];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -154,11 +155,11 @@ constexpr auto ask_box = [](const auto& x) {
 }  // namespace
 
 TEMPLATE_TEST_CASE("filtered spheres decide right and keep their bits", "[intersect][filtered]", float, double) {
-    check_promise<TestType>(Shape::sphere, 12 * 400 * group_size / 4, 1);
+    check_promise<TestType>(Shape::sphere, 12 * draws(400 * group_size / 4), 1);
 }
 
 TEMPLATE_TEST_CASE("filtered boxes decide right and keep their bits", "[intersect][filtered]", float, double) {
-    check_promise<TestType>(Shape::box, 8 * 400 * group_size / 4, 2);
+    check_promise<TestType>(Shape::box, 8 * draws(400 * group_size / 4), 2);
 }
 
 TEMPLATE_TEST_CASE("filtered forms give the same bits in packs, whichever lanes take the long way",

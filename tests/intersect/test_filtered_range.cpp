@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/hostile_rays.hpp"
 #include "measure/truth/exact_reference.hpp"
 #include "number/pack.hpp"
@@ -282,12 +283,12 @@ void check_range(Shape shape, std::uint64_t rays, std::uint64_t seed) {
 
 TEMPLATE_TEST_CASE("filtered boxes decide right and keep their bits over all exponents", "[intersect][filtered][range]",
                    float, double) {
-    check_range<TestType>(Shape::box, 200 * 4096, 11);
+    check_range<TestType>(Shape::box, draws(200 * 4096), 11);
 }
 
 TEMPLATE_TEST_CASE("filtered spheres decide right and keep their bits over all exponents",
                    "[intersect][filtered][range]", float, double) {
-    check_range<TestType>(Shape::sphere, 200 * 4096, 17);
+    check_range<TestType>(Shape::sphere, draws(200 * 4096), 17);
 }
 
 TEST_CASE("the promise over all exponents and as many rays as asked for", "[.][long-range]") {

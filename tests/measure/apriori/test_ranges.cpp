@@ -89,7 +89,7 @@ void check_form(const char* name, std::size_t families, const Draw& draw) {
         const Format format = *find_format(format_name);
         Random random(7);
         SeenErrors all;
-        for (int i = 0; i < test::draws(40); ++i)
+        for (int i = 0; i < test::draws(40, 20); ++i)
             for (std::size_t family = 0; family < families; ++family)
                 check_box(form_named(name), format, draw(format, family, random), random, all);
         INFO(name << " in " << format_name);

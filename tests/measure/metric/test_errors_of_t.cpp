@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/stability/derivatives.hpp"
@@ -134,7 +135,7 @@ TEST_CASE("derivatives of every form come near to the true ones in double, and l
         if (form.info->roots == intersect::Roots::none) continue;
         Random random(3);
         int near = 0, known = 0;
-        for (int i = 0; i < 60; ++i) {
+        for (int i = 0; i < (is_long() ? 60 : 15); ++i) {
             const Setting s = draw_setting(random, form, *find_format("f32"), 1);
             const double wide = derivative_error(form, "f64", s), narrow = derivative_error(form, "f32", s);
             if (std::isnan(wide) || std::isnan(narrow)) continue;

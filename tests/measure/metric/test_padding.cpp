@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "catch.hpp"
+#include "counts.hpp"
 
 namespace test_padding {
 
@@ -68,7 +69,7 @@ bool can_be(const Ends& ends) {
 
 TEST_CASE("in float no ray parts the slabs of a box that it hits further than the hard one", "[padding]") {
     constexpr std::uint64_t hard = 12294;
-    std::uint64_t x = 0;
+    std::uint64_t x = lostbits::test::is_long() ? 0 : hard - 300;
     while (x <= hard && !can_be(ends_of(half + x, half + x + 3, 12 * x + 64))) ++x;
     REQUIRE(x == hard);
     CHECK(6 / (1 + static_cast<double>(x) / static_cast<double>(half)) == Approx(5.99121951428549).epsilon(1e-14));

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/scene_text.hpp"
@@ -169,7 +170,7 @@ bool hits(const Ray<Real>& ray, const Capsule<Real>& c) {
         return length(Vec<Real>(f - k * v));
     };
     Real low = 0, high = (length(Vec<Real>(c.start - ray.origin)) + length(v)) / length(ray.direction);
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 60; ++i) {
         const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
         if (distance(a) < distance(b)) high = b;
         else low = a;
@@ -177,12 +178,12 @@ bool hits(const Ray<Real>& ray, const Capsule<Real>& c) {
     return distance(low) <= c.radius;
 }
 
-/// Every fourth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
+/// Every eighth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
 /// one, it is every sixteenth.
 double hit_fraction(const scene::file::Scene& scene) {
     const scene::rays::CameraFrame<Real> frame = make_frame<Real>(scene);
     const std::vector<Solid<Real>> solids = scene.mesh ? scene.solids() : scene.listed;
-    const int step = scene.mesh ? 16 : 4;
+    const int step = scene.mesh ? 16 : lostbits::test::is_long() ? 4 : 8;
     int hit = 0, seen = 0;
     for (int y = 1; y < scene.height; y += step) {
         for (int x = 1; x < scene.width; x += step) {
