@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstddef>
+#include <utility>
 
 #include "number/tri.hpp"
 #include "number/wide/two_words.hpp"
@@ -24,6 +26,21 @@ struct Words<TwoWords<P>> {
     static const P& first(const TwoWords<P>& w) { return w.hi; }
     static const P& second(const TwoWords<P>& w) { return w.lo; }
 };
+
+/// Whether the compiler knows that x is 0, in every lane: the bounds of inputs are, and what is multiplied by them need
+/// not be computed. Of finite numbers the bits are the same either way.
+template <std::floating_point F>
+[[gnu::always_inline]] inline bool is_known_zero(const F& x) {
+    return __builtin_constant_p(x) && x >= 0 && x <= 0;
+}
+template <class P>
+requires requires(const P& x) { x.registers(); }
+[[gnu::always_inline]] inline bool is_known_zero(const P& x) {
+    const auto lanes = x.registers();
+    if (!__builtin_constant_p(lanes)) return false;
+    return [&]<std::size_t... i>(std::index_sequence<i...>) { return ((lanes[i] >= 0 && lanes[i] <= 0) && ...); }
+    (std::make_index_sequence<P::lanes>());
+}
 
 /// All real x with |x − w| ≤ e (1 + 2^-41). An e that is infinite or NaN says nothing of x, and no comparison with it
 /// is decided. Of two words w has the bits of `Ball`'s middle.
@@ -61,11 +78,31 @@ public:
     /// No less than how far x can be from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
-    friend Running operator-(const Running& a, const Running& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
+    friend Running operator+(const Running& a, const Running& b) { return rounded(a.w_ + b.w_, plus(a.e_, b.e_)); }
+    friend Running operator-(const Running& a, const Running& b) { return rounded(a.w_ - b.w_, plus(a.e_, b.e_)); }
     friend Running operator-(const Running& a) { return {-a.w_, a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
-        return rounded(a.w_ * b.w_, a.size() * b.e_ + (b.size() * a.e_ + a.e_ * b.e_) + P(lost));
+        return rounded(a.w_ * b.w_, plus(spread_of(a, b), P(lost)));
+    }
+    friend Running square(const Running& a) { return rounded(a.w_ * a.w_, plus(spread_of(a), P(lost))); }
+    /// a b − c d
+    friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
+        const W x = a.w_ * b.w_, y = c.w_ * d.w_, w = x - y;
+        return {w, plus(plus(spread_of(a, b), spread_of(c, d)),
+                        P(error) * (size_of(x) + size_of(y) + size_of(w)) + P(lost))};
+    }
+    /// a b + c d + f g
+    friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
+                                   const Running& f, const Running& g) {
+        const W x = a.w_ * b.w_, y = c.w_ * d.w_, z = f.w_ * g.w_, s = x + y, w = s + z;
+        const P sizes = (size_of(x) + size_of(y)) + (size_of(s) + size_of(z)) + size_of(w);
+        return {w, plus(plus(plus(spread_of(a, b), spread_of(c, d)), spread_of(f, g)), P(error) * sizes + P(lost))};
+    }
+    /// a² + b² + c²
+    friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
+        const W w = a.w_ * a.w_ + b.w_ * b.w_ + c.w_ * c.w_;
+        return {
+            w, plus(plus(plus(spread_of(a), spread_of(b)), spread_of(c)), P(3 * error) * Words<W>::first(w) + P(lost))};
     }
     friend Running operator/(const Running& a, const Running& b) {
         const Running q = rounded(a.w_ / b.w_, P(lost));
@@ -119,25 +156,39 @@ public:
     }
 
 private:
-    static constexpr double lost = 0x1p-1000;
+    static constexpr double lost = 0x1p-1000, error = Words<W>::error;
 
-    static P size_of(const P& x) {
+    static P size_of(const W& w) {
         using lostbits::abs;
-        return abs(x);
+        return abs(Words<W>::first(w));
     }
-    [[nodiscard]] P size() const { return size_of(first()); }
-    static Running rounded(const W& w, const P& spread) {
-        return {w, spread + P(Words<W>::error) * size_of(Words<W>::first(w))};
-    }
+    [[nodiscard]] P size() const { return size_of(w_); }
+    [[nodiscard]] bool is_exact() const { return is_known_zero(e_); }
+    static Running rounded(const W& w, const P& spread) { return {w, plus(spread, P(error) * size_of(w))}; }
 
-    /// The ends of x − y. Its middle h + l is off by u of h, of l and of their sum, and by nothing where h = l = 0.
+    /// What the bounds of a and b are worth in a b, and that of a in a².
+    static P spread_of(const Running& a, const Running& b) {
+        return plus(times(a.size(), b.e_), times(plus(b.size(), a.is_exact() ? P(0) : b.e_), a.e_));
+    }
+    static P spread_of(const Running& a) { return times(a.size() + a.size() + a.e_, a.e_); }
+
+    static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
+    static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
+
+    /// The ends of x − y. Its middle h + l is off by u of h, of l and of their sum, and by nothing where h = l = 0. Of
+    /// one word it is off by u of itself, which the 2^-40 hold: for d > e (1 + 2^-40) is d (1 − u) > e (1 + 2^-41).
     struct Ends {
         P low, high;
     };
     static Ends ends(const Running& a, const Running& b) {
-        const P h = a.first() - b.first(), l = a.second() - b.second(), d = h + l;
-        const P e = (a.e_ + b.e_) * P(1 + 0x1p-40) + P(0x1p-51) * (size_of(h) + size_of(l));
-        return {d - e, d + e};
+        using lostbits::abs;
+        const P h = a.first() - b.first(), e = plus(a.e_, b.e_) * P(1 + 0x1p-40);
+        if constexpr (std::same_as<W, P>) {
+            return {h - e, h + e};
+        } else {
+            const P l = a.second() - b.second(), d = h + l, all = e + P(0x1p-51) * (abs(h) + abs(l));
+            return {d - all, d + all};
+        }
     }
 
     W w_;
