@@ -108,7 +108,7 @@ public:
     void store(bool* to) const { lanes_.copy_to(to, stdx::element_aligned); }
 
 private:
-    Simd lanes_;
+    mutable Simd lanes_;  // as `Pack::x_`
 };
 
 /// F is float or double, Width a `Registers`; as many lanes as fit.
@@ -194,7 +194,9 @@ public:
 private:
     using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
 
-    Simd x_;
+    /// Mutable for GCC alone: to a const local of other types a function that is inlined writes through memory, and all
+    /// that it is made of stays there.
+    mutable Simd x_;
 };
 
 /// The doubles inside a pack of floats: as many lanes, twice the registers.
