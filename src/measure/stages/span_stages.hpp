@@ -49,39 +49,41 @@ constexpr PlaceOfNumber place_of(std::size_t number) {
     return {key, number};
 }
 
-/// `f(0), f(1), …`, each with its number as a constant: packs that a loop counts through go through memory.
-template <std::size_t count, class F>
-auto array_of(const F& f) {
-    return [&]<std::size_t... k>(std::index_sequence<k...>) {
-        return std::array<decltype(f(std::integral_constant<std::size_t, 0>())), count>{
-            f(std::integral_constant<std::size_t, k>{})...};
+/// Whether a number keeps the limit of its key.
+template <class S, std::size_t k, class E>
+mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& solid) {
+    using Limit = Key::Limit;
+    constexpr PlaceOfNumber place = place_of<S>(k);
+    constexpr Key key = S::keys[place.key];
+    const E zero(0);
+    if constexpr (key.limit == Limit::not_zero && place.in_key == 0) {
+        const E &x = solid[k], &y = solid[k + 1], &z = solid[k + 2];
+        return (x > zero).yes() || (x < zero).yes() || (y > zero).yes() || (y < zero).yes() || (z > zero).yes() ||
+               (z < zero).yes();
+    } else if constexpr (key.limit == Limit::positive) {
+        return (solid[k] > zero).yes();
+    } else if constexpr (key.limit == Limit::not_negative) {
+        return (solid[k] >= zero).yes();
+    } else if constexpr (key.limit == Limit::below_before) {
+        return (solid[k] >= zero).yes() && (solid[k] < solid[k - 1]).yes();
+    } else if constexpr (key.limit == Limit::within_before) {
+        return (solid[k] > zero).yes() && (solid[k] < solid[k - 1]).yes();
+    } else if constexpr (key.limit == Limit::at_least_before) {
+        return (solid[k - key.count()] <= solid[k]).yes();
+    } else {
+        return zero.first() <= zero.first();
     }
-    (std::make_index_sequence<count>());
 }
 
 /// Whether a solid is one, by the limits of its keys: but for points on one line, which no line is proved to cross;
 /// origins and directions that are not finite are found by `settle`.
+template <class S, class E, std::size_t... k>
+mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& solid, std::index_sequence<k...>) {
+    return (keeps_limit<S, k>(solid) && ...);
+}
 template <class S, class E>
 mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& solid) {
-    using P = typename E::P;
-    using Limit = Key::Limit;
-    const E zero(0);
-    const auto is_there = [&](std::size_t i) { return (solid[i] > zero).yes() || (solid[i] < zero).yes(); };
-    const auto keeps = array_of<numbers_of<S>>([&](auto k) {
-        constexpr PlaceOfNumber place = place_of<S>(k);
-        constexpr Key key = S::keys[place.key];
-        const E& x = solid[k];
-        if constexpr (key.limit == Limit::not_zero && place.in_key == 0)
-            return is_there(k) || is_there(k + 1) || is_there(k + 2);
-        else if constexpr (key.limit == Limit::positive) return (x > zero).yes();
-        else if constexpr (key.limit == Limit::not_negative) return (x >= zero).yes();
-        else if constexpr (key.limit == Limit::below_before) return (x >= zero).yes() && (x < solid[k - 1]).yes();
-        else if constexpr (key.limit == Limit::within_before) return (x > zero).yes() && (x < solid[k - 1]).yes();
-        else if constexpr (key.limit == Limit::at_least_before) return (solid[k - key.count()] <= x).yes();
-        else return P(0) <= P(0);
-    });
-    return [&]<std::size_t... k>(std::index_sequence<k...>) { return (keeps[k] && ...); }
-    (std::make_index_sequence<numbers_of<S>>());
+    return keeps_limits<S>(solid, std::make_index_sequence<numbers_of<S>>());
 }
 
 /// A range of these numbers, where it holds more than one t: else, by `proper`, nothing is said.
@@ -130,13 +132,10 @@ struct Entrance {
         all.proper = all.proper && (scale > E(0)).yes();
         return all;
     }
-    [[nodiscard]] InSpace<S, E> of_ray(const Ray<E>& world, const E& d2) const {
-        if (matrix.is_inverse) return {{map.point(world.origin), map.linear(world.direction)}, solid, d2, proper};
+    [[nodiscard]] Ray<E> ray(const Ray<E>& world) const {
+        if (matrix.is_inverse) return {map.point(world.origin), map.linear(world.direction)};
         const E sign(matrix.orientation);
-        return {{sign * times(adjugate, world.origin - map.shift), sign * times(adjugate, world.direction)},
-                solid,
-                d2,
-                proper};
+        return {sign * times(adjugate, world.origin - map.shift), sign * times(adjugate, world.direction)};
     }
 };
 
@@ -149,11 +148,12 @@ Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, mask_t<P>& hit) 
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
-/// S is the shape over `Running` words. `range(proper)` is asked for where there is one.
+/// S is the shape over `Running` words. It has a copy of the numbers: that nothing points to them keeps them in
+/// registers, and what they are known to be known. `range(proper)` is asked for where there is one.
 template <class S, class E, class Range, class P = typename E::P>
 Finding<P> settle_shape(const InSpace<S, E>& in, const Asked& asked, const Range& range) {
     const Ray<E>& ray = in.ray;
-    const auto span = S::of([&in](std::size_t k) { return in.solid[k]; }).span(ray);
+    const auto span = S::of([solid = in.solid](std::size_t k) { return solid[k]; }).span(ray);
     auto proper = in.proper && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const Met<E> met = asked.ranged ? first_met(span, range(proper)) : first_met(span);

@@ -38,45 +38,68 @@ struct Lanes<double> {
     static void store(bool x, std::uint8_t* to) { *to = x; }
 };
 
-/// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S. What is `plain` has no
-/// second words and no matrix: its inputs are exact, which the compiler sees then.
+/// The pack of problems at `i`. What is `plain` has no second words and no matrix: its numbers are exact, which the
+/// compiler sees then.
+template <bool plain, class S, class W>
+struct PackOfProblems {
+    using E = Running<W>;
+    using P = typename E::P;
+
+    const RawProblems<S>& p;
+    std::size_t i;
+
+    [[nodiscard]] P at(const RawColumn<S>& c) const { return Lanes<P>::load(c.from + i * c.step); }
+    [[nodiscard]] E number(const RawColumn<S>& first, const RawColumn<S>& second) const {
+        using lostbits::abs;
+        const P x = at(first);
+        if constexpr (!plain && !std::is_same_v<W, P>) {
+            if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
+        }
+        return E(W(x), P(0));
+    }
+    [[nodiscard]] E of_ray(std::size_t k) const { return number(p.ray[k], p.ray_low[k]); }
+    [[nodiscard]] E of_solid(std::size_t k) const { return number(p.solid[k], p.solid_low[k]); }
+    [[nodiscard]] Ray<E> ray() const { return {{of_ray(0), of_ray(1), of_ray(2)}, {of_ray(3), of_ray(4), of_ray(5)}}; }
+    template <std::size_t... k>
+    [[nodiscard]] std::array<E, sizeof...(k)> solid(std::index_sequence<k...>) const {
+        return {of_solid(k)...};
+    }
+    [[nodiscard]] Affine<E> map() const {
+        return Affine<E>::of([*this](std::size_t k) { return of_solid(most_numbers + k); });
+    }
+    /// Where the range has more than one t: else, by `proper`, nothing is said.
+    [[nodiscard]] RangeOfSpan<E> operator()(mask_t<P>& proper) const {
+        return range_of<E>(at(p.tmin), at(p.tmax), p.open, proper);
+    }
+};
+
+/// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S.
 template <template <class> class Of, bool plain, class S, class W>
 [[gnu::flatten]] void settle_some(const RawProblems<S>& raw) {
     using E = Running<W>;
     using P = typename E::P;
     using Shape = Of<E>;
+    constexpr auto numbers = std::make_index_sequence<numbers_of<Shape>>();
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
     const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     bool one_solid = true;
     for (const RawColumn<S>& column : p.solid) one_solid = one_solid && column.step == 0;
     Entrance<Shape, E> entrance;
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
-        const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
-        const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
-            using lostbits::abs;
-            const P x = at(first);
-            if constexpr (!plain && !std::is_same_v<W, P>) {
-                if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
-            }
-            return E(W(x), P(0));
-        };
-        const auto of_ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
-        const auto of_solid = [&](std::size_t k) { return number(p.solid[k], p.solid_low[k]); };
-        const Ray<E> ray{{of_ray(0), of_ray(1), of_ray(2)}, {of_ray(3), of_ray(4), of_ray(5)}};
-        const auto in = [&]() -> InSpace<Shape, E> {
-            const E d2 = square(ray.direction);
-            if constexpr (!plain) {
-                if (p.matrix.placed && (i == 0 || !one_solid))
-                    entrance = Entrance<Shape, E>::of(
-                        array_of<numbers_of<Shape>>(of_solid),
-                        Affine<E>::of([&](std::size_t k) { return of_solid(most_numbers + k); }), p.matrix);
-                if (p.matrix.placed) return entrance.of_ray(ray, d2);
-            }
-            const auto solid = array_of<numbers_of<Shape>>(of_solid);
-            return {ray, solid, d2, is_proper<Shape>(solid)};
-        }();
-        const auto range = [&](mask_t<P>& proper) { return range_of<E>(at(p.tmin), at(p.tmax), p.open, proper); };
-        const Finding<P> found = settle_shape(in, asked, range);
+        const PackOfProblems<plain, S, W> pack{p, i};
+        InSpace<Shape, E> in;
+        in.ray = pack.ray();
+        in.d2 = square(in.ray.direction);
+        if (!plain && p.matrix.placed) {
+            if (i == 0 || !one_solid) entrance = Entrance<Shape, E>::of(pack.solid(numbers), pack.map(), p.matrix);
+            in.ray = entrance.ray(in.ray);
+            in.solid = entrance.solid;
+            in.proper = entrance.proper;
+        } else {
+            in.solid = pack.solid(numbers);
+            in.proper = is_proper<Shape>(in.solid);
+        }
+        const Finding<P> found = settle_shape(in, asked, pack);
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
