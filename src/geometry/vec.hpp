@@ -15,7 +15,7 @@ namespace lostbits {
 template <class T>
 using Vec = glm::vec<3, T>;
 
-/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right.
+/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right. Numbers that carry a bound have one for all of it.
 template <Number T>
 T dot(const Vec<T>& a, const Vec<T>& b) {
     if constexpr (requires { sum_of_products(a.x, b.x, a.y, b.y, a.z, b.z); })

@@ -78,8 +78,8 @@ private:
 /// Of sums of products p_i the bounds of all steps are added up before they are multiplied by ε:
 ///
 ///     w = p₁ − p₂          ε (|p₁| + |p₂| + |w|)
-///     w = (p₁ + p₂) + p₃   ε (|p₁| + |p₂| + |p₁ + p₂| + |p₃| + |w|), and 3ε w of three squares, for then
-///                          p₁ + p₂ ≤ (p₁ + p₂)(1 + ε) as it rounds, and that and p₃ come to no more than w (1 + ε)
+///     w = (p₁ + p₂) + p₃   ε (|p₁| + |p₂| + |s| + |p₃| + |w|), s what p₁ + p₂ rounds to
+///     w = (p₁ + p₂) + p₃   3ε w of squares, where p₁ + p₂ ≤ s (1 + ε) and s + p₃ ≤ w (1 + ε)
 ///
 /// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. A sum does not underflow: what is too
 /// small for ε|w| to be normal is added exactly, or is off by no more than ε|w| as it rounds. Each of the four products
