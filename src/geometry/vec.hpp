@@ -15,22 +15,28 @@ namespace lostbits {
 template <class T>
 using Vec = glm::vec<3, T>;
 
-/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right.
+/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right. Numbers that carry a bound have one for all of it.
 template <Number T>
 T dot(const Vec<T>& a, const Vec<T>& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    if constexpr (requires { sum_of_products(a.x, b.x, a.y, b.y, a.z, b.z); })
+        return sum_of_products(a.x, b.x, a.y, b.y, a.z, b.z);
+    else return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 /// a·a, the squares summed in the same order.
 template <Number T>
 T square(const Vec<T>& a) {
-    return square(a.x) + square(a.y) + square(a.z);
+    if constexpr (requires { sum_of_squares(a.x, a.y, a.z); }) return sum_of_squares(a.x, a.y, a.z);
+    else return square(a.x) + square(a.y) + square(a.z);
 }
 
 /// a × b, each component one difference of two products.
 template <Number T>
 Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
-    return Vec<T>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    if constexpr (requires { difference_of_products(a.x, b.x, a.y, b.y); })
+        return Vec<T>(difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+                      difference_of_products(a.x, b.y, a.y, b.x));
+    else return Vec<T>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
 /// |a| = √(a·a). Overflows and underflows where a·a does: that, too, is measured.

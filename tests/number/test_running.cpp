@@ -114,6 +114,38 @@ void operations_hold(double least) {
     }
 }
 
+/// Sums of products, which have bounds of their own: of six numbers, of which some are alike, or of three squares.
+template <class W>
+std::array<Tried, 3> try_sums(std::size_t draws) {
+    const Interval::Precision precision(exact_bits);
+    Random random(43);
+    std::array<Tried, 3> tried;
+    for (std::size_t i = 0; i < draws; ++i) {
+        const auto [a, b] = draw_two<W>(random);
+        const auto [c, d] = draw_two<W>(random);
+        const auto [f, g] = draw_two<W>(random);
+        const std::string what = Mpfr(a.number.first(), 53).text() + ", " + Mpfr(c.number.first(), 53).text();
+        // a d − b c cancels where a is nearly b and c nearly d.
+        hold(difference_of_products(a.number, d.number, b.number, c.number), a.exact * d.exact - b.exact * c.exact,
+             what, tried[0]);
+        hold(sum_of_products(a.number, d.number, -b.number, c.number, f.number, g.number),
+             a.exact * d.exact - b.exact * c.exact + f.exact * g.exact, what, tried[1]);
+        hold(sum_of_squares(a.number, b.number, c.number), square(a.exact) + square(b.exact) + square(c.exact), what,
+             tried[2]);
+    }
+    return tried;
+}
+
+template <class W>
+void sums_hold(double least) {
+    for (const Tried& tried : try_sums<W>(draws<std::size_t>(200'000))) {
+        INFO(tried.first_wrong);
+        CHECK(tried.wrong == 0);
+        CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
+        CHECK(tried.most > least);
+    }
+}
+
 template <class Mask>
 std::size_t wrongly(const Tris<Mask>& said, const Tri& is) {
     return (said.yes() && is.is_no()) || (said.no() && is.is_yes());
@@ -181,12 +213,14 @@ void nothing_is_said_without_a_bound() {
 
 TEST_CASE("running bounds of one word hold what is exact", "[number][running]") {
     operations_hold<double>(0.5);
+    sums_hold<double>(0.5);
     comparisons_hold<double>();
     nothing_is_said_without_a_bound<double>();
 }
 
 TEST_CASE("running bounds of two words hold what is exact", "[number][running]") {
     operations_hold<TwoWords<double>>(0.1);
+    sums_hold<TwoWords<double>>(0.1);
     comparisons_hold<TwoWords<double>>();
     nothing_is_said_without_a_bound<TwoWords<double>>();
 }

@@ -27,10 +27,16 @@ struct Met {
 /// The near root, c/(−h + √q), or −(h + √q)/a where h is `past` 0; or the far one where it is that: (−h + √q)/a, or
 /// −c/(h + √q). Where h is not told from 0, either form of it will do.
 template <class E>
-E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& past) {
+Fraction<E> fraction_of_root(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far,
+                             const mask_t<typename E::P>& past) {
     const auto by_a = (far && !past) || (past && !far);
     const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
-    return select(past, -n, n) / select(by_a, s.a, size);
+    return {select(past, -n, n), select(by_a, s.a, size)};
+}
+template <class E>
+E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& past) {
+    const Fraction<E> root = fraction_of_root(s, far, past);
+    return root.n / root.m;
 }
 
 /// As `truth::enclose` has it for the usual convention.
@@ -195,8 +201,8 @@ Met<Running<W>> first_met(const FlatSpan<Running<W>>& s, const RangeOfSpan<Runni
 
 /// As `truth::enclose` has it for the usual convention, where no rim is met: the near side where the ray is known to
 /// meet that, else the far one where it is known not to.
-template <class E>
-Met<E> first_met_of_wall(const WallSpan<E>& s, const Fraction<E>& begin, const std::array<mask_t<E>, 2>& in_range) {
+template <class E, class Begin>
+Met<E> first_met_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
     using P = typename E::P;
     const auto none = P(0) < P(0);
     std::array<mask_t<P>, 2> met{none, none}, passed{none, none};
@@ -214,14 +220,14 @@ template <class W>
 Met<Running<W>> first_met(const WallSpan<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_met_of_wall<E>(s, {E(0), E(1)}, {always, always});
+    return first_met_of_wall<E>(s, Start(), {always, always});
 }
 
 /// The same of a ray with a range.
 template <class W>
 Met<Running<W>> first_met(const WallSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     return first_met_of_wall<Running<W>>(
-        s, {range.begin, Running<W>(1)},
+        s, Fraction<Running<W>>{range.begin, Running<W>(1)},
         {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
 }
 
@@ -237,8 +243,9 @@ MetAt<Running<W>> met_at(const CappedSpan<Running<W>>& s, const mask_t<typename 
     const auto near_cap = s.enters_by_cap(), far_cap = s.leaves_by_cap();
     const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
     const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
-    const E one(1), cap = select(by_cap, select(far, s.exit.n, s.entry.n), one) / select(by_cap, s.entry.m, one);
-    return {by_cap || by_side, select(by_cap, cap, root_of(s.side, far, (s.side.h > E(0)).yes()))};
+    const Fraction<E> root = fraction_of_root(s.side, far, (s.side.h > E(0)).yes());
+    return {by_cap || by_side,
+            select(by_cap, select(far, s.exit.n, s.entry.n), root.n) / select(by_cap, s.entry.m, root.m)};
 }
 template <class W>
 MetAt<Running<W>> met_at(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
@@ -250,8 +257,8 @@ MetAt<Running<W>> met_at(const JoinedSpan<Running<W>>& s, const mask_t<typename 
 
 /// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
 /// surface: from outside where it enters, from inside where it leaves, each in the range where there is one.
-template <class S, class E>
-Met<E> first_met_from(const S& s, const Fraction<E>& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
+template <class E, class S, class Begin>
+Met<E> first_met_from(const S& s, const Begin& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
     using P = typename E::P;
     const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
     const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
@@ -267,16 +274,15 @@ template <class W, template <class> class Span>
 requires ToldSpan<Span<Running<W>>, Running<W>> Met<Running<W>> first_met(const Span<Running<W>>& s) {
     using E = Running<W>;
     const auto always = E(0) <= E(0);
-    return first_met_from<Span<E>, E>(s, {E(0), E(1)}, always, always);
+    return first_met_from<E>(s, Start(), always, always);
 }
 
 /// The same of a ray with a range.
 template <class W, template <class> class Span>
 requires ToldSpan<Span<Running<W>>, Running<W>> Met<Running<W>> first_met(const Span<Running<W>>& s,
                                                                           const RangeOfSpan<Running<W>>& range) {
-    return first_met_from<Span<Running<W>>, Running<W>>(s, {range.begin, Running<W>(1)},
-                                                        in_time(s.enters_to(range.end), range),
-                                                        in_time(s.leaves_to(range.end), range));
+    return first_met_from<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+                                      in_time(s.enters_to(range.end), range), in_time(s.leaves_to(range.end), range));
 }
 
 }  // namespace lostbits::measure::stages

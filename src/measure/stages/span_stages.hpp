@@ -1,6 +1,7 @@
 // Rays and solids of any shape: decisions, and t* with its bound, from where the ray meets the solid first.
 #pragma once
 
+#include <array>
 #include <type_traits>
 #include <utility>
 
@@ -31,28 +32,58 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
+/// How many numbers a shape has, the key of each, and which of its key's it is.
+template <class S>
+inline constexpr std::size_t numbers_of = [] {
+    std::size_t count = 0;
+    for (const Key& key : S::keys) count += key.count();
+    return count;
+}();
+struct PlaceOfNumber {
+    std::size_t key, in_key;
+};
+template <class S>
+constexpr PlaceOfNumber place_of(std::size_t number) {
+    std::size_t key = 0;
+    for (; number >= S::keys[key].count(); ++key) number -= S::keys[key].count();
+    return {key, number};
+}
+
+/// Whether a number keeps the limit of its key.
+template <class S, std::size_t k, class E>
+mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& solid) {
+    using Limit = Key::Limit;
+    constexpr PlaceOfNumber place = place_of<S>(k);
+    constexpr Key key = S::keys[place.key];
+    const E zero(0);
+    if constexpr (key.limit == Limit::not_zero && place.in_key == 0) {
+        const E &x = solid[k], &y = solid[k + 1], &z = solid[k + 2];
+        return (x > zero).yes() || (x < zero).yes() || (y > zero).yes() || (y < zero).yes() || (z > zero).yes() ||
+               (z < zero).yes();
+    } else if constexpr (key.limit == Limit::positive) {
+        return (solid[k] > zero).yes();
+    } else if constexpr (key.limit == Limit::not_negative) {
+        return (solid[k] >= zero).yes();
+    } else if constexpr (key.limit == Limit::below_before) {
+        return (solid[k] >= zero).yes() && (solid[k] < solid[k - 1]).yes();
+    } else if constexpr (key.limit == Limit::within_before) {
+        return (solid[k] > zero).yes() && (solid[k] < solid[k - 1]).yes();
+    } else if constexpr (key.limit == Limit::at_least_before) {
+        return (solid[k - key.count()] <= solid[k]).yes();
+    } else {
+        return zero.first() <= zero.first();
+    }
+}
+
 /// Whether a solid is one, by the limits of its keys: but for points on one line, which no line is proved to cross;
 /// origins and directions that are not finite are found by `settle`.
+template <class S, class E, std::size_t... k>
+mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& solid, std::index_sequence<k...>) {
+    return (keeps_limit<S, k>(solid) && ...);
+}
 template <class S, class E>
-mask_t<typename E::P> is_proper(const std::array<E, most_stored>& solid) {
-    using P = typename E::P;
-    auto proper = P(0) <= P(0);
-    const E zero(0);
-    std::size_t k = 0;
-    for (const Key& key : S::keys) {
-        const auto is_there = [&](std::size_t i) { return (solid[i] > zero).yes() || (solid[i] < zero).yes(); };
-        if (key.limit == Key::Limit::not_zero) proper = proper && (is_there(k) || is_there(k + 1) || is_there(k + 2));
-        for (const std::size_t end = k + key.count(); k < end; ++k) {
-            if (key.limit == Key::Limit::positive) proper = proper && (solid[k] > zero).yes();
-            if (key.limit == Key::Limit::not_negative) proper = proper && (solid[k] >= zero).yes();
-            if (key.limit == Key::Limit::below_before)
-                proper = proper && (solid[k] >= zero).yes() && (solid[k] < solid[k - 1]).yes();
-            if (key.limit == Key::Limit::within_before)
-                proper = proper && (solid[k] > zero).yes() && (solid[k] < solid[k - 1]).yes();
-            if (key.limit == Key::Limit::at_least_before) proper = proper && (solid[k - key.count()] <= solid[k]).yes();
-        }
-    }
-    return proper;
+mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& solid) {
+    return keeps_limits<S>(solid, std::make_index_sequence<numbers_of<S>>());
 }
 
 /// A range of these numbers, where it holds more than one t: else, by `proper`, nothing is said.
@@ -67,15 +98,14 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
 /// What is asked of all problems alike.
 struct Asked {
     bool ranged, t, distance;
-    OpenEnds open;
 };
 
 /// A ray and a solid as they stand in the space of the solid, d·d in the world, and whether the solid is proved to be
 /// one.
-template <class E>
+template <class S, class E>
 struct InSpace {
     Ray<E> ray;
-    std::array<E, most_stored> solid;
+    std::array<E, numbers_of<S>> solid;
     E d2;
     mask_t<typename E::P> proper;
 };
@@ -83,26 +113,22 @@ struct InSpace {
 /// `in_object` of rays at one solid, in each lane: what the matrix makes of that is found once. Of a solid whose
 /// determinant is not proved to differ from 0 nothing is proved. It is proper or not by the numbers before they are
 /// scaled: a zero times what is known within bounds is no exact zero.
-template <class E>
+template <class S, class E>
 struct Entrance {
     UnderMatrix matrix;
     Affine<E> map;
     std::array<Vec<E>, 3> adjugate;
-    std::array<E, most_stored> solid;
+    std::array<E, numbers_of<S>> solid;
     mask_t<typename E::P> proper;
 
-    template <class S>
-    static Entrance of(const std::array<E, most_stored>& numbers, const UnderMatrix& matrix) {
+    static Entrance of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map, const UnderMatrix& matrix) {
         using P = typename E::P;
-        const Affine<E> map = Affine<E>::of([&numbers](std::size_t k) { return numbers[most_numbers + k]; });
         Entrance all{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
         if (matrix.orientation == 0) all.proper = P(0) < P(0);
         if (matrix.is_inverse) return all;
         const E scale = E(matrix.orientation) * map.determinant();
-        std::size_t k = 0;
-        for (const Key& key : S::keys)
-            for (const std::size_t end = k + key.count(); k < end; ++k)
-                if (key.kind != Key::Kind::direction) all.solid[k] = scale * numbers[k];
+        for (std::size_t k = 0; k < numbers_of<S>; ++k)
+            if (S::keys[place_of<S>(k).key].kind != Key::Kind::direction) all.solid[k] = scale * numbers[k];
         all.proper = all.proper && (scale > E(0)).yes();
         return all;
     }
@@ -113,30 +139,31 @@ struct Entrance {
     }
 };
 
-/// S is the shape over `Running` words. The ends of the range are not looked at where there is none.
-template <class S, class E, class P = typename E::P>
-Finding<P> settle_shape(const InSpace<E>& in, const P& tmin, const P& tmax, const Asked& asked) {
+/// Where a length is known closely enough it is taken; where `at_origin` it is 0.
+template <class E, class P = typename E::P>
+Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, mask_t<P>& hit) {
+    const P zero(0);
+    const Enclosure<P> x = enclosure_of(length);
+    hit = hit && (at_origin || is_close(length));
+    return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
+}
+
+/// S is the shape over `Running` words. It has a copy of the numbers: that nothing points to them keeps them in
+/// registers, and what they are known to be known. `range(proper)` is asked for where there is one.
+template <class S, class E, class Range, class P = typename E::P>
+Finding<P> settle_shape(const InSpace<S, E>& in, const Asked& asked, const Range& range) {
     const Ray<E>& ray = in.ray;
-    const auto span = S::of([&in](std::size_t k) { return in.solid[k]; }).span(ray);
+    const auto span = S::of([solid = in.solid](std::size_t k) { return solid[k]; }).span(ray);
     auto proper = in.proper && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
-    const auto met = [&] {
-        if (asked.ranged) return first_met(span, range_of<E>(tmin, tmax, asked.open, proper));
-        return first_met(span);
-    }();
+    const Met<E> met = asked.ranged ? first_met(span, range(proper)) : first_met(span);
     const auto missed = proper && met.missed;
     auto hit = proper && met.hit;
-    const P zero(0);
-    Finding<P> found{missed, hit, {{zero, zero}, zero}, {{zero, zero}, zero}};
+    const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
+    Finding<P> found{missed, hit, nothing, nothing};
     if (!any_of(hit)) return found;
-    const auto take = [&](const E& length, Enclosure<P>& to) {
-        hit = hit && (met.at_origin || is_close(length));
-        to = enclosure_of(length);
-        to.middle = select<P>(met.at_origin, {zero, zero}, to.middle);
-        to.bound = select(met.at_origin, zero, to.bound);
-    };
-    if (asked.t) take(met.t, found.t);
-    if (asked.distance) take(met.t * sqrt(in.d2), found.distance);
+    if (asked.t) found.t = taken(met.t, met.at_origin, hit);
+    if (asked.distance) found.distance = taken(met.t * sqrt(in.d2), met.at_origin, hit);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

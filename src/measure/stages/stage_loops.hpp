@@ -38,45 +38,68 @@ struct Lanes<double> {
     static void store(bool x, std::uint8_t* to) { *to = x; }
 };
 
-/// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S.
-template <template <class> class Of, class S, class W>
-[[gnu::flatten]] void settle_all(const RawProblems<S>& raw) {
+/// The pack of problems at `i`. What is `plain` has no second words and no matrix: its numbers are exact, which the
+/// compiler sees then.
+template <bool plain, class S, class W>
+struct PackOfProblems {
     using E = Running<W>;
     using P = typename E::P;
+
+    const RawProblems<S>& p;
+    std::size_t i;
+
+    [[nodiscard]] P at(const RawColumn<S>& c) const { return Lanes<P>::load(c.from + i * c.step); }
+    [[nodiscard]] E number(const RawColumn<S>& first, const RawColumn<S>& second) const {
+        using lostbits::abs;
+        const P x = at(first);
+        if constexpr (!plain && !std::is_same_v<W, P>) {
+            if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
+        }
+        return E(W(x), P(0));
+    }
+    [[nodiscard]] E of_ray(std::size_t k) const { return number(p.ray[k], p.ray_low[k]); }
+    [[nodiscard]] E of_solid(std::size_t k) const { return number(p.solid[k], p.solid_low[k]); }
+    [[nodiscard]] Ray<E> ray() const { return {{of_ray(0), of_ray(1), of_ray(2)}, {of_ray(3), of_ray(4), of_ray(5)}}; }
+    template <std::size_t... k>
+    [[nodiscard]] std::array<E, sizeof...(k)> solid(std::index_sequence<k...>) const {
+        return {of_solid(k)...};
+    }
+    [[nodiscard]] Affine<E> map() const {
+        return Affine<E>::of([*this](std::size_t k) { return of_solid(most_numbers + k); });
+    }
+    /// Where the range has more than one t: else, by `proper`, nothing is said.
+    [[nodiscard]] RangeOfSpan<E> operator()(mask_t<P>& proper) const {
+        return range_of<E>(at(p.tmin), at(p.tmax), p.open, proper);
+    }
+};
+
+/// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S.
+template <template <class> class Of, bool plain, class S, class W>
+[[gnu::flatten]] void settle_some(const RawProblems<S>& raw) {
+    using E = Running<W>;
+    using P = typename E::P;
+    using Shape = Of<E>;
+    constexpr auto numbers = std::make_index_sequence<numbers_of<Shape>>();
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
-    const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr, p.open};
-    constexpr std::size_t numbers = row_of(shape_as<Of>).numbers;
+    const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     bool one_solid = true;
     for (const RawColumn<S>& column : p.solid) one_solid = one_solid && column.step == 0;
-    Entrance<E> entrance{};
+    Entrance<Shape, E> entrance;
     for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
-        const auto at = [i](const RawColumn<S>& c) { return Lanes<P>::load(c.from + i * c.step); };
-        const auto number = [&](const RawColumn<S>& first, const RawColumn<S>& second) {
-            using lostbits::abs;
-            const P x = at(first);
-            if constexpr (!std::is_same_v<W, P>) {
-                if (p.two_words) return E(W(x, at(second)), P(input_error) * abs(x));
-            }
-            return E(W(x), P(0));
-        };
-        const auto ray = [&](std::size_t k) { return number(p.ray[k], p.ray_low[k]); };
-        InSpace<E> in{.ray = {{ray(0), ray(1), ray(2)}, {ray(3), ray(4), ray(5)}}, .solid = {}, .d2 = {}, .proper = {}};
+        const PackOfProblems<plain, S, W> pack{p, i};
+        InSpace<Shape, E> in;
+        in.ray = pack.ray();
         in.d2 = square(in.ray.direction);
-        if (p.matrix.placed) {
-            if (i == 0 || !one_solid) {
-                std::array<E, most_stored> stored{};
-                for (std::size_t k = 0; k < most_stored; ++k)
-                    if (k < numbers || k >= most_numbers) stored[k] = number(p.solid[k], p.solid_low[k]);
-                entrance = Entrance<E>::template of<Of<E>>(stored, p.matrix);
-            }
+        if (!plain && p.matrix.placed) {
+            if (i == 0 || !one_solid) entrance = Entrance<Shape, E>::of(pack.solid(numbers), pack.map(), p.matrix);
             in.ray = entrance.ray(in.ray);
             in.solid = entrance.solid;
             in.proper = entrance.proper;
         } else {
-            for (std::size_t k = 0; k < numbers; ++k) in.solid[k] = number(p.solid[k], p.solid_low[k]);
-            in.proper = is_proper<Of<E>>(in.solid);
+            in.solid = pack.solid(numbers);
+            in.proper = is_proper<Shape>(in.solid);
         }
-        const Finding<P> found = settle_shape<Of<E>>(in, at(p.tmin), at(p.tmax), asked);
+        const Finding<P> found = settle_shape(in, asked, pack);
         Lanes<P>::store(found.settled, p.out.settled + i);
         Lanes<P>::store(found.hit, p.out.hit + i);
         // A miss has zeros; so has a lane that says nothing.
@@ -89,6 +112,11 @@ template <template <class> class Of, class S, class W>
         store(found.t, p.out.t);
         store(found.distance, p.out.distance);
     }
+}
+template <template <class> class Of, class S, class W>
+void settle_all(const RawProblems<S>& raw) {
+    if (raw.two_words || raw.matrix.placed) settle_some<Of, false, S, W>(raw);
+    else settle_some<Of, true, S, W>(raw);
 }
 
 template <class P>

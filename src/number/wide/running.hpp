@@ -3,11 +3,29 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstddef>
+#include <utility>
 
 #include "number/tri.hpp"
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::number::wide {
+
+/// Whether the compiler knows that x is 0, in every lane: the bounds and second words of inputs are, and what comes of
+/// them need not be computed. Of finite numbers the bits are the same either way, but for the signs of zeros; what is
+/// not finite says nothing.
+template <std::floating_point F>
+[[gnu::always_inline]] inline bool is_known_zero(const F& x) {
+    return __builtin_constant_p(x) && x >= 0 && x <= 0;
+}
+template <class P>
+requires requires(const P& x) { x.registers(); }
+[[gnu::always_inline]] inline bool is_known_zero(const P& x) {
+    const auto lanes = x.registers();
+    if (!__builtin_constant_p(lanes)) return false;
+    return [&]<std::size_t... i>(std::index_sequence<i...>) { return ((lanes[i] >= 0 && lanes[i] <= 0) && ...); }
+    (std::make_index_sequence<P::lanes>());
+}
 
 /// What `Running` must know of its words: W is P, double or a pack of doubles, or `TwoWords<P>`.
 template <class W>
@@ -16,13 +34,33 @@ struct Words {
     static constexpr double error = 0x1p-53;
     static const W& first(const W& w) { return w; }
     static W second(const W&) { return W(0); }
+    static W negative(const W& a) { return -a; }
+    static W sum(const W& a, const W& b) { return a + b; }
+    static W product(const W& a, const W& b) { return a * b; }
 };
+/// A sum with one word is normalised after one step: where the first words cancel, what is left is a multiple of half
+/// an ulp of the larger, which no second word exceeds.
 template <class P>
 struct Words<TwoWords<P>> {
     using Word = P;
+    using W = TwoWords<P>;
     static constexpr double error = word_error;
-    static const P& first(const TwoWords<P>& w) { return w.hi; }
-    static const P& second(const TwoWords<P>& w) { return w.lo; }
+    static const P& first(const W& w) { return w.hi; }
+    static const P& second(const W& w) { return w.lo; }
+    static W negative(const W& a) { return {-a.hi, is_one(a) ? a.lo : -a.lo}; }
+    static W sum(const W& a, const W& b) {
+        if (!is_one(a) && !is_one(b)) return a + b;
+        const W s = sum_of(a.hi, b.hi);
+        if (is_one(a) && is_one(b)) return s;
+        return ordered_sum<P>(s.hi, s.lo + (is_one(a) ? b.lo : a.lo));
+    }
+    static W product(const W& a, const W& b) {
+        if (is_one(a) && is_one(b)) return product_of(a.hi, b.hi);
+        return is_one(b) ? a * b.hi : is_one(a) ? b * a.hi : a * b;
+    }
+
+private:
+    static bool is_one(const W& w) { return is_known_zero(w.lo); }
 };
 
 /// All real x with |x − w| ≤ e (1 + 2^-41). An e that is infinite or NaN says nothing of x, and no comparison with it
@@ -32,18 +70,25 @@ struct Words<TwoWords<P>> {
 /// which every operation loses less than two thirds (the bounds are listed at `Ball`), for x and y in a and b:
 ///
 ///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|
-///     w = a b      |x y − w|   ≤ |a| e_b + |b| e_a + e_a e_b + ε|w| + 4η
+///     w = a b      |x y − w|   ≤ |a| e_b + (|b| + e_b) e_a + ε|w| + 4η
+///     w = a²       |x² − w|    ≤ (2|a| + e_a) e_a + ε|w| + 4η
 ///     w = a/b      |x/y − w|   ≤ (e_a + |a/b| e_b + 3η)/(|b| − e_b) + ε|w| + η, |a/b| ≤ |w|(1 + 2u) + η
 ///     w = √a       |√x − w|    ≤ (e_a + η)/√a + ε|w|
+///
+/// Of sums of products p_i the bounds of all steps are added up before they are multiplied by ε:
+///
+///     w = p₁ − p₂          ε (|p₁| + |p₂| + |w|)
+///     w = (p₁ + p₂) + p₃   ε (|p₁| + |p₂| + |s| + |p₃| + |w|), s what p₁ + p₂ rounds to
+///     w = (p₁ + p₂) + p₃   3ε w of squares, where p₁ + p₂ ≤ s (1 + ε) and s + p₃ ≤ w (1 + ε)
 ///
 /// Nothing is said of a quotient where |b| ≤ e_b, nor of a root where a ≤ e_a. A sum does not underflow: what is too
 /// small for ε|w| to be normal is added exactly, or is off by no more than ε|w| as it rounds. Each of the four products
 /// that make one of two words can lose an η, and what a quotient leaves over loses three before it is divided.
 ///
-/// Each product in these bounds can lose an η too: `lost`, which is added at each place, is 2^75 η. Each of their
-/// steps loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included, and none subtracts but
-/// |b| − e_b, of e_b rounded up: 2048 of them, one after the other, come to less than the 2^-41 above. Where a word
-/// overflows, the first is infinite or NaN, and so is ε|w|.
+/// Each product in these bounds can lose an η too: `lost`, which is added once an operation that multiplies, is 2^75 η.
+/// Each of their steps loses a factor of at most 1 + 2u, the second words left out of |a| and |b| included, and none
+/// subtracts but |b| − e_b, of e_b rounded up: 2048 of them, one after the other, come to less than the 2^-41 above.
+/// Where a word overflows, the first is infinite or NaN, and so is ε|w|.
 template <class W>
 class Running {
 public:
@@ -61,11 +106,34 @@ public:
     /// No less than how far x can be from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
-    friend Running operator-(const Running& a, const Running& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
-    friend Running operator-(const Running& a) { return {-a.w_, a.e_}; }
+    friend Running operator+(const Running& a, const Running& b) {
+        return rounded(Traits::sum(a.w_, b.w_), plus(a.e_, b.e_));
+    }
+    friend Running operator-(const Running& a, const Running& b) { return a + -b; }
+    friend Running operator-(const Running& a) { return {Traits::negative(a.w_), a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
-        return rounded(a.w_ * b.w_, a.size() * b.e_ + (b.size() * a.e_ + a.e_ * b.e_) + P(lost));
+        return rounded(Traits::product(a.w_, b.w_), plus(spread_of(a, b), P(lost)));
+    }
+    friend Running square(const Running& a) {
+        return rounded(Traits::product(a.w_, a.w_), plus(spread_of(a), P(lost)));
+    }
+    friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
+        const W x = Traits::product(a.w_, b.w_), y = Traits::negative(Traits::product(c.w_, d.w_));
+        const W w = Traits::sum(x, y);
+        const P sizes = size_of(x) + size_of(y) + size_of(w);
+        return {w, plus(plus(spread_of(a, b), spread_of(c, d)), P(error) * sizes + P(lost))};
+    }
+    friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
+                                   const Running& f, const Running& g) {
+        const W x = Traits::product(a.w_, b.w_), y = Traits::product(c.w_, d.w_), z = Traits::product(f.w_, g.w_);
+        const W s = Traits::sum(x, y), w = Traits::sum(s, z);
+        const P sizes = (size_of(x) + size_of(y)) + (size_of(s) + size_of(z)) + size_of(w);
+        return {w, plus(plus(plus(spread_of(a, b), spread_of(c, d)), spread_of(f, g)), P(error) * sizes + P(lost))};
+    }
+    friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
+        const W x = Traits::product(a.w_, a.w_), y = Traits::product(b.w_, b.w_), z = Traits::product(c.w_, c.w_);
+        const W w = Traits::sum(Traits::sum(x, y), z);
+        return {w, plus(plus(plus(spread_of(a), spread_of(b)), spread_of(c)), P(3 * error) * size_of(w) + P(lost))};
     }
     friend Running operator/(const Running& a, const Running& b) {
         const Running q = rounded(a.w_ / b.w_, P(lost));
@@ -119,24 +187,33 @@ public:
     }
 
 private:
-    static constexpr double lost = 0x1p-1000;
+    using Traits = Words<W>;
+    static constexpr double lost = 0x1p-1000, error = Words<W>::error;
 
-    static P size_of(const P& x) {
+    static P size_of(const W& w) {
         using lostbits::abs;
-        return abs(x);
+        return abs(Words<W>::first(w));
     }
-    [[nodiscard]] P size() const { return size_of(first()); }
-    static Running rounded(const W& w, const P& spread) {
-        return {w, spread + P(Words<W>::error) * size_of(Words<W>::first(w))};
+    [[nodiscard]] P size() const { return size_of(w_); }
+    static Running rounded(const W& w, const P& spread) { return {w, plus(spread, P(error) * size_of(w))}; }
+
+    /// What the bounds of a and b are worth in a b, and that of a in a².
+    static P spread_of(const Running& a, const Running& b) {
+        return plus(times(a.size(), b.e_), times(plus(b.size(), b.e_), a.e_));
     }
+    static P spread_of(const Running& a) { return times(a.size() + a.size() + a.e_, a.e_); }
+
+    static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
+    static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
 
     /// The ends of x − y. Its middle h + l is off by u of h, of l and of their sum, and by nothing where h = l = 0.
     struct Ends {
         P low, high;
     };
     static Ends ends(const Running& a, const Running& b) {
-        const P h = a.first() - b.first(), l = a.second() - b.second(), d = h + l;
-        const P e = (a.e_ + b.e_) * P(1 + 0x1p-40) + P(0x1p-51) * (size_of(h) + size_of(l));
+        using lostbits::abs;
+        const P h = a.first() - b.first(), l = a.second() - b.second(), d = plus(h, l);
+        const P e = plus(plus(a.e_, b.e_) * P(1 + 0x1p-40), P(0x1p-51) * plus(abs(h), abs(l)));
         return {d - e, d + e};
     }
 
