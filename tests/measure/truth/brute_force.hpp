@@ -87,6 +87,12 @@ bool line_meets(const std::array<Slab<N>, 3>& slabs) {
     return true;
 }
 
+/// Whether it is a problem at all: a box does not end before it begins.
+template <class N>
+bool is_problem(Shape shape, const NumbersOf<N>& x) {
+    return shape != Shape::box || (x[6] <= x[9] && x[7] <= x[10] && x[8] <= x[11]);
+}
+
 template <class N>
 bool is_hit(Shape shape, const NumbersOf<N>& x) {
     if (shape == Shape::sphere) {

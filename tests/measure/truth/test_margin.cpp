@@ -98,7 +98,9 @@ public:
             const Problem<N> problem(ray_, solid_);
             const bool hit = is_hit(problem.shape, problem.x);
             const auto signs = [&](const NumbersOf<N>& x) { return deciding(problem.shape, x); };
-            const auto same = [&](const NumbersOf<N>& x) { return is_hit(problem.shape, x) == hit; };
+            const auto same = [&](const NumbersOf<N>& x) {
+                return !is_problem(problem.shape, x) || is_hit(problem.shape, x) == hit;
+            };
             seen = look(problem, margin, bits, signs, same, [&](const NumbersOf<N>& x) { return !same(x); });
         });
         if (!exact || !seen.holds) contradict(exact ? "margin" : "rounded, margin", margin);
