@@ -12,6 +12,7 @@
 #include "analysis/choice/ray_numbers.hpp"
 #include "analysis/choice/ray_words.hpp"
 #include "analysis/choice/select.hpp"
+#include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
 #include "output/blame/explain_programs.hpp"
@@ -25,6 +26,7 @@ namespace lostbits::analysis {
 
 using measure::apriori::GivenRange;
 using measure::apriori::RangesRequest;
+using measure::apriori::StepRays;
 
 namespace {
 
@@ -32,9 +34,10 @@ namespace {
 struct RangeWords {
     bool asked = false;               ///< --ranges
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
+    std::string at;                   ///< of a sweep: a value of each axis
     int boxes = 4096;
 
-    [[nodiscard]] bool any() const { return asked || !ranges.empty(); }
+    [[nodiscard]] bool any() const { return asked || !ranges.empty() || !at.empty(); }
 };
 
 struct ExplainOptions {
@@ -61,13 +64,14 @@ void refuse_ray(const choice::RayWords& ray) {
     for (const auto& [option, given] : words)
         if (given)
             throw InputError(
-                fmt::format("--ranges, {}: a bound over ranges is of all rays of a scene, and {} names "
+                fmt::format("--ranges, {}: a bound over ranges is of all rays of a scene or a step, and {} names "
                             "one; leave out either",
                             option, option));
     if (ray.subject.empty())
         throw InputError(
-            "--ranges: the ranges are those of the rays of a scene; name one, and give other ranges by "
-            "--range NAME=LOW..HIGH");
+            "--ranges: the ranges are those of the rays of a scene, or of a sweep at one step; name one, and give "
+            "other "
+            "ranges by --range NAME=LOW..HIGH");
 }
 
 /// `d.x=-0.5..0.5`, in the place of the scene's range.
@@ -86,23 +90,64 @@ GivenRange range_named(const std::string& text) {
     return asked;
 }
 
+/// The form itself, or it through the usual space where the solids stand under matrices.
+template <class Subject>
+const intersect::table::Intersector* form_for(const intersect::table::Intersector& form, const Subject& subject) {
+    if (subject.meets(form.shapes())) return &form;
+    if (subject.meets(form.shapes().placed()) && is_solid(form.shape) && !form.is_placed)
+        return &intersect::space::through(intersect::space::usual_space(), form);
+    throw NothingSelected(fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are",
+                                      form.info->name, subject.id));
+}
+
+/// The rays of a sweep at the step that --at names.
+scene::sweep::SweepFile sweep_of(const choice::RayWords& ray, const std::filesystem::path& file,
+                                 const std::filesystem::path& data) {
+    const auto kind = scene::sweep::sweep_kind(file);
+    if (kind != scene::sweep::SweepKind::axes)
+        throw InputError(ray.subject +
+                         ": has no axes, and --ranges takes the ranges from a step of a sweep that has; name one, or a "
+                         "scene, and give other ranges by --range NAME=LOW..HIGH");
+    const choice::SweepWords changes{ray.size, ray.steps, ray.set};
+    choice::check_changes(changes, kind, ray.subject);
+    return {file, data, choice::read_changes(changes)};
+}
+
+StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
+    std::string names;
+    for (const auto& axis : sweep.axes) names += (names.empty() ? "" : ",") + axis.name;
+    if (at.empty())
+        throw InputError(fmt::format("--ranges: {} is a sweep; name one step of it by --at {}", sweep.id, names));
+    const std::string what = fmt::format("a step of {}; write --at {}, a number each", sweep.id, names);
+    std::vector<double> values;
+    for (const Real& x : choice::numbers_of(at, {"--at", what.c_str(), sweep.axes.size()}, {}))
+        values.push_back(scene::toml::round_to_format(x, binary64));
+    return {fmt::format("{} at {}", sweep.id, at), sweep.rays(values)};
+}
+
 /// InputError for words that name a ray, and for ranges that are none.
 Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const measure::map::MapRow& row, bool json,
                     const Common& common) {
     refuse_ray(ray);
-    RangesRequest request{.form = row.form, .format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
+    RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
     for (const std::string& text : words.ranges) request.asked.push_back(range_named(text));
-    const auto scene = choice::load_one_scene(
-        {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
-        choice::data_folder(common.data));
-    if (scene.meets(request.form->shapes().placed()) && is_solid(request.form->shape) && !request.form->is_placed &&
-        !scene.meets(request.form->shapes()))
-        request.form = &intersect::space::through(intersect::space::usual_space(), *request.form);
-    if (!scene.meets(request.form->shapes()))
-        throw NothingSelected(
-            fmt::format("{} is not a form for the solids of {}; `lostbits list forms` shows which are",
-                        request.form->info->name, scene.id));
-    request.scene = &scene;
+    const auto data = choice::data_folder(common.data);
+    std::optional<scene::file::Scene> scene;
+    std::optional<StepRays> step;
+    if (const auto file = choice::sweep_named(ray.subject, data)) {
+        const auto sweep = sweep_of(ray, *file, data);
+        request.form = form_for(*row.form, sweep);
+        request.step = &step.emplace(step_of(sweep, words.at));
+    } else {
+        if (!words.at.empty())
+            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
+                             " is none; leave it out");
+        scene = choice::load_one_scene(
+            {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
+            data);
+        request.form = form_for(*row.form, *scene);
+        request.scene = &*scene;
+    }
     request.limit.stop = common.stop;
     const choice::ThreadLimit limit(common.threads);
     const auto bound = measure::apriori::bound_over_ranges(request);
@@ -189,7 +234,8 @@ void add_explain(const shell::Command& program, const Common& common) {
                 shell::one_of({"own", "closed", "open"}));
     command.add("--ranges", o->ranges.asked,
                 "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
-                "whatever their bits");
+                "or of those of a sweep at one step, whatever their bits");
+    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5");
     command.add("--range", o->ranges.ranges,
                 "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated");
     command.add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",

@@ -179,20 +179,6 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
     return worst_along(sweep, row, words.stop);
 }
 
-/// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
-std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data) {
-    if (std::filesystem::is_regular_file(subject)) {
-        if (scene::sweep::is_sweep_file(subject)) return subject;
-        return {};
-    }
-    if (std::filesystem::is_regular_file(data / "scenes" / (subject.substr(0, subject.find('.')) + ".toml"))) return {};
-    try {
-        return scene::sweep::find_sweep(subject, data);
-    } catch (const InputError&) {
-        return {};  // what it says of scenes is said where that is looked for
-    }
-}
-
 AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(words.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
@@ -321,6 +307,19 @@ void check(const RayWords& words) {
 }
 
 }  // namespace
+
+std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data) {
+    if (std::filesystem::is_regular_file(subject)) {
+        if (scene::sweep::is_sweep_file(subject)) return subject;
+        return {};
+    }
+    if (std::filesystem::is_regular_file(data / "scenes" / (subject.substr(0, subject.find('.')) + ".toml"))) return {};
+    try {
+        return scene::sweep::find_sweep(subject, data);
+    } catch (const InputError&) {
+        return {};  // what it says of scenes is said where that is looked for
+    }
+}
 
 AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
     check(words);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,8 @@ struct AskedRay {
 /// The ray that the words name, as the row's form is asked about it: a case has other numbers in each format.
 /// InputError for words that name none, and for solids that the form is not made for.
 AskedRay find_ray(const RayWords& words, const measure::map::MapRow& row, const std::filesystem::path& data);
+
+/// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
+std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
 
 }  // namespace lostbits::analysis::choice

@@ -208,6 +208,29 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
     }
 }
 
+TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
+    const Scratch folder;
+    const std::string with = " --set rays=64 --boxes 16 -i sphere.unified -f f32";
+    const auto r = run("explain sphere-distance --ranges --at 4 --set views=1" + with, folder.path());
+    INFO(r.err);
+    CHECK(r.code == 0);
+    CHECK(has(r.out, "over the ranges of the rays of sphere-distance at 4"));
+    CHECK(has(r.out, "the ranges of the 64 rays of the step"));
+    const auto far = run("explain sphere-distance --at 4096 --set views=1 --json" + with, folder.path());
+    CHECK(has(far.out, "\"sweep\": \"sphere-distance at 4096\""));
+    for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+             {"sphere-distance --ranges", "name one step of it by --at distance_radii"},
+             {"sphere-distance --ranges --at 1,2", "write --at distance_radii"},
+             {"near-benign --ranges --at 4", "--at 4: is a step of a sweep"},
+             {"worst/near --ranges --at 4", "has no axes"}}) {
+        const auto refused = run("explain " + arguments + " -i sphere.unified", folder.path());
+        INFO(arguments << "\n" << refused.err);
+        CHECK(refused.code == 2);
+        CHECK(has(refused.err, says));
+        CHECK(refused.out.empty());
+    }
+}
+
 TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of how many") {
     const Scratch folder;
     const std::string changes = " --set views=16 --set rays=4 --steps 7", with = " -i sphere.schoolbook -f f32";

@@ -22,15 +22,35 @@ constexpr std::size_t most_solids = 64;
 constexpr std::size_t drawn_boxes = 64;
 constexpr int drawn_rays = 64;
 
-/// The rays of the scene as the form is given them, at one solid.
-std::vector<std::vector<double>> rays_at(const RangesRequest& request, const truth::Band& band,
-                                         const truth::FormatInputs& inputs, std::size_t solid) {
-    const auto& rays = inputs.rays_for(*request.form->info);
-    std::vector<std::vector<double>> all;
-    for (std::size_t i = 0; i < band.pixels(); ++i)
-        all.push_back(tape::inputs_of(rays[i], inputs.solids[solid], band.range(i).tmax));
-    return all;
-}
+/// Rays as the form is given them, with their solids.
+class GivenRays {
+public:
+    explicit GivenRays(const RangesRequest& request) : info_(*request.form->info) {
+        if (request.step)
+            for (const scene::rays::RayGroup& group : request.step->groups) bands_.emplace_back(group, request.limit);
+        else bands_.emplace_back(*request.scene, 0, request.scene->height, request.limit);
+        for (const truth::Band& band : bands_)
+            inputs_.push_back(
+                band.inputs(request.format, {.unit_rays = info_.direction == intersect::Direction::unit}));
+    }
+    [[nodiscard]] std::size_t solids() const { return inputs_.front().solids.size(); }
+    [[nodiscard]] Solid<double> solid(std::size_t s) const { return inputs_.front().solids[s]; }
+    /// All of them at one solid of their group.
+    [[nodiscard]] std::vector<std::vector<double>> at(std::size_t solid) const {
+        std::vector<std::vector<double>> all;
+        for (std::size_t b = 0; b < bands_.size(); ++b) {
+            const auto& rays = inputs_[b].rays_for(info_);
+            for (std::size_t i = 0; i < bands_[b].pixels(); ++i)
+                all.push_back(tape::inputs_of(rays[i], inputs_[b].solids[solid], bands_[b].range(i).tmax));
+        }
+        return all;
+    }
+
+private:
+    const intersect::Info& info_;
+    std::deque<truth::Band> bands_;
+    std::deque<truth::FormatInputs> inputs_;
+};
 
 InputBox hull_of(const std::vector<std::vector<double>>& rays) {
     InputBox box;
@@ -111,17 +131,14 @@ void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, doub
 }  // namespace
 
 RangesBound bound_over_ranges(const RangesRequest& request) {
-    const scene::file::Scene& scene = *request.scene;
-    const truth::Band band(scene, 0, scene.height, request.limit);
-    const bool unit = request.form->info->direction == intersect::Direction::unit;
-    const auto inputs = band.inputs(request.format, {.unit_rays = unit});
-    const std::size_t solids = inputs.solids.size();
+    const GivenRays given(request);
+    const std::size_t solids = given.solids();
     if (solids > most_solids)
         throw InputError(
             fmt::format("{}: it has {} solids, and ranges are bounded for each by itself, of {} at most; "
                         "write the solids in question into a scene of their own",
-                        scene.id, solids, most_solids));
-    const Solid<double> first = inputs.solids[0];
+                        request.id(), solids, most_solids));
+    const Solid<double> first = given.solid(0);
     RangesBound r;
     r.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
     r.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
@@ -129,8 +146,9 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     std::deque<Subdivided> divided;
     std::vector<std::pair<const BoundedPart*, double>> leaves;
     for (std::size_t s = 0; s < solids; ++s) {
-        const Solid<double> solid = inputs.solids[s];
-        auto rays = rays_at(request, band, inputs, s);
+        const Solid<double> solid = given.solid(s);
+        auto rays = given.at(s);
+        r.rays = rays.size();
         r.ranges.push_back(hull_of(rays));
         put_asked(r.ranges.back(), request, r.names);
         divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / solids, 1),
@@ -139,7 +157,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
             leaves.emplace_back(part, part->share / static_cast<double>(solids));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
         const Asking asking{*request.form, request.format, divided.back(), solid, request.limit.stop};
-        r.scene.append(see(asking, rays));
+        r.given.append(see(asking, rays));
         r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
     }
     sum_up(r, leaves, bound, request.format.shape);

@@ -1,4 +1,5 @@
-// The ranges of a form's inputs over the rays of a scene, its bound over them, and what rays show of it.
+// The ranges of a form's inputs over the rays of a scene or of a step of a sweep, its bound over them, and what rays
+// show of it.
 #pragma once
 
 #include <string>
@@ -8,6 +9,7 @@
 #include "measure/apriori/seen.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::apriori {
 
@@ -17,13 +19,22 @@ struct GivenRange {
     Between range;
 };
 
+/// The rays of a step of a sweep. Of a family these are the ones that it draws: others of its kind may lie beyond them.
+struct StepRays {
+    std::string id;  ///< of the sweep
+    std::vector<scene::rays::RayGroup> groups;
+};
+
 struct RangesRequest {
     const scene::file::Scene* scene = nullptr;
+    const StepRays* step = nullptr;  ///< in place of the scene
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
     std::vector<GivenRange> asked = {};
     std::size_t boxes = 4096;  ///< over all solids
     truth::TruthLimit limit = {};
+
+    [[nodiscard]] const std::string& id() const { return step ? step->id : scene->id; }
 };
 
 /// Of a share of the ranges in which there may be hits, by volume: no rounding error of a hit is above it, in units of
@@ -43,10 +54,12 @@ struct RangesBound {
     double largest = 0, largest_ulps = 0;  ///< of the boxes with a bound
     std::vector<Quantile> quantiles;       ///< of 50, 90 and 99 % of what is not missed; infinite where unknown
     std::vector<double> shares;            ///< of each node, in ulps, in the box with the largest bound in ulps
-    SeenErrors scene, drawn;  ///< by the rays of the scene, and by rays drawn in the boxes with the largest bounds
+    SeenErrors given, drawn;  ///< by the rays of the scene or the step, and by rays drawn where bounds are largest
+    std::size_t rays = 0;     ///< of the scene or the step
 };
 
-/// Every solid by itself, over the hull of all rays of the scene as the form is given them.
+/// Every solid of the scene by itself, over the hull of all rays as the form is given them; the groups of a step, of
+/// which each has solids of its own, in one.
 /// InputError for a form whose operations differ from ray to ray (`tape::tape_of`), for more than 64 solids, and for a
 /// name that no input has.
 RangesBound bound_over_ranges(const RangesRequest& request);

@@ -46,7 +46,7 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
-            if (file_.smallest && o != Outcome::agree_hit) continue;
+            if (file_.hits_only && o != Outcome::agree_hit) continue;
             const double size = std::fabs(result.metrics[metric_][i]);
             const double value = o == Outcome::agree_hit ? (file_.smallest ? 1 / size : size)
                                                          : wrong(result.inputs->rays[i], result.inputs->solids[0]);

@@ -60,8 +60,10 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     if (nearest && !is_round())
         table.reject("nearest", "needs a sphere: it is the distance to its centre, in radii, that is made small");
     smallest = table.optional_boolean("smallest").value_or(false);
-    if (smallest && nearest)
-        table.reject("smallest", "cannot be combined with nearest, which is about wrong decisions");
+    hits_only = table.optional_boolean("hits_only").value_or(false) || smallest;
+    if (hits_only && nearest)
+        table.reject(smallest ? "smallest" : "hits_only",
+                     "cannot be combined with nearest, which is about wrong decisions");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }

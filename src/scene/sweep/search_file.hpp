@@ -42,8 +42,10 @@ public:
     /// no surprise; these keep the search to rays that should be easy.
     SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
     std::string metric;  ///< made as large as possible; a wrong decision beats any value
-    /// The metric is made as small as possible instead, as of `bound_ratio`; wrong decisions are passed over.
+    /// The metric is made as small as possible instead, as of `bound_ratio`; of hits alone.
     bool smallest = false;
+    /// Wrong decisions are passed over: the worst of the hits is looked for.
+    bool hits_only = false;
     std::uint64_t seed = 1;
     int starts = 16;       ///< random rays that the search begins from
     int generations = 64;  ///< of 32 neighbours each, from every start

@@ -16,6 +16,7 @@
 #include "number/rounded.hpp"
 #include "output/blame/ranges_text.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/sweep/sweep_file.hpp"
 
 namespace test_ranges {
 
@@ -151,7 +152,7 @@ TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn r
         const auto scene = scene_named(id);
         const RangesBound r = bound_of(form, scene);
         INFO(form << " on " << id);
-        for (const SeenErrors& seen : {r.scene, r.drawn}) {
+        for (const SeenErrors& seen : {r.given, r.drawn}) {
             CHECK(seen.bounded_hits > 0);
             CHECK(seen.share <= 1 + 0x1p-40);
             CHECK(seen.error <= r.largest);
@@ -165,6 +166,41 @@ TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn r
     for (const char* const form : {"sphere.schoolbook", "sphere.unified"}) check(form, "near-benign");
     for (const char* const form : boxes) check(form, "box-one");
     for (const char* const form : triangles) check(form, "triangle-far");
+}
+
+TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its solids", "[apriori]") {
+    const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
+    for (const char* const views : {"1", "4"}) {
+        scene::sweep::SweepChanges changes;
+        for (const std::string& set : {std::string("views=") + views, std::string("rays=64")})
+            changes.set.push_back(scene::toml::parse_override(set));
+        const scene::sweep::SweepFile sweep(data / "sweeps/sphere-distance.toml", data, changes);
+        const measure::apriori::StepRays step{"step", sweep.rays({4})};
+        const RangesBound r = bound_over_ranges(
+            {.step = &step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 1024});
+        INFO(views);
+        REQUIRE(r.ranges.size() == 1);
+        CHECK(r.rays == 64 * step.groups.size());
+        InputBox hull = r.ranges.front();
+        for (auto& [low, high] : hull) low = HUGE_VAL, high = -HUGE_VAL;
+        for (const auto& group : step.groups)
+            for (std::size_t i = 0; i < group.rays.size(); ++i) {
+                const auto inputs = measure::tape::inputs_of(group.rays[i], group.solids.front(), HUGE_VAL);
+                for (std::size_t k = 0; k < hull.size(); ++k) {
+                    hull[k].low = std::min(hull[k].low, inputs[k]);
+                    hull[k].high = std::max(hull[k].high, inputs[k]);
+                }
+            }
+        for (std::size_t k = 0; k < hull.size(); ++k) {
+            CHECK(r.ranges.front()[k].low == hull[k].low);
+            CHECK(r.ranges.front()[k].high == hull[k].high);
+        }
+        CHECK(r.given.hits > 0);
+        CHECK(r.given.share <= 1 + 0x1p-40);
+        if (step.groups.size() > 1) continue;  // of spheres on all sides little is known
+        CHECK(r.given.bounded_hits > 0);
+        CHECK(r.given.error <= r.largest);
+    }
 }
 
 TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
@@ -182,7 +218,7 @@ TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
 TEST_CASE("a form that takes the sign of what is zero but for rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
     CHECK(r.missed + r.unknown == 1);
-    CHECK(r.scene.bounded_hits == 0);
+    CHECK(r.given.bounded_hits == 0);
 }
 
 TEST_CASE("what has no bound over ranges says so", "[apriori]") {

@@ -139,6 +139,25 @@ TEST_CASE("a search for the smallest reports the metric itself, and no wrong dec
     CHECK(found->evaluations == 8 * 16 * 32);
 }
 
+TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
+    scene::sweep::SearchFile search(folder / "backward-far.toml");
+    search.starts = 2;
+    search.generations = 16;
+    const auto worst = [&] {
+        return measure::sweep::find_worst(
+            {.search = &search, .rows = {row("sphere.schoolbook", "f32")}, .metrics = metrics_of(search)})[0];
+    };
+    const auto hit = worst();
+    search.hits_only = false;
+    const auto wrong = worst();
+    REQUIRE((hit && wrong));
+    CHECK(hit->outcome == measure::answer::Outcome::agree_hit);
+    CHECK(hit->value > 100);
+    CHECK(hit->evaluations == 2 * 16 * 32);
+    CHECK(wrong->outcome != measure::answer::Outcome::agree_hit);
+    CHECK(wrong->evaluations < hit->evaluations);
+}
+
 TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
     for (const char* name : {"near", "far"}) {
         scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));

@@ -16,21 +16,43 @@ using Wide = BasicReal<2048>;
 constexpr std::size_t most_of_problem = 15;
 
 /// The numbers of a problem: origin, direction, solid.
-using Numbers = std::array<Wide, most_of_problem>;
+template <class N>
+using NumbersOf = std::array<N, most_of_problem>;
+using Numbers = NumbersOf<Wide>;
 
-Vec<Wide> point(const Numbers& x, std::size_t i) { return {x[i], x[i + 1], x[i + 2]}; }
+template <class N>
+Vec<N> point(const NumbersOf<N>& x, std::size_t i) {
+    return {x[i], x[i + 1], x[i + 2]};
+}
 
+template <class N>
 struct Quadratic {
-    Wide a, h, c;
-    explicit Quadratic(const Numbers& x) {
-        const Vec<Wide> f = point(x, 0) - point(x, 6), d = point(x, 3);
+    N a, h, c;
+    explicit Quadratic(const NumbersOf<N>& x) {
+        const Vec<N> f = point(x, 0) - point(x, 6), d = point(x, 3);
         a = dot(d, d), h = dot(f, d), c = dot(f, f) - x[9] * x[9];
     }
-    [[nodiscard]] std::optional<Wide> root(int side) const {
-        const Wide q = h * h - a * c;
+    [[nodiscard]] N discriminant() const { return h * h - a * c; }
+    [[nodiscard]] std::optional<N> root(int side) const {
+        const N q = discriminant();
         if (q < 0) return std::nullopt;
-        const Wide root = sqrt(q);
-        return Wide((side < 0 ? Wide(-h - root) : Wide(-h + root)) / a);
+        const N root = sqrt(q);
+        return N((side < 0 ? N(-h - root) : N(-h + root)) / a);
+    }
+};
+
+/// Of a plane through three points: where the line meets it, on which sides of the edges, and t = n/det.
+template <class N>
+struct Crossing {
+    N u, v, w, det, n;
+    explicit Crossing(const NumbersOf<N>& x) {
+        const Vec<N> d = point(x, 3), a = point(x, 6) - point(x, 0), b = point(x, 9) - point(x, 0),
+                     c = point(x, 12) - point(x, 0);
+        const Vec<N> bc = cross(b, c);
+        u = dot(d, bc), v = dot(d, cross(c, a)), w = dot(d, cross(a, b)), det = u + v + w, n = dot(a, bc);
+    }
+    [[nodiscard]] bool is_inside() const {
+        return det > 0 ? u >= 0 && v >= 0 && w >= 0 : det < 0 && u <= 0 && v <= 0 && w <= 0;
     }
 };
 
@@ -45,12 +67,8 @@ struct Textbook {
         return through_triangle(x);
     }
     static std::optional<Wide> through_triangle(const Numbers& x) {
-        const Vec<Wide> d = point(x, 3), a = point(x, 6) - point(x, 0), b = point(x, 9) - point(x, 0),
-                        c = point(x, 12) - point(x, 0);
-        const Wide u = dot(d, cross(b, c)), v = dot(d, cross(c, a)), w = dot(d, cross(a, b)), det = u + v + w;
-        const bool inside = det > 0 ? u >= 0 && v >= 0 && w >= 0 : det < 0 && u <= 0 && v <= 0 && w <= 0;
-        if (!inside) return std::nullopt;
-        return Wide(dot(a, cross(b, c)) / det);
+        const Crossing p(x);
+        return p.is_inside() ? std::optional(Wide(p.n / p.det)) : std::nullopt;
     }
     /// The last of the entries, where no exit comes before it, and where it is of a face that is crossed.
     [[nodiscard]] std::optional<Wide> entry(const Numbers& x) const {
@@ -72,22 +90,24 @@ struct Textbook {
 };
 
 /// P(t) of a sphere, else n − t m of the face: what moves when t moves.
-inline Wide residual(Shape shape, const Numbers& x, const Wide& t, std::size_t axis) {
+template <class N>
+N residual(Shape shape, const NumbersOf<N>& x, const N& t, std::size_t axis) {
     if (shape == Shape::sphere) {
         const Quadratic p(x);
         return (p.a * t + 2 * p.h) * t + p.c;
     }
     if (shape == Shape::box) {
-        const Wide& plane = x[3 + axis] < 0 ? x[9 + axis] : x[6 + axis];
+        const N& plane = x[3 + axis] < 0 ? x[9 + axis] : x[6 + axis];
         return plane - x[axis] - t * x[3 + axis];
     }
-    const Vec<Wide> n = cross(Vec<Wide>(point(x, 9) - point(x, 6)), Vec<Wide>(point(x, 12) - point(x, 6)));
-    return dot(Vec<Wide>(point(x, 6) - point(x, 0)), n) - t * dot(point(x, 3), n);
+    const Vec<N> n = cross(Vec<N>(point(x, 9) - point(x, 6)), Vec<N>(point(x, 12) - point(x, 6)));
+    return dot(Vec<N>(point(x, 6) - point(x, 0)), n) - t * dot(point(x, 3), n);
 }
 
 /// The numbers of a ray and of a solid.
-inline Numbers numbers_of(const Ray<double>& ray, const Solid<double>& solid) {
-    Numbers x;
+template <class N = Wide>
+NumbersOf<N> numbers_of(const Ray<double>& ray, const Solid<double>& solid) {
+    NumbersOf<N> x;
     for (std::size_t k = 0; k < 3; ++k)
         x[k] = ray.origin[static_cast<int>(k)], x[3 + k] = ray.direction[static_cast<int>(k)];
     for (std::size_t k = 6; k < 6 + solid.used().size(); ++k) x[k] = solid.numbers[k - 6];

@@ -71,10 +71,11 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
 
 TEST_CASE("a search may draw free significands, rays at edges, and look for the smallest") {
     const scene::sweep::SearchFile plain = loaded_search(good_search);
-    CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest));
+    CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest || plain.hits_only));
     const scene::sweep::SearchFile free =
         loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
-    CHECK(free.smallest);
+    CHECK((free.smallest && free.hits_only));
+    CHECK(loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "hits_only = true")).hits_only);
     REQUIRE(free.exponents);
     CHECK((free.exponents->low == -20 && free.exponents->high == 3));
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-20, 0.5]")
@@ -82,8 +83,9 @@ TEST_CASE("a search may draw free significands, rays at edges, and look for the 
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-2000, 0]")
               .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
     CHECK(broken("impact_radii = [0, 0.5]", "at_edge = true").find("needs a box") != std::string::npos);
-    CHECK(broken("impact_radii = [0, 0.5]", "smallest = true\nnearest = true").find("cannot be combined") !=
-          std::string::npos);
+    for (const char* const key : {"smallest", "hits_only"})
+        CHECK(broken("impact_radii = [0, 0.5]", key + std::string(" = true\nnearest = true"))
+                  .find(std::string("search.") + key + " cannot be combined") != std::string::npos);
 }
 
 TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
