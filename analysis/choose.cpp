@@ -28,7 +28,7 @@
 namespace lostbits::analysis {
 
 using measure::choice::ChoiceRequest;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::mend::Mended;
 using measure::mend::MendRequest;
 using measure::mend::Worth;
@@ -64,7 +64,7 @@ public:
     std::vector<output::choice::MendedCandidate> candidates = {};
 
 private:
-    void mend_one(const MapRow& row) {
+    void mend_one(const TestedForm& row) {
         requests_.push_back({.scene = asked_.scene, .row = row, .wish = asked_.wish, .limit = asked_.limit});
         try {
             // The sets' minimality is not proved beyond the search: no smaller sets are tried.
@@ -80,7 +80,7 @@ private:
             if (one.worth->meets(asked_.wish) && is_new(one, row)) add(result, one, ++count);
     }
 
-    bool is_new(const Proposal& proposal, const MapRow& row) {
+    bool is_new(const Proposal& proposal, const TestedForm& row) {
         const auto lines = output::mend::statements(proposal.tape, *row.form);
         return seen_
             .insert(fmt::format("{} {} {}", static_cast<int>(row.form->shape), row.format.name, fmt::join(lines, "\n")))
@@ -88,7 +88,7 @@ private:
     }
 
     void add(const MendResult& result, const Proposal& proposal, int count) {
-        const MapRow& row = result.request.row;
+        const TestedForm& row = result.request.row;
         std::string name(row.form->info->name);
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
@@ -150,8 +150,8 @@ double quantile_named(const std::string& text) {
 }
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
-std::vector<measure::map::MapRow> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
-                                          const choice::Meets& meets) {
+std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
+                                                   const choice::Meets& meets) {
     const auto formats = choice::select_formats(o.formats);
     if (std::ranges::all_of(formats, choice::is_emulated))
         throw InputError(fmt::format(
@@ -193,7 +193,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
     request.sinks.clear();
     request.progress = [](std::uint64_t) {};
     if (chosen.meets) {
-        const measure::map::MapRow& row = all[*chosen.meets].row;
+        const measure::evaluate::TestedForm& row = all[*chosen.meets].row;
         chosen.rooms = rooms_of(request, row);
         if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row, request.limit);
     } else {
@@ -213,9 +213,9 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
-    const auto emulated =
-        std::stable_partition(request.rows.begin(), request.rows.end(),
-                              [](const measure::map::MapRow& row) { return !choice::is_emulated(row.format); });
+    const auto emulated = std::stable_partition(
+        request.rows.begin(), request.rows.end(),
+        [](const measure::evaluate::TestedForm& row) { return !choice::is_emulated(row.format); });
     request.untimed.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;

@@ -13,8 +13,8 @@
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "measure/map/map.hpp"
-#include "measure/map/needed.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
@@ -67,7 +67,7 @@ void require_folder(const std::string& out);
 /// The scenes of a command of solids, and of the rows those that can be asked about any of them. InputError for rays
 /// that a scene makes, or a form; `name` is the command.
 [[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
-                                                               std::vector<measure::map::MapRow>& rows,
+                                                               std::vector<measure::evaluate::TestedForm>& rows,
                                                                const char* name, const Common& common);
 
 /// `--shard` of a command.
@@ -104,21 +104,23 @@ void probe(const std::filesystem::path& file);
 
 /// A line on stderr for each row from outside whose contract seems to be wrong; `suspicion` of a row is empty where it
 /// does not.
-void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common& common,
-                     const std::function<std::string(const measure::map::MapRow&)>& suspicion);
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
+                     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
 /// A line on stdout for each row that is held against a form: how often the two are the same.
-void print_pairs(const std::vector<measure::map::MapRow>& rows,
+void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
-                 const std::vector<measure::map::MapSummary>& summaries);
+                 const std::vector<measure::evaluate::FormSummary>& summaries);
 
 /// A quantile of metric `lost` for a table: `13.57`; `-` where there is none, or where the agreed hits are too few to
 /// stand for the form.
-[[nodiscard]] std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q);
+[[nodiscard]] std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
 
 /// A table on stdout: a line for each row of a map, and for each form of the bits needed.
-void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries);
-void print_table(const measure::map::NeededRequest& request, const std::vector<measure::map::NeededSummary>& summaries);
+void print_table(const measure::evaluate::EvaluationRequest& request,
+                 const std::vector<measure::evaluate::FormSummary>& summaries);
+void print_table(const measure::evaluate::NeededRequest& request,
+                 const std::vector<measure::evaluate::NeededSummary>& summaries);
 
 /// A line on stdout: how many truths, each of a ray and a solid, each stage settled.
 void print_stages(const measure::truth::StageCounts& stages);

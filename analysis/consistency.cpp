@@ -56,7 +56,7 @@ std::string check_text(const Check& check, const CheckSummary& s) {
     return text;
 }
 
-void say_row(const ConsistencyRequest& request, const measure::map::MapRow& row, const RowChecks& checks) {
+void say_row(const ConsistencyRequest& request, const measure::evaluate::TestedForm& row, const RowChecks& checks) {
     const std::string name = fmt::format("{} {}", row.form->info->name, row.format.name);
     std::string alike;
     for (std::size_t c = 0; c < checks.size(); ++c) {

@@ -126,8 +126,8 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
 }
 
 /// InputError for words that name a ray, and for ranges that are none.
-Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const measure::map::MapRow& row, bool json,
-                    const Common& common) {
+Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const measure::evaluate::TestedForm& row,
+                    bool json, const Common& common) {
     refuse_ray(ray);
     RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
     for (const std::string& text : words.ranges) request.asked.push_back(range_named(text));

@@ -32,8 +32,8 @@ namespace {
 /// The metrics of the request, as its forms have them.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
                                       bool have_matrices, measure::metric::MetricSet& made) {
-    std::vector<measure::map::MapRow> asked = request.rows;
-    std::erase_if(asked, [&request](const measure::map::MapRow& row) { return request.is_of_file(row); });
+    std::vector<measure::evaluate::TestedForm> asked = request.rows;
+    std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
     if (asked.empty()) return choice::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.solids = request.solids;
@@ -44,7 +44,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     for (Solid<double>& solid : group.solids)
         if (have_matrices) solid.placed = choice::any_matrix();
     group.march = request.march;
-    return made.for_forms(choice::measured(drawn, request.rows), measure::map::forms_of(asked),
+    return made.for_forms(choice::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
                           [&group] { return measure::blame::SettingOf(group); });
 }
 
@@ -70,7 +70,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
 }
 
 /// Hits that do not keep the wished bits, or are farther off than the tolerance.
-std::string fallen_short(const JudgeRequest& request, const measure::map::MapSummary& s) {
+std::string fallen_short(const JudgeRequest& request, const measure::evaluate::FormSummary& s) {
     std::string words;
     for (const char* const name : {"enough_bits", "tolerance"}) {
         const std::size_t m = measure::metric::place_of(request.metrics, name);
@@ -87,7 +87,8 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
             short_of += fmt::format(" {:>11}", title);
     fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
                "wrong solid", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
-    const auto print_row = [&](const std::string& name, std::string_view format, const measure::map::MapSummary& s) {
+    const auto print_row = [&](const std::string& name, std::string_view format,
+                               const measure::evaluate::FormSummary& s) {
         fmt::print("  {:<28} {:<5} {:>8} {:>11} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
                    s.count(Outcome::agree_hit), s.count(Outcome::wrong_object), s.count(Outcome::false_hit),
                    s.count(Outcome::false_miss), s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5),
@@ -95,16 +96,16 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
         print_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r]);
-        for (const measure::map::Group& group : result.groups.all())
+        for (const measure::evaluate::Group& group : result.groups.all())
             print_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r]);
     }
 }
 
 /// The rows of the work: the file's, if it has answers, then the forms asked for. Where forms were `opened` and none is
 /// asked for, says so.
-std::vector<measure::map::MapRow> rows_of(const JudgeWords& o, const Dump& dump, const choice::Meets& meets,
-                                          const intersect::table::Intersector* answers, const Common& common) {
-    std::vector<measure::map::MapRow> rows;
+std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Dump& dump, const choice::Meets& meets,
+                                                   const intersect::table::Intersector* answers, const Common& common) {
+    std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
         const bool opened =
@@ -260,7 +261,7 @@ Exit run(const JudgeWords& o, const Common& common) {
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
     if (const auto file = request.file_place())
-        note_suspicions({request.rows[*file]}, common, [&](const measure::map::MapRow&) {
+        note_suspicions({request.rows[*file]}, common, [&](const measure::evaluate::TestedForm&) {
             return measure::contract::suspicion(result.first, measure::contract::Whose::file,
                                                 result.misses_beside_first(result.summaries[*file]));
         });

@@ -1,4 +1,4 @@
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/contract/suspect.hpp"
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/estimate.hpp"
 #include "output/map/map_exr.hpp"
@@ -26,8 +26,8 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
-using measure::map::MapRow;
-using measure::map::NeededRequest;
+using measure::evaluate::NeededRequest;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::file::Scene;
 
@@ -55,9 +55,9 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 }
 
 /// The forms whose bits needed are asked for: those of the rows that exist in every width.
-std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<MapRow>& rows) {
+std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         if (row.form->rounded != nullptr && std::ranges::find(forms, row.form) == forms.end())
             forms.push_back(row.form);
     }
@@ -70,24 +70,25 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
 
 /// The work on one scene.
 struct SceneWork {
-    measure::map::MapRequest map;
+    measure::evaluate::EvaluationRequest map;
     std::optional<NeededRequest> needed;
 
     [[nodiscard]] std::uint64_t units() const {
-        return map.scene->pixels() * map.rows.size() + (needed ? measure::map::needed_units(*needed) : 0);
+        return map.scene->pixels() * map.rows.size() + (needed ? measure::evaluate::needed_units(*needed) : 0);
     }
 };
 
-SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<MapRow>& rows,
+SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{{.scene = &scene,
                     .rows = choice::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
                     .metrics = {},
                     .limit = {.stop = o.scenes.stop}},
                    {}};
-    work.map.metrics = made.for_forms(choice::measured(wanted, work.map.rows), measure::map::forms_of(work.map.rows),
-                                      [&scene] { return measure::blame::SettingOf(scene); });
-    work.map.metrics = measure::map::order_culprits(work.map, made);
+    work.map.metrics =
+        made.for_forms(choice::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
+                       [&scene] { return measure::blame::SettingOf(scene); });
+    work.map.metrics = measure::evaluate::order_culprits(work.map, made);
     if (o.bits_needed > 0) choice::refuse_makers(rows, "--bits-needed");
     if (o.bits_needed > 0)
         work.needed = NeededRequest{.scene = &scene,
@@ -101,7 +102,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Map
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> said;
     for (const SceneWork& work : works) {
-        for (const MapRow& row : work.map.rows) {
+        for (const TestedForm& row : work.map.rows) {
             const intersect::Info& info = *row.form->info;
             if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in {} only\n", info.name,
@@ -124,8 +125,8 @@ std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o
 
 /// What is known of a scene in the end.
 struct SceneSummaries {
-    std::vector<measure::map::MapSummary> map;
-    std::vector<measure::map::NeededSummary> needed;
+    std::vector<measure::evaluate::FormSummary> map;
+    std::vector<measure::evaluate::NeededSummary> needed;
 };
 
 void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
@@ -136,7 +137,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
     if (verbose) print_table(work.map, summaries.map);
     if (verbose) print_stages(*work.map.stages);
     if (verbose && work.needed) print_table(*work.needed, summaries.needed);
-    const measure::map::MapSummary& first = summaries.map.front();
+    const measure::evaluate::FormSummary& first = summaries.map.front();
     if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == work.map.scene->pixels())
         fmt::print(stderr,
                    "lostbits: scene {}: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, "
@@ -187,7 +188,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
 
     SceneSummaries summaries;
     if (division.joins()) shard::join_into(files, summaries.map, *work.map.stages, division, job);
-    else summaries.map = measure::map::run_map(work.map, files.sinks());
+    else summaries.map = measure::evaluate::evaluate_rows(work.map, files.sinks());
     if (division.is_shard()) division.put(job, shard::Noted::end, summaries.map, *work.map.stages);
     if (work.needed && division.joins()) {
         measure::truth::StageCounts none;
@@ -196,13 +197,13 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
         NeededRequest request = *work.needed;
         request.share = division.share();
         // Its rays are asked in many widths: what the map took says nothing of it.
-        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::map::needed_units(request),
+        output::file::Estimate estimate(progress, scene.id + " --bits-needed", measure::evaluate::needed_units(request),
                                         common.quiet);
         request.progress = [&estimate, advance = work.needed->progress](std::uint64_t done) {
             estimate.advance(done);
             advance(done);
         };
-        summaries.needed = measure::map::run_needed(request, needed_files->sinks());
+        summaries.needed = measure::evaluate::run_needed(request, needed_files->sinks());
     }
     if (division.is_shard()) {
         if (work.needed) division.put(needed_job, shard::Noted::end, summaries.needed, measure::truth::StageCounts{});
@@ -272,7 +273,7 @@ Exit run(MapOptions o, const Common& common) {
     for (SceneWork work : works) {  // a copy, which points to what lives as long as this turn
         measure::truth::StageCounts stages;
         const auto bands =
-            measure::map::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
+            measure::evaluate::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
         output::file::Estimate estimate(progress, work.map.scene->id,
                                         work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
                                         common.quiet, bands);
@@ -291,7 +292,7 @@ Exit run(MapOptions o, const Common& common) {
     if (divided.division.is_shard()) return Exit::done;
     for (const SceneWork& work : works)
         note_suspicions(work.map.rows, common,
-                        [&work](const MapRow& row) { return measure::contract::suspicion(*work.map.scene, row); });
+                        [&work](const TestedForm& row) { return measure::contract::suspicion(*work.map.scene, row); });
     return end_with_unproved(unresolved);
 }
 

@@ -35,7 +35,7 @@ struct MendOptions {
 };
 
 /// `id` has the solids that forms must be for.
-measure::map::MapRow row_of(const MendOptions& o, const std::string& id, const choice::Meets& meets) {
+measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id, const choice::Meets& meets) {
     const auto forms = choice::select_forms({o.form});
     const auto formats = choice::select_formats({o.format});
     if (std::ranges::any_of(formats, choice::is_emulated))
@@ -67,7 +67,7 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
     try {
         std::vector<intersect::doors::Formula> formulas;
         if (!written.empty()) formulas = compiled(request, written, {o.compiler, choice::form_flags_folder()});
-        std::vector<measure::map::MapRow> rows{request.row};
+        std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
         result.prices = prices_of(request, rows, {.stop = request.limit.stop});
@@ -125,7 +125,7 @@ public:
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
-            std::vector<measure::map::MapRow> rows;
+            std::vector<measure::evaluate::TestedForm> rows;
             for (const Tape& tape : tapes) {
                 forms.emplace_back(*request.row.form, request.row.format, tape, "mended", "");
                 rows.push_back({.form = &forms.back().row(), .format = request.row.format});
@@ -139,7 +139,8 @@ private:
     [[nodiscard]] choice::OpenedRays open() const {
         return choice::open_rays(o_.rays, o_.subjects, choice::data_folder(common_.data));
     }
-    measure::choice::FileRays judged(const MendRequest& request, const std::vector<measure::map::MapRow>& rows) {
+    measure::choice::FileRays judged(const MendRequest& request,
+                                     const std::vector<measure::evaluate::TestedForm>& rows) {
         measure::choice::ChoiceRequest asked{.rows = rows, .wish = request.wish};
         asked.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, asked);

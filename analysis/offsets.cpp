@@ -46,7 +46,8 @@ struct OffsetOptions : choice::SharedOptions {
 };
 
 /// The rows that a scene can be asked about: each form and format, with the points taken as they were asked for.
-std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene, const std::vector<measure::map::MapRow>& all,
+std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene,
+                                                 const std::vector<measure::evaluate::TestedForm>& all,
                                                  const OffsetOptions& o) {
     std::vector<measure::offset::OffsetRow> rows;
     for (const auto& row : choice::fitting(all, [&](Shapes forms) { return scene.meets(forms); })) {

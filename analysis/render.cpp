@@ -67,7 +67,7 @@ void print_rendered(const RenderRequest& request, const std::vector<RenderSummar
                "wrong sphere", "acne", "flips", "p99 steps", "unproved");
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const RenderSummary& s = summaries[k];
-        const measure::map::MapRow& row = request.rows[k / request.stages.size()];
+        const measure::evaluate::TestedForm& row = request.rows[k / request.stages.size()];
         fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
                    row.form->info->name, row.format.name, s.changed, s.seen_wrong(),
                    s.count(false, measure::picture::Shadow::own_shadow), s.flips(), s.colour_error.quantile(0.99),

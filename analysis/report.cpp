@@ -29,7 +29,7 @@ using report::MapWork;
 using report::SweepWork;
 
 using measure::claim::ClaimResult;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -114,22 +114,22 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
 
 /// Those selected and those that a claim on the subject names: one's own forms first, then in the order of the
 /// catalogue. `-i` leaves the claims' out.
-std::vector<MapRow> rows_for(const std::string& subject, std::vector<MapRow> rows, const std::vector<Claim>& claims,
-                             bool with_claims) {
+std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> rows,
+                                 const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
-        const MapRow row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
+        const TestedForm row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
         if (std::ranges::none_of(rows,
-                                 [&row](const MapRow& r) { return r.form == row.form && r.format == row.format; }))
+                                 [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; }))
             rows.push_back(row);
     }
-    const auto place = [](const MapRow& row) {
+    const auto place = [](const TestedForm& row) {
         if (row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
         const auto own = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
         const auto at = row.form - lostbits::intersect::table::intersectors().data();
         return std::pair{at < own, at};
     };
-    std::ranges::stable_sort(rows, [&place](const MapRow& a, const MapRow& b) { return place(a) < place(b); });
+    std::ranges::stable_sort(rows, [&place](const TestedForm& a, const TestedForm& b) { return place(a) < place(b); });
     return rows;
 }
 
@@ -146,7 +146,7 @@ struct Work {
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
                 const choice::ChosenRows& chosen) {
-    std::vector<MapRow> fit;
+    std::vector<TestedForm> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
     using enum scene::sweep::SweepKind;
@@ -176,7 +176,7 @@ std::vector<std::string> words_of(const ReportOptions& o) {
 }
 
 /// Forms that are timed.
-std::vector<MapRow> timed_rows(const ReportOptions& o) {
+std::vector<TestedForm> timed_rows(const ReportOptions& o) {
     return choice::cross(choice::select_forms(words_of(o)), choice::select_formats({"f32", "f64"}));
 }
 
@@ -204,7 +204,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
-            auto all = work.made.for_forms(choice::measured(wanted, fit), measure::map::forms_of(fit),
+            auto all = work.made.for_forms(choice::measured(wanted, fit), measure::evaluate::forms_of(fit),
                                            [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
@@ -245,7 +245,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
     const auto data = choice::data_folder(common.data);
     Work work = plan(o, data);
-    std::vector<MapRow> shown;
+    std::vector<TestedForm> shown;
     for (const MapWork& map : work.maps) shown.insert(shown.end(), map.rows.begin(), map.rows.end());
     for (const SweepWork& sweep : work.sweeps) shown.insert(shown.end(), sweep.rows.begin(), sweep.rows.end());
     choice::note_unmeasured(o.forms, shown, common.quiet);

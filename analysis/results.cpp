@@ -40,7 +40,7 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
 }
 
 std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
-                                                 std::vector<measure::map::MapRow>& rows, const char* name,
+                                                 std::vector<measure::evaluate::TestedForm>& rows, const char* name,
                                                  const Common& common) {
     using scene::file::Scene;
     auto scenes = choice::load_scenes(shared.scenes, choice::data_folder(common.data));
@@ -116,20 +116,20 @@ Exit end_with_unproved(std::uint64_t rays) {
     return Exit::internal;
 }
 
-void note_suspicions(const std::vector<measure::map::MapRow>& rows, const Common& common,
-                     const std::function<std::string(const measure::map::MapRow&)>& suspicion) {
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
+                     const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
     const auto own = intersect::table::catalogue();
-    for (const measure::map::MapRow& row : rows) {
+    for (const measure::evaluate::TestedForm& row : rows) {
         if (row.form >= own.data() && row.form < own.data() + own.size()) continue;
         const std::string words = suspicion(row);
         if (!words.empty()) fmt::print(stderr, "lostbits: {} {}: {}\n", row.form->info->name, row.format.name, words);
     }
 }
 
-void print_pairs(const std::vector<measure::map::MapRow>& rows,
+void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
-                 const std::vector<measure::map::MapSummary>& summaries) {
+                 const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t against = measure::metric::place_of(metrics, "against");
     if (against == metrics.size()) return;
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -145,12 +145,13 @@ void print_pairs(const std::vector<measure::map::MapRow>& rows,
     }
 }
 
-std::string lost_or_withheld(const measure::map::MapSummary& summary, std::size_t lost, double q) {
+std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q) {
     const double bits = summary.metrics[lost].quantile(q);
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
 
-void print_table(const measure::map::MapRequest& request, const std::vector<measure::map::MapSummary>& summaries) {
+void print_table(const measure::evaluate::EvaluationRequest& request,
+                 const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
     const bool mesh = request.scene != nullptr && request.scene->mesh;
     const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside, const auto& order) {
@@ -161,7 +162,7 @@ void print_table(const measure::map::MapRequest& request, const std::vector<meas
                "false miss", "NaN", "hits", "bits lost: p50", "p99");
     bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::map::MapSummary& s = summaries[r];
+        const measure::evaluate::FormSummary& s = summaries[r];
         using measure::answer::Outcome;
         fmt::print("  {:<28} {:<5} {}{:>11} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
                    request.rows[r].format.name,
@@ -176,8 +177,8 @@ void print_table(const measure::map::MapRequest& request, const std::vector<meas
     if (withheld) fmt::print("  -: form and truth agree on less than a tenth of the true hits\n");
 }
 
-void print_table(const measure::map::NeededRequest& request,
-                 const std::vector<measure::map::NeededSummary>& summaries) {
+void print_table(const measure::evaluate::NeededRequest& request,
+                 const std::vector<measure::evaluate::NeededSummary>& summaries) {
     fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max",
                "hit > 53", "miss > 53");
     for (std::size_t f = 0; f < summaries.size(); ++f) {

@@ -21,7 +21,7 @@
 
 namespace lostbits::analysis {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::sweep::SweepKind;
 
 namespace {
@@ -32,7 +32,7 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& o : onsets) {
         // What is bad at the last step says nothing when it is read from there.
         if (!o.found || (o.from_last && o.from_start)) continue;
-        const MapRow& row = request.rows[o.row];
+        const TestedForm& row = request.rows[o.row];
         // Bad at the first step already: there is no last good value.
         const auto s = o.spread();
         fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
@@ -52,9 +52,9 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
     const auto rows = choice::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = {.stop = common.stop}};
     request.metrics =
-        chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::map::forms_of(rows),
+        chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
                               [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
-    for (MapRow row : rows) {
+    for (TestedForm row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
             request.rows.push_back(row);
@@ -86,12 +86,13 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
     // Where forms stop short on purpose, the error by itself says little.
-    if (std::ranges::any_of(request.rows, [](const MapRow& row) { return !is_solid(row.form->shape); })) {
+    if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_solid(row.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
-    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
-                                            [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
-    for (MapRow& row : request.rows) row.judged = sweep.convention;
+    request.metrics =
+        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+                              [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+    for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;
     choice::note_without_formula(chosen.asked, request.rows, common.quiet);
@@ -110,7 +111,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
     output::sweep::write_sweep_plots(folder, {request, steps, onsets});
     files->finish(steps, onsets);
     progress.finish();
-    note_suspicions(request.rows, common, [&sweep](const measure::map::MapRow& row) {
+    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
         std::vector<double> first;
         std::string step;
         for (const scene::sweep::Axis& axis : sweep.axes) {

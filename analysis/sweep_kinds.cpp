@@ -18,7 +18,7 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::sweep::ExhaustiveState;
 using output::file::Progress;
 
@@ -34,7 +34,7 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 }  // namespace
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                             const std::vector<MapRow>& rows, const std::filesystem::path& out, bool resume,
+                             const std::vector<TestedForm>& rows, const std::filesystem::path& out, bool resume,
                              shard::Division& division)
     : sweep_(path, data),
       path_(path),
@@ -45,7 +45,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
     request_.sweep = &sweep_;
     request_.share = division.share();
     if (sweep_.scene) request_.scene = choice::name_of_scene(*sweep_.scene, data);
-    for (MapRow row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+    for (TestedForm row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
@@ -163,7 +163,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, 
     any.shape = search.shape;
     request.metrics =
         chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
-                              measure::map::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
+                              measure::evaluate::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
     const auto owner = chosen.own(folder, path, common);
     if (owner) probe(folder / "worst.csv");
@@ -192,7 +192,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
         .search = &search,
         .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = common.stop}};
-    for (const MapRow& row : request.rows)
+    for (const TestedForm& row : request.rows)
         if (scene::rays::maker_of(*row.form) != nullptr)
             throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
                              " are not those of a camera; name the form without @ray-");

@@ -11,7 +11,7 @@
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/sweep_options.hpp"
 #include "commands.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "output/file/estimate.hpp"
@@ -50,7 +50,7 @@ private:
 };
 
 struct ChosenOfSweep {
-    std::vector<measure::map::MapRow> rows;
+    std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> asked;  ///< metrics beside the default ones
     measure::metric::MetricSet& made;
     Divided& divided;
@@ -77,7 +77,7 @@ public:
     /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep and,
     /// where the run is to be resumed, for a state that it cannot go on from.
     ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                  const std::vector<measure::map::MapRow>& rows, const std::filesystem::path& out, bool resume,
+                  const std::vector<measure::evaluate::TestedForm>& rows, const std::filesystem::path& out, bool resume,
                   shard::Division& division);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;

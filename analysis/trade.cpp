@@ -15,7 +15,7 @@
 
 namespace lostbits::analysis {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::speed::TradeRequest;
 using scene::file::Scene;
 
@@ -42,7 +42,7 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 }
 
 /// The forms of a shape, on the sets of rays that it has.
-TradeRequest request_for(const std::string& shape_name, const std::vector<MapRow>& all) {
+TradeRequest request_for(const std::string& shape_name, const std::vector<TestedForm>& all) {
     const Shape shape = *shape_named(shape_name);
     const auto rows = choice::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&

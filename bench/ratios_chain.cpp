@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "intersect/simd/packed.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/tape/tape_form.hpp"
@@ -51,15 +51,15 @@ void print_rows() {
     const auto rays = static_cast<double>(group.rays.size());
     for (const char* format : {"f32", "f64"}) {
         for (const char* form : {"sphere.schoolbook", "sphere.unified"}) {
-            const measure::map::MapRow row{&form_named(form), *find_format(format)};
+            const measure::evaluate::TestedForm row{&form_named(form), *find_format(format)};
             double truth = HUGE_VAL, rest = HUGE_VAL;
             for (int k = 0; k < 9; ++k) {
                 std::optional<measure::truth::Band> band;
                 truth = std::min(truth, seconds_of([&] { band.emplace(group); }));
                 const auto inputs = band->inputs(row.format, {});
-                measure::map::MapSummary summary(metrics);
+                measure::evaluate::FormSummary summary(metrics);
                 rest = std::min(rest, seconds_of([&] {
-                                    measure::map::measure_row({row, metrics}, *band, inputs, summary);
+                                    measure::evaluate::measure_row({row, metrics}, *band, inputs, summary);
                                 }));
             }
             std::printf("%-28s %-6s %12.1f %12.1f\n", form, format, 1e9 * truth / rays, 1e9 * rest / rays);

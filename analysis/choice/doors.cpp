@@ -228,7 +228,8 @@ std::vector<std::string> form_words_or(const std::vector<std::string>& given, st
     return defaults;
 }
 
-void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet) {
+void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::evaluate::TestedForm>& rows,
+                     bool quiet) {
     if (quiet) return;
     const std::vector<std::string> added = names_added();
     const auto is_asked = [&](const std::string& name) {

@@ -10,7 +10,7 @@
 #include "intersect/doors/contract.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -70,7 +70,8 @@ void note_unasked(const shell::Command& command);
 
 /// Says on stderr, unless `quiet`, which forms that `words` of -i name in full, or that were added and are asked for,
 /// are in none of the rows that are measured: their shape or their formats fit nothing.
-void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::map::MapRow>& rows, bool quiet);
+void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::evaluate::TestedForm>& rows,
+                     bool quiet);
 
 /// A device as its process told it.
 struct DeviceTold {

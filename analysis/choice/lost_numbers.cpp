@@ -11,15 +11,15 @@
 
 namespace lostbits::analysis::choice {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::rays::LostLengths;
 using scene::rays::RayGroup;
 
 namespace {
 
-std::vector<Format> formats_of(const std::vector<MapRow>& rows) {
+std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
     }
     return formats;
@@ -38,9 +38,9 @@ std::string place_of(const scene::sweep::SweepFile& sweep, const std::vector<dou
     return text;
 }
 
-bool marches_in(const Format& format, const std::vector<MapRow>& rows) {
-    return std::ranges::any_of(rows,
-                               [&](const MapRow& row) { return !is_solid(row.form->shape) && row.format == format; });
+bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
+    return std::ranges::any_of(
+        rows, [&](const TestedForm& row) { return !is_solid(row.form->shape) && row.format == format; });
 }
 
 void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
@@ -56,7 +56,7 @@ void add_group(const RayGroup& group, bool marches, const LostLengths::Where& wh
 
 }  // namespace
 
-void note_lost_numbers(const scene::file::Scene& scene, const std::vector<MapRow>& rows) {
+void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     for (const Format& format : formats_of(rows)) {
         say(scene.id, format, scene::rays::lost_lengths(scene, format.shape));
         if (!marches_in(format, rows)) continue;
@@ -65,7 +65,7 @@ void note_lost_numbers(const scene::file::Scene& scene, const std::vector<MapRow
     }
 }
 
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<MapRow>& rows) {
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& rows) {
     const std::vector<Format> formats = formats_of(rows);
     std::vector<LostLengths> lost;
     std::vector<bool> marches;
@@ -87,7 +87,7 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<M
     for (std::size_t i = 0; i < formats.size(); ++i) say(sweep.id, formats[i], lost[i].lines());
 }
 
-void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<MapRow>& rows) {
+void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& rows) {
     for (const Format& format : formats_of(rows)) {
         LostLengths lost(format.shape);
         for (std::size_t i = 0; i < file.size(); ++i) {
@@ -101,8 +101,9 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Map
     }
 }
 
-void note_idle_settings(const std::vector<std::string>& set, const std::string& id, const std::vector<MapRow>& rows) {
-    if (std::ranges::any_of(rows, [](const MapRow& row) { return !is_solid(row.form->shape); })) return;
+void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
+                        const std::vector<TestedForm>& rows) {
+    if (std::ranges::any_of(rows, [](const TestedForm& row) { return !is_solid(row.form->shape); })) return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,
@@ -111,8 +112,8 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
     }
 }
 
-void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set, const std::vector<MapRow>& rows,
-                  bool quiet) {
+void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
+                  const std::vector<TestedForm>& rows, bool quiet) {
     if (quiet) return;
     note_lost_numbers(scene, rows);
     note_idle_settings(set, scene.id, rows);

@@ -26,7 +26,7 @@
 namespace lostbits::analysis::choice {
 
 using measure::answer::OneRay;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::file::Scene;
 using scene::rays::RayGroup;
 
@@ -60,12 +60,12 @@ Ray<Real> given_ray(const RayWords& words) {
 
 /// The row as these solids are asked about it. InputError where the form is not made for them.
 template <class Meets>
-MapRow row_for(const MapRow& row, const std::string& where, const Meets& meets) {
+TestedForm row_for(const TestedForm& row, const std::string& where, const Meets& meets) {
     const Shape shape = row.form->shape;
     if (meets(row.form->shapes())) return row;
     if (is_solid(shape) && !row.form->is_set() && !scene::rays::maker_of(*row.form) &&
         meets(row.form->shapes().placed())) {
-        MapRow placed = row;
+        TestedForm placed = row;
         placed.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
         return placed;
     }
@@ -75,7 +75,7 @@ MapRow row_for(const MapRow& row, const std::string& where, const Meets& meets) 
                         "it out",
                         row.form->info->name, where));
     if (is_solid(shape) && several_shapes(meets)) {
-        std::vector<MapRow> parts{row};
+        std::vector<TestedForm> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
         throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, words_to_meet(parts, meets)));
     }
@@ -102,7 +102,7 @@ OneRay pixel_of(const RayWords& words, const Scene& scene) {
     return {scene, x, y, {.stop = words.stop}};
 }
 
-AskedRay of_scene(const RayWords& words, const MapRow& given, const std::filesystem::path& data) {
+AskedRay of_scene(const RayWords& words, const TestedForm& given, const std::filesystem::path& data) {
     const auto* const maker = scene::rays::maker_of(*given.form);
     if (maker && !words.ray.empty())
         throw InputError(
@@ -111,7 +111,7 @@ AskedRay of_scene(const RayWords& words, const MapRow& given, const std::filesys
                         given.form->info->name));
     Scene loaded = load_one(words, data);
     const auto scene = std::make_shared<const Scene>(maker ? with_rays(std::move(loaded), *maker) : std::move(loaded));
-    const MapRow row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+    const TestedForm row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
         throw InputError(
             "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
@@ -151,7 +151,7 @@ std::optional<intersect::Touching> judged_of(const RayWords& words, const scene:
 }
 
 /// Of a sweep the worst of all rays. What changes a sweep changes it here as `lostbits sweep` does.
-AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem::path& path,
+AskedRay worst_of_sweep(const RayWords& words, TestedForm row, const std::filesystem::path& path,
                         const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
@@ -179,7 +179,7 @@ AskedRay worst_of_sweep(const RayWords& words, MapRow row, const std::filesystem
     return worst_along(sweep, row, words.stop);
 }
 
-AskedRay of_case(const RayWords& words, MapRow row, const std::filesystem::path& data) {
+AskedRay of_case(const RayWords& words, TestedForm row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(words.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
@@ -253,17 +253,17 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
 }
 
-AskedRay of_own_solids(const RayWords& words, const MapRow& given) {
+AskedRay of_own_solids(const RayWords& words, const TestedForm& given) {
     std::vector<Solid<double>> solids;
     for (const Shape shape : words.solids.shapes())
         for (const std::string& text : words.solids.of(shape)) solids.push_back(solid_of(shape, text, words.as));
     const bool placed = std::ranges::any_of(solids, [](const auto& solid) { return solid.placed.has_value(); });
     const auto is_for = [&given](const Solid<double>& solid) { return given.form->shapes().has(solid.shape); };
-    const MapRow row = std::ranges::all_of(solids, is_for) && placed == given.form->shapes().are_placed()
-                           ? given
-                           : row_for(given, "the ray", [of = shapes_of(solids).placed(placed)](Shapes forms) {
-                                 return (forms == Shape::sdf && !of.are_placed()) || forms == of;
-                             });
+    const TestedForm row = std::ranges::all_of(solids, is_for) && placed == given.form->shapes().are_placed()
+                               ? given
+                               : row_for(given, "the ray", [of = shapes_of(solids).placed(placed)](Shapes forms) {
+                                     return (forms == Shape::sdf && !of.are_placed()) || forms == of;
+                                 });
     if (words.ray.empty()) throw InputError("explain: name the ray too: --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = given_ray(words);
     RayGroup one = scene::rays::group_of(stored(ray));
@@ -321,7 +321,7 @@ std::optional<std::filesystem::path> sweep_named(const std::string& subject, con
     }
 }
 
-AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesystem::path& data) {
+AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::filesystem::path& data) {
     check(words);
     for (const std::string& set : words.set) {
         if (set.starts_with("march.") && is_solid(row.form->shape))
@@ -333,7 +333,7 @@ AskedRay find_ray(const RayWords& words, const MapRow& row, const std::filesyste
     if (!words.named_case.empty()) return of_case(words, row, data);
     if (const auto sweep = words.worst ? sweep_named(words.subject, data) : std::nullopt)
         return worst_of_sweep(words, row, *sweep, data);
-    MapRow judged = row;
+    TestedForm judged = row;
     judged.judged = scene::sweep::convention_named(words.convention);
     if (!words.steps.empty())
         throw InputError("--steps " + words.steps +

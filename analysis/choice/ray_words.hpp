@@ -10,7 +10,7 @@
 #include "analysis/choice/ray_numbers.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/answer/one_ray.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -39,7 +39,7 @@ struct AskedRay {
 
 /// The ray that the words name, as the row's form is asked about it: a case has other numbers in each format.
 /// InputError for words that name none, and for solids that the form is not made for.
-AskedRay find_ray(const RayWords& words, const measure::map::MapRow& row, const std::filesystem::path& data);
+AskedRay find_ray(const RayWords& words, const measure::evaluate::TestedForm& row, const std::filesystem::path& data);
 
 /// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
 std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);

@@ -102,11 +102,12 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
                                  choice.names.front(), scenes.size(), names));
 }
 
-std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen) {
+std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen) {
     return timed_on(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
 }
 
-std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets) {
+std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
+                                                    const Meets& meets) {
     // A march meets all solids at once, and how long it takes depends on its steps: a time a ray and solid says
     // nothing.
     const Meets can = [&meets](Shapes forms) { return are_solids(forms) && meets(forms); };

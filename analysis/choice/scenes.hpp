@@ -53,9 +53,10 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
 
 /// Those of the rows whose time on the scene means something: its solids' forms, or sets of them (`rows_meeting`), but
 /// no marches. NothingSelected where that leaves none.
-std::vector<measure::map::MapRow> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
+std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
 /// The same of anything with solids, which is called `id`.
-std::vector<measure::map::MapRow> timed_on(const std::string& id, const ChosenRows& chosen, const Meets& meets);
+std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
+                                                    const Meets& meets);
 
 /// Files of rays are told by their ending, or by a word that only they take.
 bool are_files(const RayFileWords& words, const std::vector<std::string>& subjects);

@@ -17,7 +17,7 @@
 namespace lostbits::analysis::choice {
 
 using intersect::table::Intersector;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::file::Scene;
 
@@ -156,17 +156,17 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
 
 namespace {
 
-bool any_against(const std::vector<MapRow>& rows) {
-    return std::ranges::any_of(rows, [](const MapRow& row) { return row.against != nullptr; });
+bool any_against(const std::vector<TestedForm>& rows) {
+    return std::ranges::any_of(rows, [](const TestedForm& row) { return row.against != nullptr; });
 }
 
-bool any_marches(const std::vector<MapRow>& rows) {
-    return std::ranges::any_of(rows, [](const MapRow& row) { return !is_solid(row.form->shape); });
+bool any_marches(const std::vector<TestedForm>& rows) {
+    return std::ranges::any_of(rows, [](const TestedForm& row) { return !is_solid(row.form->shape); });
 }
 
 }  // namespace
 
-std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<MapRow>& rows,
+std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
                                       const std::string& what) {
     if (!any_against(rows) && !asked.empty()) {
         std::erase_if(asked, is_of_pairs);
@@ -182,38 +182,38 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
         if (asked.empty()) throw InputError(first + lack);
     };
     using namespace measure::metric;
-    keep_where([](const MapRow& row) { return row.form->way != nullptr; },
+    keep_where([](const TestedForm& row) { return row.form->way != nullptr; },
                [](const Metric* m) { return (m->needs & needs_way) != 0; },
                fmt::format("none of the selected forms in {} filters, that is, has a wider way beside a cheap one; add "
                            "-i '*.filtered'",
                            what));
-    keep_where([](const MapRow& row) { return row.form->shapes().are_placed(); },
+    keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                fmt::format("no solid of {} stands under a matrix, so that no step leads into its space", what));
-    keep_where([](const MapRow& row) { return intersect::hull::has_box(*row.form); },
+    keep_where([](const TestedForm& row) { return intersect::hull::has_box(*row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("no form in {} is behind a box, as FORM^BOX is", what));
-    keep_where([](const MapRow& row) { return !is_solid(row.form->shape); },
+    keep_where([](const TestedForm& row) { return !is_solid(row.form->shape); },
                [](const Metric* m) { return m->over == Over::marches; },
                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
     return asked;
 }
 
-void compare_against(std::vector<MapRow>& rows, const std::string& name, bool quiet) {
+void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
     const auto found = select_forms({name}, "--against");
     if (found.size() != 1) throw InputError(fmt::format("--against {}: name one form", name));
     const Intersector& other = *found.front();
-    const auto fits = [&other](const MapRow& row) {
+    const auto fits = [&other](const TestedForm& row) {
         // The forms of which sets are still to be made stay for those.
         const bool part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
         return (part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
     };
-    std::erase_if(rows, [&fits](const MapRow& row) { return !fits(row); });
+    std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     if (rows.empty())
         throw InputError(fmt::format(
             "--against {}: it is for a {}, in {}, and no selected form is so; choose by -i and -f", name,
             other.is_set() ? "scene of several shapes" : lostbits::name_of(other.shape), formats_of(other)));
-    for (MapRow& row : rows) {
+    for (TestedForm& row : rows) {
         row.against = &other;
         if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))
             fmt::print(stderr,
@@ -229,15 +229,15 @@ void add_pairs(std::vector<const Metric*>& metrics) {
     }
 }
 
-void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows, bool quiet) {
+void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<TestedForm>& rows, bool quiet) {
     std::string forms;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         const std::string name(row.form->info->name);
         if (!row.form->is_template() && forms.find(name) == std::string::npos)
             forms += (forms.empty() ? "" : ", ") + name;
     }
     if (forms.empty()) return;
-    const bool all = std::ranges::none_of(rows, [](const MapRow& row) { return row.form->is_template(); });
+    const bool all = std::ranges::none_of(rows, [](const TestedForm& row) { return row.form->is_template(); });
     for (const Metric* m : asked) {
         if (!(m->needs & (measure::metric::needs_self | measure::metric::needs_attribution))) continue;
         const std::string why =
@@ -247,7 +247,7 @@ void note_without_formula(const std::vector<const Metric*>& asked, const std::ve
     }
 }
 
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<MapRow>& rows) {
+std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<TestedForm>& rows) {
     const bool marches = any_marches(rows);
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
@@ -286,8 +286,8 @@ std::string formats_of(const Intersector& form) {
     return form.native32 ? "f32" : "f64";
 }
 
-std::vector<MapRow> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
-    std::vector<MapRow> rows;
+std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, const std::vector<Format>& formats) {
+    std::vector<TestedForm> rows;
     for (const Intersector* form : forms) {
         for (const Format& format : formats) {
             if (form->exists_in(format)) rows.push_back({form, format});

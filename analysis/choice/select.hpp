@@ -15,7 +15,7 @@
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/consistency/check.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/offset/strategy.hpp"
 #include "number/error.hpp"
@@ -55,12 +55,12 @@ std::vector<const measure::consistency::Check*> select_checks(const std::vector<
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.
 std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked,
-                                                       const std::vector<measure::map::MapRow>& rows,
+                                                       const std::vector<measure::evaluate::TestedForm>& rows,
                                                        const std::string& what);
 
 /// Holds each row against a form, by name; rows of other shapes go, and of formats that it does not exist in.
 /// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
-void compare_against(std::vector<measure::map::MapRow>& rows, const std::string& form, bool quiet);
+void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
 
 /// What is measured of rows that are held against a form, where it is not asked for already.
 void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
@@ -68,25 +68,26 @@ void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
 /// Says on stderr which of the metrics leave out which rows, because nothing is known there of how the answer came
 /// about. InputError where that leaves out all rows.
 void note_without_formula(const std::vector<const measure::metric::Metric*>& asked,
-                          const std::vector<measure::map::MapRow>& rows, bool quiet);
+                          const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
 /// The default metrics and those that were asked for, as far as they apply, in the table's order.
 std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
-                                                     const std::vector<measure::map::MapRow>& rows);
+                                                     const std::vector<measure::evaluate::TestedForm>& rows);
 
 /// The formats that a form exists in, in words: `all`, `f32`, `f64`, `f32 and f64`.
 std::string formats_of(const intersect::table::Intersector& form);
 
 /// Every selected form in every selected format that it exists in. NothingSelected where that leaves none.
-std::vector<measure::map::MapRow> cross(const std::vector<const intersect::table::Intersector*>& forms,
-                                        const std::vector<Format>& formats);
+std::vector<measure::evaluate::TestedForm> cross(const std::vector<const intersect::table::Intersector*>& forms,
+                                                 const std::vector<Format>& formats);
 
 /// The rows whose forms are for shapes that `meets(Shapes)` accepts.
 template <class Meets>
-std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow>& rows, const Meets& meets) {
-    std::vector<measure::map::MapRow> chosen;
+std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::evaluate::TestedForm>& rows,
+                                                   const Meets& meets) {
+    std::vector<measure::evaluate::TestedForm> chosen;
     std::ranges::copy_if(rows, std::back_inserter(chosen),
-                         [&](const measure::map::MapRow& row) { return meets(row.form->shapes()); });
+                         [&](const measure::evaluate::TestedForm& row) { return meets(row.form->shapes()); });
     return chosen;
 }
 
@@ -95,9 +96,9 @@ std::vector<measure::map::MapRow> fitting(const std::vector<measure::map::MapRow
 /// thing, `name_of` its name. Returns the rows that can handle something of what stays. NothingSelected where nothing
 /// does.
 template <class Things, class MeetsThing, class NameOf>
-std::vector<measure::map::MapRow> drop_unfitting(Things& things, const ChosenRows& chosen, MeetsThing meets,
-                                                 NameOf name_of) {
-    const std::vector<measure::map::MapRow>& rows = chosen.rows;
+std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const ChosenRows& chosen, MeetsThing meets,
+                                                          NameOf name_of) {
+    const std::vector<measure::evaluate::TestedForm>& rows = chosen.rows;
     std::vector<std::string> left_out;
     std::erase_if(things, [&](const auto& thing) {
         const Meets can = [&](Shapes forms) { return meets(thing, forms); };
@@ -129,7 +130,7 @@ private:
 
 /// InputError for a form with a way to make rays, of a command that gives forms the camera's own.
 void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
-void refuse_makers(const std::vector<measure::map::MapRow>& rows, const char* command);
+void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 
 /// InputError for a scene whose rays each format makes, of a command that rounds them.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);

@@ -15,7 +15,7 @@
 namespace lostbits::analysis::choice {
 
 using intersect::table::Intersector;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 
 namespace {
 
@@ -75,14 +75,14 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
 }
 
 /// The forms of the rows, each once: those of one shape, or the sets.
-Forms forms_in(const std::vector<MapRow>& rows, const std::function<bool(const Intersector&)>& which) {
+Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& which) {
     Forms forms;
-    for (const MapRow& row : rows)
+    for (const TestedForm& row : rows)
         if (which(*row.form) && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
     return forms;
 }
 
-Forms forms_for(const std::vector<MapRow>& rows, Shapes shape) {
+Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
     return forms_in(rows, [shape](const Intersector& form) {
         return !form.is_set() && form.shapes() == shape && !scene::rays::maker_of(form);
     });
@@ -97,9 +97,9 @@ std::optional<Shapes> placed_shapes(const Meets& meets) {
 }
 
 /// The forms of these shapes that name no space, through the usual one.
-void add_placed(std::vector<MapRow>& rows, Shapes shapes) {
-    const std::vector<MapRow> asked = rows;
-    for (MapRow row : asked) {
+void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
+    const std::vector<TestedForm> asked = rows;
+    for (TestedForm row : asked) {
         if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
         if (scene::rays::maker_of(*row.form)) continue;
         row.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
@@ -118,12 +118,12 @@ const Intersector& plain_form(Shape shape) {
 }
 
 /// A set in each format of the rows, held against what they are held against where that is for the same shapes.
-void add_rows(std::vector<MapRow>& rows, const Forms& sets) {
-    const std::vector<MapRow> asked = rows;
+void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
+    const std::vector<TestedForm> asked = rows;
     for (const Intersector* const set : sets) {
-        for (MapRow row : asked) {
+        for (TestedForm row : asked) {
             row.form = set;
-            const auto same = [&row](const MapRow& other) {
+            const auto same = [&row](const TestedForm& other) {
                 return other.form == row.form && other.format == row.format;
             };
             if (!set->exists_in(row.format) || std::ranges::any_of(rows, same)) continue;
@@ -134,7 +134,7 @@ void add_rows(std::vector<MapRow>& rows, const Forms& sets) {
 }
 
 /// Which of the shapes no row is for, and what to write.
-std::string lacking_words(const std::vector<MapRow>& rows, Shapes shapes) {
+std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
     std::vector<Shape> lacking;
     std::string example;
     for (const Shape shape : listed(shapes)) {
@@ -151,7 +151,7 @@ std::string lacking_words(const std::vector<MapRow>& rows, Shapes shapes) {
 /// What `rows_meeting` adds for these shapes.
 void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
     for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
-        std::vector<MapRow> parts;
+        std::vector<TestedForm> parts;
         for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
         for (const Shape shape : listed(shapes))
             if (!set->shapes().has(shape))
@@ -163,7 +163,7 @@ void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, 
     if (std::ranges::any_of(by_shape, &Forms::empty)) return;
     const bool all = std::ranges::find(chosen.words, "*") != chosen.words.end();
     if (!all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
-    if (std::ranges::any_of(chosen.rows, [&meets](const MapRow& row) { return meets(row.form->shapes()); })) return;
+    if (std::ranges::any_of(chosen.rows, [&meets](const TestedForm& row) { return meets(row.form->shapes()); })) return;
     const Intersector& plain = plain_set(shapes);
     add_rows(chosen.rows, {&plain});
     if (!chosen.quiet)
@@ -260,7 +260,7 @@ void refuse_makers(const Forms& forms, const char* command) {
                             "`explain` or `check`, or leave out what stands behind the @",
                             form->info->name, command));
 }
-void refuse_makers(const std::vector<MapRow>& rows, const char* command) {
+void refuse_makers(const std::vector<TestedForm>& rows, const char* command) {
     refuse_makers(forms_in(rows, [](const Intersector&) { return true; }), command);
 }
 
@@ -273,7 +273,7 @@ void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char*
                             command, scene.id, command));
 }
 
-std::vector<MapRow> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
+std::vector<TestedForm> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
     if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
     return fitting(chosen.rows, meets);
@@ -288,7 +288,7 @@ std::string globs_of(const Meets& meets) {
     return globs;
 }
 
-std::string words_to_meet(const std::vector<MapRow>& rows, const Meets& meets) {
+std::string words_to_meet(const std::vector<TestedForm>& rows, const Meets& meets) {
     if (const auto several = several_shapes(meets)) return ": " + lacking_words(rows, *several);
     return "; try -i '" + globs_of(meets) + "'";
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "intersect/table/sets.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::analysis::choice {
 
@@ -50,7 +50,7 @@ std::vector<const intersect::table::Intersector*> made_named(const std::string& 
 
 /// What was chosen by -i and -f, and the words of -i.
 struct ChosenRows {
-    std::vector<measure::map::MapRow>& rows;
+    std::vector<measure::evaluate::TestedForm>& rows;
     const std::vector<std::string>& words;
     bool quiet = false;
 };
@@ -60,7 +60,8 @@ struct ChosenRows {
 /// the chosen forms, one a shape, in each chosen format; where all forms are chosen, as without -i, and nothing else
 /// meets it, the plain set alone, and says so on stderr. InputError for more than `most_sets`, and for a chosen set
 /// that lacks a shape.
-std::vector<measure::map::MapRow> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets);
+std::vector<measure::evaluate::TestedForm> rows_meeting(const ChosenRows& chosen, const std::string& name,
+                                                        const Meets& meets);
 
 /// The set of the first form of each shape that takes any direction and counts a touch as a hit.
 const intersect::table::Intersector& plain_set(Shapes shapes);
@@ -70,6 +71,6 @@ std::string globs_of(const Meets& meets);
 
 /// What to write so that something is met, for the end of a message: "; try -i 'sphere.*'", or ": it has spheres and
 /// boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
-std::string words_to_meet(const std::vector<measure::map::MapRow>& rows, const Meets& meets);
+std::string words_to_meet(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
 
 }  // namespace lostbits::analysis::choice

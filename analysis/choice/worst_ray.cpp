@@ -13,9 +13,9 @@ namespace lostbits::analysis::choice {
 using intersect::process::StopToken;
 using measure::answer::OneRay;
 using measure::answer::Outcome;
-using measure::map::MapRow;
-using measure::map::MapSummary;
-using measure::map::WorstRay;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
+using measure::evaluate::WorstRay;
 using scene::rays::RayGroup;
 
 namespace {
@@ -43,9 +43,9 @@ struct WorstOfAll {
     std::string why = "the largest error";
     bool any_hit = false;  ///< some decision is a correct hit
 
-    explicit WorstOfAll(const std::vector<MapSummary>& summaries) {
-        MapSummary all;
-        for (const MapSummary& s : summaries) {
+    explicit WorstOfAll(const std::vector<FormSummary>& summaries) {
+        FormSummary all;
+        for (const FormSummary& s : summaries) {
             rays += s.rays;
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
         }
@@ -63,7 +63,7 @@ struct WorstOfAll {
     }
 };
 
-[[noreturn]] void refuse(const MapRow& row, const std::string& where, const WorstOfAll& worst) {
+[[noreturn]] void refuse(const TestedForm& row, const std::string& where, const WorstOfAll& worst) {
     throw InputError(fmt::format(
         "--worst: {} in {} has no worst ray in {}: it decides all rays rightly, and {}; name "
         "a ray, as with --pixel X,Y",
@@ -89,16 +89,16 @@ RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
     return one;
 }
 
-int worst_of(std::vector<RayGroup> groups, int rays, const MapRow& row, StopToken stop) {
-    const auto summaries = measure::map::measure_groups(std::move(groups), {row}, lost_bits(), {.stop = stop});
+int worst_of(std::vector<RayGroup> groups, int rays, const TestedForm& row, StopToken stop) {
+    const auto summaries = measure::evaluate::measure_groups(std::move(groups), {row}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
     return worst ? worst->group * rays + static_cast<int>(worst->x) : 0;
 }
 
-AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const MapRow& row, StopToken stop) {
-    const measure::map::MapRequest request{
+AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
+    const measure::evaluate::EvaluationRequest request{
         .scene = scene.get(), .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
-    const auto summaries = measure::map::run_map(request, {nullptr});
+    const auto summaries = measure::evaluate::evaluate_rows(request, {nullptr});
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
@@ -109,10 +109,10 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const M
     return found;
 }
 
-AskedRay worst_along(const scene::sweep::SweepFile& sweep, const MapRow& row, StopToken stop) {
+AskedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row, StopToken stop) {
     const measure::sweep::SweepRequest request{
         .sweep = &sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
-    std::vector<MapSummary> summaries;
+    std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {
         summaries.push_back(std::move(step.rows.front()));
@@ -139,11 +139,12 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const MapRow& row, St
     return found;
 }
 
-AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const MapRow& row, StopToken stop) {
-    std::vector<MapSummary> summaries;
+AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& row, StopToken stop) {
+    std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
         summaries.push_back(std::move(
-            measure::map::measure_groups(file.rays(i, row.format.shape), {row}, lost_bits(), {.stop = stop}).front()));
+            measure::evaluate::measure_groups(file.rays(i, row.format.shape), {row}, lost_bits(), {.stop = stop})
+                .front()));
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
     const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);

@@ -118,7 +118,7 @@ private:
 struct Choosing {
     lostbits_choice choice;
     std::vector<std::string> forms;  ///< words, for messages and for sets
-    std::vector<measure::map::MapRow> rows;
+    std::vector<measure::evaluate::TestedForm> rows;
     measure::metric::MetricSet made = {};
     std::vector<const measure::metric::Metric*> asked = {};
 

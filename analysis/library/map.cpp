@@ -1,13 +1,13 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
 #include "measure/blame/culprits.hpp"
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -18,27 +18,28 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
     static_cast<void>(choice::that_apply(asked, chosen.rows, "scene " + scene.id));
-    measure::map::MapRequest request{
+    measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
-    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
-                                            [&scene] { return measure::blame::SettingOf(scene); });
-    request.metrics = measure::map::order_culprits(request, chosen.made);
+    request.metrics =
+        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+                              [&scene] { return measure::blame::SettingOf(scene); });
+    request.metrics = measure::evaluate::order_culprits(request, chosen.made);
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rays;
-    std::vector<measure::map::MapSink*> sinks;
-    for (const MapRow& row : request.rows) {
+    std::vector<measure::evaluate::EvaluationSink*> sinks;
+    for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& of_row = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
         sinks.push_back(&rays.emplace_back(of_row, row, request.metrics));
     }
-    const auto summaries = measure::map::run_map(request, sinks);
+    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
     auto csv = table.writer();
-    const auto name_of = [&](const measure::map::WorstRay& ray) {
+    const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
         return given.named.empty() ? std::string()
                                    : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
     };

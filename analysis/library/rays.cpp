@@ -13,7 +13,7 @@
 
 namespace lostbits::analysis::library {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::rays::RayGroup;
 
@@ -137,11 +137,11 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
 
 class JudgedRows final : public measure::judge::JudgeSink {
 public:
-    explicit JudgedRows(measure::map::MapSink& rows) : rows_(rows) {}
-    void piece(const scene::dump::Chunk&, const measure::map::BandResult& result) override { rows_.band(result); }
+    explicit JudgedRows(measure::evaluate::EvaluationSink& rows) : rows_(rows) {}
+    void piece(const scene::dump::Chunk&, const measure::evaluate::BandResult& result) override { rows_.band(result); }
 
 private:
-    measure::map::MapSink& rows_;
+    measure::evaluate::EvaluationSink& rows_;
 };
 
 choice::Meets meets_of(const GivenRays& all) {
@@ -172,7 +172,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         group.solids = all.solids;
         if (group.solids.empty()) group.solids.emplace_back(all.shape);
         if (all.dump->layout().has_matrix()) group.solids.front().placed = choice::any_matrix();
-        request.metrics = chosen.made.for_forms(request.metrics, measure::map::forms_of(chosen.rows),
+        request.metrics = chosen.made.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
                                                 [&group] { return measure::blame::SettingOf(group); });
     }
     const auto advance = running.advancing(rays.count);
@@ -190,7 +190,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     std::deque<RayTable> rows;
     std::deque<JudgedRows> judged;
     std::vector<measure::judge::JudgeSink*> sinks;
-    for (const MapRow& row : request.rows) {
+    for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& of_row = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
@@ -201,7 +201,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         for (const auto& row : output::map::summary_rows(
                  r, request.rows[r], found.summaries[r], found.groups,
-                 [](const measure::map::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); }))
+                 [](const measure::evaluate::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); }))
             summary.add_row(csv, row);
     }
     return result;
@@ -229,7 +229,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
     GivenRays all = given(rays, running);
     chosen.keep_those_for(whose, meets_of(all));
     auto result = std::make_unique<lostbits_result>();
-    for (const MapRow& row : chosen.rows) {
+    for (const TestedForm& row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name),
             std::vector<output::file::Column>{{"hit", "boolean", "", "whether the form says that the ray hits"},
@@ -239,7 +239,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Cho
     by_piece(all, rays.count, running.advancing(rays.count), [&](std::size_t first, RayGroup group) {
         const measure::truth::Band band(std::move(group), {.stop = running.stop()});
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
-            const MapRow& row = chosen.rows[r];
+            const TestedForm& row = chosen.rows[r];
             measure::truth::BandNeeds needs;
             needs.unit_rays = row.form->info->direction == intersect::Direction::unit;
             const auto inputs = band.inputs(row.format, needs);

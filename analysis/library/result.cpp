@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
@@ -67,13 +67,14 @@ std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics)
     return columns;
 }
 
-RayTable::RayTable(ResultTable& table, const measure::map::MapRow& row, const std::vector<const Metric*>& metrics)
+RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
+                   const std::vector<const Metric*>& metrics)
     : table_(table), row_(row), metrics_(metrics) {
     put_names(table["outcome"], measure::answer::outcome_names);
-    for (const Metric* m : metrics) put_names(table[measure::map::column_name(*m)], m->categories);
+    for (const Metric* m : metrics) put_names(table[measure::evaluate::column_name(*m)], m->categories);
 }
 
-void RayTable::band(const measure::map::BandResult& result) {
+void RayTable::band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
     auto& columns = table_.columns;
     for (std::size_t i = 0; i < n; ++i) {

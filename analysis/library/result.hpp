@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/library/lostbits.h"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::analysis::library {
@@ -41,16 +41,16 @@ public:
 };
 
 /// A row a ray of one form and format, as a map or a judgement gives them band by band.
-class RayTable final : public measure::map::MapSink {
+class RayTable final : public measure::evaluate::EvaluationSink {
 public:
-    RayTable(ResultTable& table, const measure::map::MapRow& row,
+    RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
              const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
-    void band(const measure::map::BandResult& result) override;
+    void band(const measure::evaluate::BandResult& result) override;
 
 private:
     ResultTable& table_;
-    const measure::map::MapRow& row_;
+    const measure::evaluate::TestedForm& row_;
     const std::vector<const measure::metric::Metric*>& metrics_;
 };
 

@@ -21,7 +21,7 @@
 
 namespace lostbits::analysis::library {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 
 namespace {
 
@@ -37,9 +37,10 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
     measure::sweep::SweepRequest request{
         .sweep = &sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
-    request.metrics = chosen.made.for_forms(choice::measured(asked, request.rows), measure::map::forms_of(request.rows),
-                                            [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
-    for (MapRow& row : request.rows) row.judged = sweep.convention;
+    request.metrics =
+        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+                              [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+    for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     output::sweep::SweepFiles::require_own_columns(request);
@@ -53,11 +54,11 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
 }
 
 /// The only row; `what` is asked of one whose operations are known.
-const MapRow& the_one_row(const Choosing& chosen, const std::string& what) {
+const TestedForm& the_one_row(const Choosing& chosen, const std::string& what) {
     if (chosen.rows.size() != 1)
         throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
                          " rows are chosen; name one form and one format");
-    const MapRow& row = chosen.rows.front();
+    const TestedForm& row = chosen.rows.front();
     if (!row.form->is_template())
         throw InputError("form " + std::string(row.form->info->name) +
                          ": its operations are not known; say them with lostbits_form_write");
@@ -66,7 +67,7 @@ const MapRow& the_one_row(const Choosing& chosen, const std::string& what) {
 
 std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    const MapRow& row = the_one_row(chosen, "explain looks at one ray in one form and format");
+    const TestedForm& row = the_one_row(chosen, "explain looks at one ray in one form and format");
     const auto* const maker = scene::rays::maker_of(*row.form);
     const measure::answer::OneRay ray(maker ? with_rays(scene, *maker) : scene, x, y);
     const auto found = measure::blame::explain(*row.form, row.format, ray);
@@ -80,7 +81,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
     measure::offset::require_few_solids(scene);
     if (points != "both" && points != "computed" && points != "projected")
         throw InputError("points is \"" + points + "\"; write computed, projected or both");
-    std::erase_if(chosen.rows, [](const MapRow& row) { return !measure::offset::can_be_asked(*row.form); });
+    std::erase_if(chosen.rows, [](const TestedForm& row) { return !measure::offset::can_be_asked(*row.form); });
     chosen.keep_those_for("scene " + scene.id,
                           [&scene](Shapes forms) { return choice::are_solids(forms) && scene.meets(forms); });
     measure::offset::OffsetRequest request{
@@ -89,7 +90,7 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
         .strategies = choice::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
                                                                                     : std::vector<std::string>{"*"}),
         .limit = {.stop = running.stop()}};
-    for (const MapRow& row : chosen.rows) {
+    for (const TestedForm& row : chosen.rows) {
         if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});
         if (points != "computed") request.rows.push_back({row, measure::offset::HitPoint::projected});
     }
@@ -126,7 +127,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
     if (scene.is_placed())
         throw InputError("the solids of scene " + scene.id +
                          " stand under matrices; `lostbits mend` looks through those");
-    const MapRow& row = the_one_row(chosen, "a form is mended in one format");
+    const TestedForm& row = the_one_row(chosen, "a form is mended in one format");
     if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
     choice::refuse_makers({row.form}, "mend");
     choice::refuse_made_rays({scene}, "mend");
@@ -152,7 +153,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     request.scene = &scene;
     request.rows = choice::timed_on(scene.id, {chosen.rows, chosen.forms, true},
                                     [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows, [](const MapRow& row) { return choice::is_emulated(row.format); });
+    std::erase_if(request.rows, [](const TestedForm& row) { return choice::is_emulated(row.format); });
     if (request.rows.empty())
         throw InputError(
             "a choice is among f32 and f64: the time of an emulated format says nothing; name one of them");

@@ -4,7 +4,7 @@
 
 #include "analysis/choice/scenes.hpp"
 #include "analysis/choice/select.hpp"
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
 #include "output/map/row_names.hpp"
 #include "output/map/scene_sheet.hpp"
@@ -22,8 +22,8 @@
 
 namespace lostbits::analysis::report {
 
-using measure::map::MapRow;
-using measure::map::MapSink;
+using measure::evaluate::EvaluationSink;
+using measure::evaluate::TestedForm;
 using output::page::SweepPart;
 
 namespace {
@@ -31,21 +31,21 @@ namespace {
 namespace page = output::page;
 
 /// Serves two readers of one row.
-class Both final : public MapSink {
+class Both final : public EvaluationSink {
 public:
-    Both(MapSink* a, MapSink* b) : a_(a), b_(b) {}
-    void band(const measure::map::BandResult& result) override {
+    Both(EvaluationSink* a, EvaluationSink* b) : a_(a), b_(b) {}
+    void band(const measure::evaluate::BandResult& result) override {
         a_->band(result);
         b_->band(result);
     }
 
 private:
-    MapSink *a_, *b_;
+    EvaluationSink *a_, *b_;
 };
 
-std::vector<std::string> keys_of(const std::vector<MapRow>& rows) {
+std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
     std::vector<std::string> keys;
-    for (const MapRow& row : rows) keys.push_back(output::map::row_name(row));
+    for (const TestedForm& row : rows) keys.push_back(output::map::row_name(row));
     return keys;
 }
 
@@ -63,7 +63,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         .metrics = choice::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (MapRow row : work.rows) {
+    for (TestedForm row : work.rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
             request.rows.push_back(row);
@@ -113,7 +113,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .metrics = choice::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (MapRow& row : request.rows) row.judged = sweep.convention;
+    for (TestedForm& row : request.rows) row.judged = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,
@@ -149,9 +149,9 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
 output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
                                const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
-    measure::map::MapRequest request{
+    measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
-    request.metrics = measure::map::order_culprits(request, made);
+    request.metrics = measure::evaluate::order_culprits(request, made);
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";
@@ -159,11 +159,11 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
         request, file, work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height));
     output::page::MapData data(request);
     std::vector<std::unique_ptr<Both>> both;
-    std::vector<MapSink*> sinks;
+    std::vector<EvaluationSink*> sinks;
     const auto drawn = sheet.sinks(), kept = data.sinks();
     for (std::size_t r = 0; r < drawn.size(); ++r)
         sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
-    const auto summaries = measure::map::run_map(request, sinks);
+    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
     auto index = data.index(summaries, work.own_size);
@@ -227,7 +227,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     return part;
 }
 
-output::page::TradePart trade_part(Shape shape, const std::vector<MapRow>& rows, StopToken stop) {
+output::page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
     measure::speed::TradeRequest request{
         .shape = shape,
         .kernels = measure::speed::trade_kernels(rows),

@@ -21,7 +21,7 @@ using intersect::process::StopToken;
 /// A scene under rows that fit it.
 struct MapWork {
     scene::file::Scene scene;
-    std::vector<measure::map::MapRow> rows;
+    std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> metrics;
     bool own_size = true;          ///< the scene's own, not --size
     std::string named;             ///< what names the scene to a later command
@@ -34,7 +34,7 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
 /// A sweep along one axis, over a plane, or over named cases, under rows that fit it.
 struct SweepWork {
     std::filesystem::path path, data;
-    std::vector<measure::map::MapRow> rows;
+    std::vector<measure::evaluate::TestedForm> rows;
     int further_draws = 0;  ///< of random rays, for the spread of onsets
 };
 output::page::SweepPart sweep_part(const SweepWork& work, StopToken stop);
@@ -43,7 +43,7 @@ output::page::SweepPart sweep_part(const SweepWork& work, StopToken stop);
 struct ChoiceWork {
     scene::file::Scene scene;
     measure::choice::Wish wish;
-    std::vector<measure::map::MapRow> rows;
+    std::vector<measure::evaluate::TestedForm> rows;
 };
 /// `SCENE:BITS`, or `SCENE:BITS:AT`, as the command line has it; `size` may be empty: the scene's. InputError, with
 /// what to write, for any other word.
@@ -56,7 +56,7 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 struct MendWork {
     scene::file::Scene scene;
     measure::choice::Wish wish;
-    measure::map::MapRow row;
+    measure::evaluate::TestedForm row;
 };
 /// `SCENE:FORM:BITS`, or `SCENE:FORM:BITS:AT` (without it every hit), in binary32; else as `choice_of`.
 MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
@@ -71,6 +71,6 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Short measurements of the rows of one shape.
-output::page::TradePart trade_part(Shape shape, const std::vector<measure::map::MapRow>& rows, StopToken stop);
+output::page::TradePart trade_part(Shape shape, const std::vector<measure::evaluate::TestedForm>& rows, StopToken stop);
 
 }  // namespace lostbits::analysis::report

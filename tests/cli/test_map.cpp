@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metrics.hpp"
 #include "output/image/image.hpp"
 #include "program.hpp"

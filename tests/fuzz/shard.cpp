@@ -30,7 +30,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
     switch (kind % 8) {
         case 0: return read_as<std::vector<claim::ClaimResult>>(bits);
         case 1: return read_as<sweep::SweepFindings>(bits);
-        case 2: return read_as<std::vector<std::vector<map::MapSummary>>>(bits);
+        case 2: return read_as<std::vector<std::vector<evaluate::FormSummary>>>(bits);
         case 3: return read_as<std::vector<std::optional<sweep::WorstFound>>>(bits);
         case 4: return read_as<std::string>(bits);
         default: break;
@@ -45,9 +45,9 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
         read_as<judge::JudgeResult>(bits);
         read_as<std::vector<judge::WorstRays>>(bits);
     } else if (kind % 8 == 6) {
-        read_as<std::vector<map::NeededSummary>>(bits);
+        read_as<std::vector<evaluate::NeededSummary>>(bits);
     } else {
-        read_as<std::vector<map::MapSummary>>(bits);
+        read_as<std::vector<evaluate::FormSummary>>(bits);
     }
     read_as<truth::StageCounts>(bits);
 }

@@ -12,7 +12,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/hostile_rays.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "number/pack.hpp"
 #include "shapes/box/forms/filtered.hpp"
 #include "shapes/sphere/forms/filtered.hpp"
@@ -21,7 +21,7 @@ namespace lostbits::test {
 namespace {
 
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 
 constexpr std::size_t group_size = 4096;
 
@@ -32,7 +32,7 @@ struct Soundness {
     std::array<std::uint64_t, 4> arithmetics{};  ///< rays that each `Way` settled
     std::string first;                           ///< the first wrong decision
 
-    void add(const MapSummary& s) {
+    void add(const FormSummary& s) {
         rays += s.rays;
         hits += s.count(Outcome::agree_hit);
         wrong += s.wrong_count();
@@ -57,7 +57,7 @@ const intersect::table::Intersector& form_named(std::string_view name) {
 /// `rays` of one family in S, in groups in which each ray has a solid of its own.
 template <class S>
 void judge(Soundness& all, std::string_view form, std::size_t family, std::uint64_t rays, std::uint64_t seed) {
-    const measure::map::MapRow row{&form_named(form), *find_format(sizeof(S) == 4 ? "f32" : "f64")};
+    const measure::evaluate::TestedForm row{&form_named(form), *find_format(sizeof(S) == 4 ? "f32" : "f64")};
     const Shape shape = row.form->shape;
     std::mutex guard;
     const std::vector<const measure::metric::Metric*> metrics{measure::metric::find_metric("lost_bits"),
@@ -76,7 +76,7 @@ void judge(Soundness& all, std::string_view form, std::size_t family, std::uint6
         group.rays.y1 = 1;
         std::vector<scene::rays::RayGroup> one;
         one.push_back(std::move(group));
-        const auto summaries = measure::map::measure_groups(std::move(one), {row}, metrics, {});
+        const auto summaries = measure::evaluate::measure_groups(std::move(one), {row}, metrics, {});
         const std::lock_guard lock(guard);
         all.add(summaries.front());
     });

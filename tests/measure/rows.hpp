@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "intersect/table/sets.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scratch.hpp"
 
 namespace lostbits::testing {
@@ -24,13 +24,14 @@ inline const intersect::table::Intersector& form_named(std::string_view name) {
     throw std::logic_error("no form " + std::string(name));
 }
 
-inline measure::map::MapRow row(std::string_view form, std::string_view format) {
+inline measure::evaluate::TestedForm row(std::string_view form, std::string_view format) {
     return {&form_named(form), find_format(format).value()};
 }
 
 /// Every form of the shape in every of these formats that it exists in.
-inline std::vector<measure::map::MapRow> all_rows(Shape shape, std::initializer_list<std::string_view> formats) {
-    std::vector<measure::map::MapRow> rows;
+inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
+                                                           std::initializer_list<std::string_view> formats) {
+    std::vector<measure::evaluate::TestedForm> rows;
     for (const std::string_view name : formats) {
         const Format format = find_format(name).value();
         for (const intersect::table::Intersector& form : intersect::table::intersectors(shape)) {

@@ -122,9 +122,9 @@ TEST_CASE("every room says what it is for, as the list of rooms does, and no roo
 
 TEST_CASE("a room is a namespace", "[repository]") {
     hold_everywhere(read_tree({"src", "analysis"}), room_namespace);
-    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits::measure::sweep {\n}\n"}).size() == 2);
-    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits {\n}\n"}).size() == 2);
-    CHECK(room_namespace({"src/measure/map/x.cpp", "namespace lostbits::measure::map {\n}\n"}).empty());
+    CHECK(room_namespace({"src/measure/evaluate/x.cpp", "namespace lostbits::measure::sweep {\n}\n"}).size() == 2);
+    CHECK(room_namespace({"src/measure/evaluate/x.cpp", "namespace lostbits {\n}\n"}).size() == 2);
+    CHECK(room_namespace({"src/measure/evaluate/x.cpp", "namespace lostbits::measure::evaluate {\n}\n"}).empty());
     CHECK(room_namespace({"src/geometry/x.hpp", "namespace lostbits {\n}\n"}).empty());
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("no two definitions share a name", "[repository]") {
 
 TEST_CASE("two definitions of one name are caught", "[repository]") {
     const auto judge = [](const std::string& a, const std::string& b) {
-        return names_are_unique({{"src/measure/map/a.hpp", a}, {"src/measure/sweep/b.hpp", b}}).size();
+        return names_are_unique({{"src/measure/evaluate/a.hpp", a}, {"src/measure/sweep/b.hpp", b}}).size();
     };
     const std::string room = "namespace lostbits::measure {\n", other = "namespace lostbits::output {\n";
     const std::string type = "struct Standing {\n    int x;\n};\n";

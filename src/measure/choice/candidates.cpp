@@ -12,7 +12,7 @@
 
 namespace lostbits::measure::choice {
 
-using map::MapRow;
+using evaluate::TestedForm;
 
 double quantile_named(const std::string& text) {
     if (text == "max") return 1;
@@ -31,12 +31,12 @@ std::vector<const metric::Metric*> Wish::metrics() const {
 }
 
 std::vector<Worth> worth_of(const ChoiceRequest& request) {
-    map::MapRequest asked{.scene = request.scene, .rows = request.rows, .metrics = request.wish.metrics()};
+    evaluate::EvaluationRequest asked{.scene = request.scene, .rows = request.rows, .metrics = request.wish.metrics()};
     asked.limit = request.limit;
     asked.progress = request.progress;
     auto sinks = request.sinks;
     sinks.resize(request.rows.size(), nullptr);
-    const auto summaries = map::run_map(asked, sinks);
+    const auto summaries = evaluate::evaluate_rows(asked, sinks);
     std::vector<Worth> all;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         all.push_back(worth_of(summaries[r], request.rows[r], request.wish));
@@ -45,7 +45,7 @@ std::vector<Worth> worth_of(const ChoiceRequest& request) {
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-Worth worth_of(const map::MapSummary& s, const MapRow& row, const Wish& wish) {
+Worth worth_of(const evaluate::FormSummary& s, const TestedForm& row, const Wish& wish) {
     return {.rays = s.rays - s.count(answer::Outcome::unresolved),
             .wrong = s.wrong_count(),
             .first = s.wrong(),
@@ -54,18 +54,18 @@ Worth worth_of(const map::MapSummary& s, const MapRow& row, const Wish& wish) {
             .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};
 }
 
-truth::BandNeeds needs_of(const MapRow& row) {
+truth::BandNeeds needs_of(const TestedForm& row) {
     return {.unit_rays = row.form->info->direction == intersect::Direction::unit};
 }
 
-Worth worth_on(const truth::Band& band, const MapRow& row, const Wish& wish) {
+Worth worth_on(const truth::Band& band, const TestedForm& row, const Wish& wish) {
     return worth_on(band, band.inputs(row.format, needs_of(row)), row, wish);
 }
 
-Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const MapRow& row, const Wish& wish) {
+Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& row, const Wish& wish) {
     const std::vector<const metric::Metric*> metrics = wish.metrics();
-    map::MapSummary summary(metrics);
-    map::measure_row({row, metrics}, band, inputs, summary);
+    evaluate::FormSummary summary(metrics);
+    evaluate::measure_row({row, metrics}, band, inputs, summary);
     return worth_of(summary, row, wish);
 }
 
@@ -77,7 +77,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     timed = {on_rays.rays(), on_rays.solids()};
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const MapRow& row = request.rows[r];
+        const TestedForm& row = request.rows[r];
         const intersect::simd::Isa isa = request.single || !is_packed(*row.form, intersect::simd::current_isa())
                                              ? intersect::simd::Isa::scalar
                                              : intersect::simd::current_isa();
@@ -89,7 +89,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     return all;
 }
 
-Format computes_in(const MapRow& row) {
+Format computes_in(const TestedForm& row) {
     if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || !is_solid(row.form->shape))
         return row.format;
     const Solid<float> solid = solid_around<float>(row.form->shape, {0, 0, 0}, 1);

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/speed/scene_work.hpp"
 
 namespace lostbits::measure::choice {
@@ -52,7 +52,7 @@ struct Worth {
 
 /// A form in a format, as it would be called.
 struct Candidate {
-    map::MapRow row;
+    evaluate::TestedForm row;
     std::string_view isa = {};  ///< of the registers: `scalar`, `128`, ...
     speed::Timing time{};       ///< seconds a ray and solid
     Worth worth{};
@@ -61,15 +61,16 @@ struct Candidate {
 struct FileRays;
 
 struct ChoiceRequest {
-    const scene::file::Scene* scene = nullptr;  ///< what the choice is for; null where it is for rays of files
-    const FileRays* rays = nullptr;             ///< judged for these rows and this wish
-    std::vector<map::MapRow> rows = {};         ///< f32 and f64 alone
-    std::vector<map::MapRow> untimed = {};      ///< in emulated formats: asked only what each pixel requires
+    const scene::file::Scene* scene = nullptr;       ///< what the choice is for; null where it is for rays of files
+    const FileRays* rays = nullptr;                  ///< judged for these rows and this wish
+    std::vector<evaluate::TestedForm> rows = {};     ///< f32 and f64 alone
+    std::vector<evaluate::TestedForm> untimed = {};  ///< in emulated formats: asked only what each pixel requires
     Wish wish{};
     bool single = false;  ///< one ray at a time, not a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
-    std::vector<map::MapSink*> sinks = {};  ///< who is shown the rows of `measure_candidates`, in their order; or none
+    std::vector<evaluate::EvaluationSink*> sinks =
+        {};  ///< who is shown the rows of `measure_candidates`, in their order; or none
     /// Rays and rows done; may throw to stop. The plan's own progress counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -78,20 +79,21 @@ struct ChoiceRequest {
 };
 
 /// What a summary, of the wish's metrics, is worth to it.
-Worth worth_of(const map::MapSummary& summary, const map::MapRow& row, const Wish& wish);
+Worth worth_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row, const Wish& wish);
 /// The same of a row on a band.
-Worth worth_on(const truth::Band& band, const map::MapRow& row, const Wish& wish);
+Worth worth_on(const truth::Band& band, const evaluate::TestedForm& row, const Wish& wish);
 /// And where the row is given other inputs than the band's.
-Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const map::MapRow& row, const Wish& wish);
+Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
+               const Wish& wish);
 /// What the row needs of a band's inputs.
-truth::BandNeeds needs_of(const map::MapRow& row);
+truth::BandNeeds needs_of(const evaluate::TestedForm& row);
 
 /// The worth of every row on the scene, at the scene's size; `progress` as above.
 std::vector<Worth> worth_of(const ChoiceRequest& request);
 
 /// The format that a row computes in: that of its inputs and answers, but where the formula goes to the wider one and
 /// back on the plainest ray.
-Format computes_in(const map::MapRow& row);
+Format computes_in(const evaluate::TestedForm& row);
 
 /// What was timed, see `speed::SceneWork`.
 struct TimedRays {

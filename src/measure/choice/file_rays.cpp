@@ -10,7 +10,7 @@ namespace {
 /// many.
 class Sampler final : public judge::JudgeSink {
 public:
-    void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
+    void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) override {
         static_cast<void>(result);
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if ((chunk.first + i) % step_ != 0) continue;

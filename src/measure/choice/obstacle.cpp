@@ -10,7 +10,7 @@
 
 namespace lostbits::measure::choice {
 
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::file::Scene;
 using truth::Band;
 using truth::Truth;
@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t most_problems = 1 << 17, most_listed = 1024;
 
 /// The truth of what is stored, held against the truth of what was meant, as an answer that is never rounded.
-Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, const Wish& wish) {
+Worth exact_worth(const Band& meant, const Band& stored, const TestedForm& row, const Wish& wish) {
     Worth worth;
     metric::Distribution lost, off;
     const bool unit = row.form->info->direction == intersect::Direction::unit;
@@ -49,7 +49,7 @@ Worth exact_worth(const Band& meant, const Band& stored, const MapRow& row, cons
 struct Inherent {
     double kept, off;
 };
-Inherent inherent(const Band& band, const MapRow& row, const Format& format, const Wish& wish) {
+Inherent inherent(const Band& band, const TestedForm& row, const Format& format, const Wish& wish) {
     const intersect::Direction unit = row.form->info->direction;
     metric::Distribution lost, off;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
@@ -75,7 +75,7 @@ unsigned inputs_of(const IdealRays& ideal) {
 
 class Trials {
 public:
-    Trials(const ChoiceRequest& request, const MapRow& row, const IdealRays& ideal, Obstacle& found)
+    Trials(const ChoiceRequest& request, const TestedForm& row, const IdealRays& ideal, Obstacle& found)
         : request_(request), row_(row), ideal_(ideal), meant_(ideal.band(request.limit)), found_(found) {}
 
     void run() {
@@ -100,7 +100,7 @@ private:
         const Band stored = rounded(ideal_, formats(wide, wider)).band(request_.limit);
         request_.progress(0);
         InputTrial trial{.wide = wide, .exact = exact_worth(meant_, stored, row_, request_.wish)};
-        const MapRow in_f64{row_.form, *find_format("f64")};
+        const TestedForm in_f64{row_.form, *find_format("f64")};
         if (row_.form->exists_in(in_f64.format) && !(found_.wider_than_f64 && wide != 0))
             trial.form = worth_on(meant_, stored.inputs(in_f64.format, needs_of(in_f64)), in_f64, request_.wish);
         return trial;
@@ -132,7 +132,7 @@ private:
     }
 
     const ChoiceRequest& request_;
-    const MapRow& row_;
+    const TestedForm& row_;
     const IdealRays& ideal_;
     Band meant_;
     Obstacle& found_;
@@ -154,7 +154,7 @@ scene::rays::RayGroup some_of(const scene::rays::RayGroup& group, std::size_t mo
     return few;
 }
 
-Obstacle::Cause cause_of(const Obstacle& found, const MapRow& row, const Wish& wish, const Worth& reached) {
+Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Wish& wish, const Worth& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;
     if (wish.bits > row.format.shape.precision) return Cause::width;
@@ -167,7 +167,7 @@ Obstacle::Cause cause_of(const Obstacle& found, const MapRow& row, const Wish& w
 
 }  // namespace
 
-Obstacle find_obstacle(const ChoiceRequest& request, const MapRow& row, int pixels) {
+Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int pixels) {
     Obstacle found;
     std::optional<Scene> thin;
     IdealRays ideal;

@@ -52,6 +52,6 @@ struct Obstacle {
 inline constexpr std::array<std::string_view, 5> cause_names{"no_hit", "width", "inputs", "inherent", "formula"};
 
 /// Why this row, which comes nearest, does not meet the request's wish. On at most `pixels` rays.
-Obstacle find_obstacle(const ChoiceRequest& request, const map::MapRow& nearest, int pixels = 2048);
+Obstacle find_obstacle(const ChoiceRequest& request, const evaluate::TestedForm& nearest, int pixels = 2048);
 
 }  // namespace lostbits::measure::choice

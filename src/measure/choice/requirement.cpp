@@ -7,9 +7,9 @@
 namespace lostbits::measure::choice {
 
 using answer::Outcome;
-using map::MapRow;
+using evaluate::TestedForm;
 
-void MeetsAt::band(const map::BandResult& result) {
+void MeetsAt::band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost = result.metrics.front();
     // A form that does not tell t has no lost bits, and NaN keeps none.
@@ -26,12 +26,13 @@ void MeetsAt::band(const map::BandResult& result) {
 
 std::uint64_t MeetsAt::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
-Meetings::Meetings(const ChoiceRequest& request, const std::vector<MapRow>& of) {
-    for (const MapRow& row : of) rows.emplace_back(request.scene->pixels(), request.wish, row.format.shape.precision);
+Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
+    for (const TestedForm& row : of)
+        rows.emplace_back(request.scene->pixels(), request.wish, row.format.shape.precision);
 }
 
-std::vector<map::MapSink*> Meetings::sinks() {
-    std::vector<map::MapSink*> all;
+std::vector<evaluate::EvaluationSink*> Meetings::sinks() {
+    std::vector<evaluate::EvaluationSink*> all;
     for (MeetsAt& row : rows) all.push_back(&row);
     return all;
 }
@@ -54,9 +55,9 @@ int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
 }
 
 /// The formats of the rows, each once, by precision and then by name.
-std::vector<Format> formats_of(const std::vector<MapRow>& rows) {
+std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         const Format format = computes_in(row);
         if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
@@ -76,7 +77,7 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t
 }
 
 /// Fills what is said of formats; `meetings` are of `rows`.
-void find_narrowest(Requirement& r, const std::vector<MapRow>& rows, const std::vector<const MeetsAt*>& meetings) {
+void find_narrowest(Requirement& r, const std::vector<TestedForm>& rows, const std::vector<const MeetsAt*>& meetings) {
     r.formats = formats_of(rows);
     std::vector<std::vector<Tried>> of_format(r.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -118,12 +119,13 @@ Requirement requirement_of(const ChoiceRequest& request, const std::vector<Candi
 
     Meetings emulated(request, request.untimed);
     if (!request.untimed.empty()) {
-        map::MapRequest asked{.scene = request.scene, .rows = request.untimed, .metrics = request.wish.metrics()};
+        evaluate::EvaluationRequest asked{
+            .scene = request.scene, .rows = request.untimed, .metrics = request.wish.metrics()};
         asked.limit = request.limit;
         asked.progress = request.progress;
-        (void)map::run_map(asked, emulated.sinks());
+        (void)evaluate::evaluate_rows(asked, emulated.sinks());
     }
-    std::vector<MapRow> rows = request.rows;
+    std::vector<TestedForm> rows = request.rows;
     rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());
     std::vector<const MeetsAt*> of_all;
     for (const MeetsAt& row : meetings.rows) of_all.push_back(&row);

@@ -7,7 +7,7 @@
 
 namespace lostbits::measure::choice {
 
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const map::MapRow& row,
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit, int pixels) {
     constexpr std::size_t most_asked = 1 << 16;
     const std::size_t solids = scene.solid_count();

@@ -18,7 +18,7 @@ struct SafeOffsets {
 
 /// On a picture of at most `pixels`, fewer where there are many solids. Nothing where the scene has too many, or the
 /// form cannot be asked.
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const map::MapRow& row,
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit = {}, int pixels = 1024);
 
 }  // namespace lostbits::measure::choice

@@ -133,8 +133,8 @@ private:
     Room room_{};
 };
 
-std::optional<Found> look_at_scene(const ChoiceRequest& request, const map::MapRow& row, const Scene& thin, Growth way,
-                                   double factor) {
+std::optional<Found> look_at_scene(const ChoiceRequest& request, const evaluate::TestedForm& row, const Scene& thin,
+                                   Growth way, double factor) {
     const auto there = stretched(thin, way, factor);
     if (!there) return std::nullopt;
     const Scene& scene = there->scene;
@@ -150,7 +150,7 @@ std::optional<Found> look_at_scene(const ChoiceRequest& request, const map::MapR
     return Found{there->value, worth, is_as_meant(band, meant)};
 }
 
-std::optional<Found> look_at_rays(const ChoiceRequest& request, const map::MapRow& row, const IdealRays& rays,
+std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::TestedForm& row, const IdealRays& rays,
                                   Growth way, double factor) {
     const auto there = stretched(rays, way, factor);
     if (!there) return std::nullopt;
@@ -162,7 +162,7 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const map::MapRo
 
 }  // namespace
 
-std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels) {
+std::vector<Room> rooms_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels) {
     Look look;
     if (request.scene) {
         look = [&, thin = thinned(*request.scene, pixels)](Growth way, double factor) {

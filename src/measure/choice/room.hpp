@@ -46,6 +46,6 @@ struct Room {
 /// Doubles the factor until the wish fails or the way ends, at most to 2^64, and halves the last step until it is known
 /// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`, or on the sample of the
 /// files' rays (see `StretchedRays` for what the ways are there).
-std::vector<Room> rooms_of(const ChoiceRequest& request, const map::MapRow& row, int pixels = 4096);
+std::vector<Room> rooms_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels = 4096);
 
 }  // namespace lostbits::measure::choice

@@ -20,7 +20,7 @@
 
 namespace lostbits::measure::claim {
 
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::claim::Claim;
 
 namespace {
@@ -64,14 +64,14 @@ Format claim_format(const Claim& claim) {
     return *format;
 }
 
-ClaimResult judge(const Claim& claim, double measured, const map::MapSummary* summary) {
+ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSummary* summary) {
     ClaimResult result;
     result.measured = measured;
     if (summary) {
         result.witness = summary->worst;
         // A wrong decision is not a matter of how far off t is.
-        for (std::size_t k = 0; k < map::wrong_decisions.size(); ++k) {
-            const auto name = answer::outcome_names[static_cast<std::size_t>(map::wrong_decisions[k])];
+        for (std::size_t k = 0; k < evaluate::wrong_decisions.size(); ++k) {
+            const auto name = answer::outcome_names[static_cast<std::size_t>(evaluate::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
         }
         if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
@@ -143,7 +143,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
 
 }  // namespace
 
-MapRow claim_row(const Claim& claim) {
+TestedForm claim_row(const Claim& claim) {
     const intersect::table::Intersector& form = form_named(claim, claim.form);
     const Format format = claim_format(claim);
     if (!form.exists_in(format))

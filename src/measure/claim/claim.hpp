@@ -24,7 +24,7 @@ struct ClaimResult {
     std::string trouble;  ///< why it is broken or skipped
     /// The worst ray of the measurement, where there is one; of a claim about wrong decisions the first of those, of
     /// all kinds together the first of the most frequent.
-    map::WorstRay witness;
+    evaluate::WorstRay witness;
     /// On how many independent draws of rays (or numbers) `measured` rests; 0: on none, nothing is random.
     std::uint64_t samples = 0;
     /// Every float of a range was tried, so many; 0: the claim is about nothing of the kind.
@@ -46,7 +46,7 @@ struct ClaimResult {
 metric::Spread interval_of(const scene::claim::Claim& claim, const ClaimResult& result);
 
 /// The form and format that a claim is about. InputError, with the claim's position, for names that do not exist.
-map::MapRow claim_row(const scene::claim::Claim& claim);
+evaluate::TestedForm claim_row(const scene::claim::Claim& claim);
 
 struct ClaimRequest {
     std::filesystem::path data_dir;

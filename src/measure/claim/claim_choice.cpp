@@ -8,7 +8,7 @@
 namespace lostbits::measure::claim {
 
 using choice::ChoiceRequest;
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::claim::ChoiceSubject;
 using scene::claim::Claim;
 using Others = ChoiceSubject::Others;
@@ -17,8 +17,8 @@ using scene::file::Scene;
 namespace {
 
 /// The row of a form and format that can be timed on the scene.
-MapRow timed_row(const Claim& claim, const Scene& scene) {
-    const MapRow row = row_for(claim, scene);
+TestedForm timed_row(const Claim& claim, const Scene& scene) {
+    const TestedForm row = row_for(claim, scene);
     if (!is_solid(row.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
@@ -29,8 +29,8 @@ MapRow timed_row(const Claim& claim, const Scene& scene) {
 }
 
 /// The claim's row, and after it every other that fits the scene, in the formats that the wish names.
-std::vector<MapRow> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
-    std::vector<MapRow> rows{timed_row(claim, scene)};
+std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
+    std::vector<TestedForm> rows{timed_row(claim, scene)};
     for (const std::string& name : others.formats) {
         Claim in_format = claim;
         in_format.format = name;
@@ -61,7 +61,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Sce
     other.format = over.format;
     speed::SceneWork on_scene(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
-    for (const MapRow& row : {timed_row(claim, scene), timed_row(other, scene)})
+    for (const TestedForm& row : {timed_row(claim, scene), timed_row(other, scene)})
         work.push_back(on_scene.on(row, intersect::simd::packed_kernels(*row.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
@@ -79,7 +79,7 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
                         intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = candidates_of(claim, others, scene);
-    std::erase_if(request.rows, [&claim](const MapRow& row) { return row.form->info->name == claim.form; });
+    std::erase_if(request.rows, [&claim](const TestedForm& row) { return row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
     const auto all = worth_of(request);
     return static_cast<double>(

@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "measure/claim/claim.hpp"
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::measure::claim {
 
-using map::MapSummary;
-using map::SummaryColumn;
+using evaluate::FormSummary;
+using evaluate::SummaryColumn;
 using metric::Metric;
 using scene::claim::Claim;
 
@@ -17,7 +17,7 @@ namespace {
 
 /// A claim is about numbers: of the culprits it names which (`culprits`).
 std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics) {
-    auto columns = map::summary_columns(metrics);
+    auto columns = evaluate::summary_columns(metrics);
     std::erase_if(columns, [](const SummaryColumn& c) {
         return c.kind == SummaryColumn::Kind::category || c.name == "culprit_fraction";
     });
@@ -31,7 +31,7 @@ void add_columns_of_the_others(std::vector<std::string>& names) {
         if (m.by_run) names.emplace_back("culprit_fraction");
         else if (m.categories.empty())
             for (const metric::Statistic& statistic : metric::statistics)
-                names.push_back(map::column_name(m, statistic));
+                names.push_back(evaluate::column_name(m, statistic));
     }
 }
 
@@ -65,7 +65,7 @@ bool asks_for_attribution(const Claim& claim) {
                                [&](const char* start) { return claim.metric.starts_with(start); });
 }
 
-ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<map::MapRow>& rows,
+ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                            const blame::Setting& setting)
     : setting_(setting) {
     for (const Metric& m : lostbits::measure::metric::metrics()) {
@@ -77,7 +77,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // refused before the work
         add_labelled(*claim);
     }
-    metrics_ = made_.for_forms(std::move(metrics_), map::forms_of(rows), setting_);
+    metrics_ = made_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
 /// `contribution_c_p50`, `cancellation_disc_max`: of what the claim's form names.
@@ -88,7 +88,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
         for (const std::string_view label : blame::labels_of(*claim_row(claim).form, setting_)) {
             const Metric* const metric = made_.find(std::string(kind) + ":" + std::string(label));
             for (const metric::Statistic& statistic : metric::statistics) {
-                names.push_back(map::column_name(*metric, statistic));
+                names.push_back(evaluate::column_name(*metric, statistic));
                 if (names.back() != claim.metric) continue;
                 if (std::ranges::find(metrics_, metric) == metrics_.end()) metrics_.push_back(metric);
                 return;
@@ -96,7 +96,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
         }
     }
     for (const metric::Statistic& statistic : metric::statistics) {
-        const std::string column = map::column_name(*metric::find_metric("cancellation"), statistic);
+        const std::string column = evaluate::column_name(*metric::find_metric("cancellation"), statistic);
         if (claim.metric == column) return;
         if (!names.empty()) names.push_back(column);
     }
@@ -105,7 +105,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
                                               scene::toml::did_you_mean(claim.metric, names));
 }
 
-double ClaimColumns::culprits(const Claim& claim, const MapSummary& summary) const {
+double ClaimColumns::culprits(const Claim& claim, const FormSummary& summary) const {
     const auto m = static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
     const auto categories = metrics_[m]->categories;
     std::vector<std::size_t> places;
@@ -118,10 +118,10 @@ double ClaimColumns::culprits(const Claim& claim, const MapSummary& summary) con
     return blame::culprit_share(summary.categories[m], places);
 }
 
-double ClaimColumns::value(const Claim& claim, const MapSummary& summary) const {
+double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {
     if (!claim.operations.empty()) return culprits(claim, summary);
     const auto columns = columns_of(metrics_);
-    if (const SummaryColumn* const column = map::find_column(columns, claim.metric)) return column->value(summary);
+    if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;
     for (const SummaryColumn& c : columns) names.push_back(c.name);
     add_columns_of_the_others(names);

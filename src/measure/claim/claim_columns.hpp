@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "scene/claim/claims_file.hpp"
 
@@ -17,7 +17,7 @@ class ClaimColumns {
 public:
     /// InputError, with the claim's position, for operations and labels that its form does not have. The setting must
     /// outlive this.
-    ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<map::MapRow>& rows,
+    ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                  const blame::Setting& setting);
 
     /// What must be measured: the default metrics and those whose columns a claim names; measuring all would evaluate
@@ -25,11 +25,11 @@ public:
     [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
     /// The claim's column of a summary of `metrics()`; NaN where it is missing. InputError for an unknown name, with
     /// did-you-mean.
-    [[nodiscard]] double value(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
+    [[nodiscard]] double value(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
 private:
     void add_labelled(const scene::claim::Claim& claim);
-    [[nodiscard]] double culprits(const scene::claim::Claim& claim, const map::MapSummary& summary) const;
+    [[nodiscard]] double culprits(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
     blame::Setting setting_;
     metric::MetricSet made_;

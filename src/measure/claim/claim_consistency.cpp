@@ -22,7 +22,7 @@ std::vector<std::string> check_names() {
 
 /// The check of a claim, which can be asked of its form.
 const Check& check_of(const Claim& claim, const std::string& name, const scene::file::Scene& scene,
-                      const map::MapRow& row) {
+                      const evaluate::TestedForm& row) {
     const Check& check = consistency::checks()[place_of_word(claim, "check", name, check_names())];
     if (consistency::can_be_compared(*row.form) && check.applies(scene, *row.form)) return check;
     scene::toml::fail(claim.where, "check \"" + name + "\" cannot be asked of " + claim.form + " on " + scene.id +
@@ -32,8 +32,8 @@ const Check& check_of(const Claim& claim, const std::string& name, const scene::
 }
 
 /// The ray of the first question, with its solids: it pastes into `lostbits explain`.
-map::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& shown) {
-    map::WorstRay w;
+evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement& shown) {
+    evaluate::WorstRay w;
     w.x = shown.x;
     w.y = shown.y;
     w.object = 0;
@@ -52,7 +52,7 @@ void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run
     consistency::ConsistencyRequest request{.scene = &scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {
-        const map::MapRow row = row_for(claim, scene);
+        const evaluate::TestedForm row = row_for(claim, scene);
         const Check* const check = &check_of(claim, on.check, scene, row);
         auto found = std::ranges::find(request.checks, check);
         if (found == request.checks.end()) found = request.checks.insert(found, check);

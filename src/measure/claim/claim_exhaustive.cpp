@@ -50,7 +50,7 @@ struct Number {
     std::string name;
     double value;
 };
-std::vector<Number> numbers_of(const map::MapRow& row, const FloatTally& tally) {
+std::vector<Number> numbers_of(const evaluate::TestedForm& row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<Number> all{
         {"wrong", static_cast<double>(tally.wrong())},
@@ -65,7 +65,7 @@ std::vector<Number> numbers_of(const map::MapRow& row, const FloatTally& tally) 
     return all;
 }
 
-double metric_of(const Claim& claim, const map::MapRow& row, const FloatTally& tally) {
+double metric_of(const Claim& claim, const evaluate::TestedForm& row, const FloatTally& tally) {
     const auto all = numbers_of(row, tally);
     const auto found = std::ranges::find(all, claim.metric, &Number::name);
     if (found != all.end()) return found->value;
@@ -103,9 +103,9 @@ std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-map::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t place) {
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t place) {
     const auto there = sweep::answer_at(request, 0, 0, place);
-    map::WorstRay witness;
+    evaluate::WorstRay witness;
     witness.x = witness.y = 0;
     witness.given = std::make_shared<scene::rays::RayGroup>(request.sweep->group_at(0, float_at(place)));
     witness.ray = witness.given->rays[0];

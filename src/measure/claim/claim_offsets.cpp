@@ -41,8 +41,8 @@ std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::Strateg
 }
 
 /// The respawned ray with the solid that it leaves: it pastes into `lostbits explain`.
-map::WorstRay witness_of(const offset::BadRay& bad) {
-    map::WorstRay w;
+evaluate::WorstRay witness_of(const offset::BadRay& bad) {
+    evaluate::WorstRay w;
     w.x = bad.x;
     w.y = bad.y;
     w.object = bad.object;
@@ -66,7 +66,7 @@ offset::Side side_of(const Claim& claim, const OffsetsSubject& on) {
 /// The row of a claim, with the claim in it.
 RowClaims& row_of(const ClaimOn<OffsetsSubject>& asked, const scene::file::Scene& scene, std::vector<RowClaims>& rows) {
     const Claim& claim = asked.claim;
-    const map::MapRow row = row_for(claim, scene);
+    const evaluate::TestedForm row = row_for(claim, scene);
     if (!offset::can_be_asked(*row.form))
         scene::toml::fail(claim.where, claim.form +
                                            " does not tell where a ray meets a sphere or a box, so there "

@@ -11,7 +11,7 @@
 namespace lostbits::measure::claim {
 
 using blame::SettingOf;
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::RenderSubject;
 using scene::claim::SceneSubject;
@@ -21,7 +21,7 @@ namespace {
 
 /// One number of one sample of a march along the scene's first pixel.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
-    const MapRow row = row_for(claim, scene);
+    const TestedForm row = row_for(claim, scene);
     if (!row.form->log)
         scene::toml::fail(claim.where, claim.form + " does not march; `step` is for the forms of sdf.*");
     const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0, limit));
@@ -66,13 +66,13 @@ void measure(const ClaimsOn<SceneSubject>& claims, const ClaimRequest& run) {
         else pictures.push_back(asked);
     }
     if (pictures.empty()) return;
-    map::MapRequest request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
+    evaluate::EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& asked : pictures) rows.push_back(place_or_added(request.rows, row_for(asked.claim, scene)));
     const SettingOf setting(scene);
     const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
-    const auto summaries = map::run_map(request, {});
+    const auto summaries = evaluate::evaluate_rows(request, {});
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, on, result] = pictures[k];
         result = judge(claim, columns.value(claim, summaries[rows[k]]), &summaries[rows[k]]);

@@ -35,7 +35,7 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
         if (claim.metric != "worst")
             scene::toml::fail(claim.quantity, "of a search only `metric = \"worst\"` is measured: the largest " +
                                                   file.metric + " that it finds");
-        const map::MapRow row = claim_row(claim);
+        const evaluate::TestedForm row = claim_row(claim);
         if (row.form->shape != file.shape)
             scene::toml::fail(claim.where, "search \"" + called + "\" is not about the solids of " + claim.form +
                                                "; name a form of its shape");

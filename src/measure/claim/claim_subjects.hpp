@@ -75,7 +75,7 @@ void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const 
 scene::file::Scene one_scene(const scene::claim::Claim& claim, const ClaimRequest& run);
 
 /// What becomes of a claim that measures so; `summary` (may be null) is what the number was taken from.
-ClaimResult judge(const scene::claim::Claim& claim, double measured, const map::MapSummary* summary);
+ClaimResult judge(const scene::claim::Claim& claim, double measured, const evaluate::FormSummary* summary);
 
 /// Broken where so many of what was measured are not proved: "3 pixels have no proved truth".
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what);
@@ -84,7 +84,7 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* what
 Format claim_format(const scene::claim::Claim& claim);
 
 /// The rows of several claims, each once: its place.
-inline std::size_t place_or_added(std::vector<map::MapRow>& rows, const map::MapRow& row) {
+inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& row) {
     const auto found = std::ranges::find(rows, row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
     rows.push_back(row);
@@ -100,8 +100,8 @@ std::vector<const scene::claim::Claim*> claims_in(const ClaimsOn<Kind>& claims) 
 
 /// The form and format of a claim about a scene or sweep that the form can be asked about.
 template <class Rays>
-map::MapRow row_for(const scene::claim::Claim& claim, const Rays& rays) {
-    const map::MapRow row = claim_row(claim);
+evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays) {
+    const evaluate::TestedForm row = claim_row(claim);
     if (rays.meets(row.form->shapes())) return row;
     scene::toml::fail(claim.where, claim.subject_name() + " is not handled by " + claim.form + ": it has " +
                                        (!is_solid(row.form->shape) ? "no [march] table" : "other solids") +

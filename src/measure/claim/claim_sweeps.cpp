@@ -8,7 +8,7 @@
 namespace lostbits::measure::claim {
 
 using blame::SettingOf;
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::SweepSubject;
 using scene::sweep::SweepKind;
@@ -35,7 +35,7 @@ void measure_cases(const ClaimsOn<SweepSubject>& claims, const std::filesystem::
 }
 
 std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& columns,
-                                        const map::MapSummary& summary) {
+                                        const evaluate::FormSummary& summary) {
     if (!claim.metric.ends_with("_p99")) return std::nullopt;
     const auto end = [&](const char* name) {
         Claim other = claim;
@@ -69,7 +69,7 @@ void measure_axes(const ClaimsOn<SweepSubject>& claims, const scene::sweep::Swee
     std::vector<std::size_t> rows;
     bool onsets_wanted = false;
     for (const auto& [claim, on, result] : claims) {
-        MapRow row = row_for(claim, sweep);
+        TestedForm row = row_for(claim, sweep);
         if (!row.judged) row.judged = sweep.convention;
         rows.push_back(place_or_added(request.rows, row));
         onsets_wanted |= !claim.onset.empty();

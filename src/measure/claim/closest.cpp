@@ -13,7 +13,7 @@ using truth::FormatInputs;
 namespace {
 
 /// The nearest t over the solids, infinite for a miss.
-std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool pass_on) {
+std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Solid<double>& solid : in.solids.listed()) {
@@ -29,7 +29,8 @@ std::vector<double> nearest(const map::MapRow& row, const FormatInputs& in, bool
 
 }  // namespace
 
-double differs_with_closest(const map::MapRow& row, double distance, std::uint64_t seed, truth::TruthLimit limit) {
+double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+                            truth::TruthLimit limit) {
     if (!told_end(row.form->shape))
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
     scene::box::BoxFamily family;

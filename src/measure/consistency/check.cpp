@@ -7,7 +7,7 @@ namespace lostbits::measure::consistency {
 using intersect::table::Intersector;
 using scene::file::Scene;
 
-RowOnBand::RowOnBand(const Scene& of, const map::MapRow& asked, const truth::Band& on)
+RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const truth::Band& on)
     : scene(of),
       row(asked),
       band(on),

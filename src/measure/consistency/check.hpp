@@ -8,16 +8,16 @@
 #include "measure/answer/answers.hpp"
 #include "measure/consistency/accord.hpp"
 #include "measure/consistency/all_answers.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::measure::consistency {
 
 /// A form in a format over the pixels of a band: what every check starts from.
 struct RowOnBand {
-    RowOnBand(const scene::file::Scene& of, const map::MapRow& asked, const truth::Band& on);
+    RowOnBand(const scene::file::Scene& of, const evaluate::TestedForm& asked, const truth::Band& on);
 
     const scene::file::Scene& scene;
-    const map::MapRow& row;
+    const evaluate::TestedForm& row;
     const truth::Band& band;
     AskedForm form;
     truth::FormatInputs inputs;

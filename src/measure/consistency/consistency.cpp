@@ -25,7 +25,7 @@ void add_check(AccordOfPixels& found, int y0, int width, CheckSummary& summary) 
     summary.shown = ShownDisagreement{pixel % width, y0 + pixel / width, std::move(*found.shown)};
 }
 
-ConsistencyBand measure_band(const ConsistencyRequest& request, const map::MapRow& row, const Band& band) {
+ConsistencyBand measure_band(const ConsistencyRequest& request, const evaluate::TestedForm& row, const Band& band) {
     const RowOnBand on(*request.scene, row, band);
     ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = request.scene->width, .checks = {}};
     for (const Check* check : request.checks) {
@@ -41,10 +41,11 @@ std::uint64_t CheckSummary::asked() const {
     return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
 }
 
-std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<map::MapRow>& rows,
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
                                      std::vector<const Check*> among) {
     std::erase_if(among, [&](const Check* check) {
-        return std::ranges::none_of(rows, [&](const map::MapRow& row) { return check->applies(scene, *row.form); });
+        return std::ranges::none_of(rows,
+                                    [&](const evaluate::TestedForm& row) { return check->applies(scene, *row.form); });
     });
     return among;
 }

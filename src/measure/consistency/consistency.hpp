@@ -50,14 +50,14 @@ public:
 
 struct ConsistencyRequest {
     const scene::file::Scene* scene = nullptr;
-    std::vector<map::MapRow> rows;  ///< of forms of spheres or boxes
+    std::vector<evaluate::TestedForm> rows;  ///< of forms of spheres or boxes
     std::vector<const Check*> checks;
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< after each band of a row: its pixels
 };
 
 /// Those checks that can be asked of at least one of the rows on a scene.
-std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<map::MapRow>& rows,
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
                                      std::vector<const Check*> among = all_checks());
 
 /// Whether a form can be asked: of a sphere or a box.

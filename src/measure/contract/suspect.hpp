@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::measure::contract {
 
@@ -40,7 +40,7 @@ enum class Whose : std::uint8_t { intersector, file };
 std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
 
 /// The same of a row on a small picture of a scene, or on the rays of a step of a sweep.
-std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row);
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const map::MapRow& row);
+std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row);
 
 }  // namespace lostbits::measure::contract

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "measure/contract/suspect.hpp"
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t most_rays = 4096;
 
 /// What a row makes of the rays of a band.
-void judge(const truth::Band& band, const map::MapRow& row, std::vector<Judged>& rays) {
+void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<Judged>& rays) {
     const truth::FormatInputs in =
         band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit});
     const answer::Answers answers = answer::evaluate(*row.form, in);
@@ -42,15 +42,15 @@ Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::T
     return j;
 }
 
-std::string suspicion(const scene::file::Scene& scene, const map::MapRow& row) {
-    const scene::file::Scene small = map::small_picture_of(scene, 64);
+std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row) {
+    const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small);
     std::vector<Judged> rays;
     judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
     return suspicion(rays);
 }
 
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const map::MapRow& row) {
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row) {
     std::vector<Judged> rays;
     for (scene::rays::RayGroup& group : groups) {
         if (rays.size() >= most_rays) break;

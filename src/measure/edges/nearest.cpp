@@ -36,7 +36,7 @@ scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
 }
 
 /// Whether the ray truly meets, where it meets the answered triangle, another one that the form claims too.
-bool is_tie(const map::BandResult& result, std::size_t i) {
+bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     const auto& candidates = *result.inputs->candidates;
     const auto met = static_cast<std::size_t>(result.answers->object[i]);
     const truth::Truth there = result.band->truth_of_solid(i, met, result.convention);
@@ -49,13 +49,13 @@ bool is_tie(const map::BandResult& result, std::size_t i) {
 }
 
 /// What is remembered of a litter: the nearest ray with the outcome.
-class Judge final : public map::MapSink {
+class Judge final : public evaluate::EvaluationSink {
 public:
     Judge(Outcome wanted, const std::vector<SharedEdge>& edges, const std::vector<Aimed>& litter,
-          const map::MapRow& row)
+          const evaluate::TestedForm& row)
         : wanted_(wanted), edges_(edges), litter_(litter), row_(row) {}
 
-    void band(const map::BandResult& result) override {
+    void band(const evaluate::BandResult& result) override {
         for (std::size_t i = 0; i < litter_.size(); ++i) {
             const auto& faces = edges_[litter_[i].edge].faces;
             const truth::Truth truth = result.truth(i);
@@ -79,7 +79,7 @@ private:
     Outcome wanted_;
     const std::vector<SharedEdge>& edges_;
     const std::vector<Aimed>& litter_;
-    const map::MapRow& row_;
+    const evaluate::TestedForm& row_;
 };
 
 /// The mesh as every row is given it.
@@ -120,7 +120,7 @@ struct Eye {
 /// One outcome of one row.
 class Search {
 public:
-    Search(const EdgeRequest& request, const Subject& subject, const map::MapRow& row, std::size_t wanted)
+    Search(const EdgeRequest& request, const Subject& subject, const evaluate::TestedForm& row, std::size_t wanted)
         : request_(request),
           file_(*request.search),
           subject_(subject),
@@ -256,16 +256,16 @@ private:
         truth::Band band(std::move(group), request_.limit, &culler);
         const auto inputs = band.inputs(
             row_.format, {.unit_rays = row_.form->info->direction == intersect::Direction::unit, .own_truth = false});
-        map::MapSummary summary(metrics_);
+        evaluate::FormSummary summary(metrics_);
         Judge judge(sought[wanted_], subject_.edges, litter, row_);
-        map::measure_row({row_, metrics_, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, metrics_, &judge}, band, inputs, summary);
         return judge;
     }
 
     const EdgeRequest& request_;
     const scene::sweep::EdgeSearchFile& file_;
     const Subject& subject_;
-    const map::MapRow& row_;
+    const evaluate::TestedForm& row_;
     std::size_t wanted_;
     FloatFormat format_;  ///< of the numbers of rays
     scene::rays::Random random_;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scene/sweep/edge_search_file.hpp"
 
 namespace lostbits::measure::edges {
@@ -33,7 +33,7 @@ struct EdgeFinding {
 
 struct EdgeRequest {
     const scene::sweep::EdgeSearchFile* search = nullptr;
-    std::vector<map::MapRow> rows;  ///< of forms for triangles
+    std::vector<evaluate::TestedForm> rows;  ///< of forms for triangles
     truth::TruthLimit limit{};
     shard::Share share = {};  ///< of the rows
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

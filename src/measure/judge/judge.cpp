@@ -11,14 +11,14 @@
 #include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/table/union_field.hpp"
-#include "measure/map/measure_row.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 
 namespace lostbits::measure::judge {
 
-using map::MapRow;
-using map::MapSummary;
+using evaluate::FormSummary;
+using evaluate::TestedForm;
 using scene::dump::Chunk;
 using scene::dump::Dump;
 using scene::dump::Records;
@@ -46,7 +46,7 @@ std::uint64_t pixels_of(const JudgeRequest& request) {
 
 std::size_t records_of_piece(const JudgeRequest& request) {
     const int width = request.picture ? request.picture->first : 32768;
-    return static_cast<std::size_t>(request.picture ? map::band_rows(width) : 1) * static_cast<std::size_t>(width);
+    return static_cast<std::size_t>(request.picture ? evaluate::band_rows(width) : 1) * static_cast<std::size_t>(width);
 }
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
@@ -58,10 +58,10 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 constexpr std::size_t most_of_first = 4096;  // of JudgeResult::first
 
-class PieceSink final : public map::MapSink {
+class PieceSink final : public evaluate::EvaluationSink {
 public:
     PieceSink(const Chunk& chunk, JudgeSink& sink) : chunk_(chunk), sink_(sink) {}
-    void band(const map::BandResult& result) override { sink_.piece(chunk_, result); }
+    void band(const evaluate::BandResult& result) override { sink_.piece(chunk_, result); }
 
 private:
     const Chunk& chunk_;
@@ -74,7 +74,7 @@ public:
         : dump_(dump),
           request_(request),
           sinks_(sinks),
-          needs_(map::needs_by_format(request.rows, request.metrics)),
+          needs_(evaluate::needs_by_format(request.rows, request.metrics)),
           file_(request.file_place()) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
@@ -106,7 +106,7 @@ public:
     }
 
 private:
-    [[nodiscard]] const MapRow& file_row() const { return request_.rows[*file_]; }
+    [[nodiscard]] const TestedForm& file_row() const { return request_.rows[*file_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void refuse_size(const char* has) const {
         lostbits::measure::judge::refuse_size(dump_, request_, result_, has);
@@ -154,10 +154,10 @@ private:
         group.solids = group.paired ? chunk.solids : request_.solids;
         group.march = request_.march;
         piece.band = std::make_unique<Band>(std::move(group), request_.limit);
-        if (map::needs_of(request_.metrics) & metric::needs_condition) piece.band->find_condition();
+        if (evaluate::needs_of(request_.metrics) & metric::needs_condition) piece.band->find_condition();
         for (const auto& [name, needs] : needs_)
             piece.inputs.emplace(name, piece.band->inputs(*find_format(name), needs));
-        piece.columns.emplace(map::columns_of(*piece.band, request_.rows));
+        piece.columns.emplace(evaluate::columns_of(*piece.band, request_.rows));
         if (file_) piece.answers = answers_of(piece);
     }
 
@@ -211,28 +211,28 @@ private:
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
-            const MapRow& row = request_.rows[r];
+            const TestedForm& row = request_.rows[r];
             std::optional<PieceSink> sink;
             if (r < sinks_.size() && sinks_[r]) sink.emplace(chunk, *sinks_[r]);
-            std::vector<map::BandPart> parts;
+            std::vector<evaluate::BandPart> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            map::measure_row({.row = row,
-                              .metrics = request_.metrics,
-                              .sink = sink ? &*sink : nullptr,
-                              .first = first,
-                              .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
-                             {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r],
-                             parts);
+            evaluate::measure_row({.row = row,
+                                   .metrics = request_.metrics,
+                                   .sink = sink ? &*sink : nullptr,
+                                   .first = first,
+                                   .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
+                                  {*piece.band, piece.inputs.at(row.format.name), *piece.columns}, result_.summaries[r],
+                                  parts);
         });
         if (file_) keep_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
     /// The rays by their groups, which are there then. Nothing where none are asked for.
-    std::vector<map::RaysOfValue> group(const Chunk& chunk) {
+    std::vector<evaluate::RaysOfValue> group(const Chunk& chunk) {
         if (!request_.by) return {};
         const std::size_t columns = dump_.layout().kept().size();
-        auto values = map::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
+        auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
         try {
             for (const auto& each : values) result_.groups.add(each.value, request_.rows.size(), request_.metrics);
         } catch (const InputError& e) {
@@ -242,7 +242,7 @@ private:
     }
 
     void keep_first(const Piece& piece) {
-        const MapRow& row = file_row();
+        const TestedForm& row = file_row();
         const FormatInputs& in = piece.inputs.at(row.format.name);
         const bool unit = row.form->info->direction == intersect::Direction::unit;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
@@ -285,11 +285,11 @@ void JudgeResult::append(JudgeResult&& after) {
 }
 
 std::optional<std::size_t> JudgeRequest::file_place() const {
-    const auto found = std::ranges::find_if(rows, [this](const MapRow& row) { return is_of_file(row); });
+    const auto found = std::ranges::find_if(rows, [this](const TestedForm& row) { return is_of_file(row); });
     return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }
 
-std::uint64_t JudgeResult::misses_beside_first(const map::MapSummary& file) const {
+std::uint64_t JudgeResult::misses_beside_first(const evaluate::FormSummary& file) const {
     const std::uint64_t misses = file.count(answer::Outcome::agree_miss);
     return rays > misses ? misses * first.size() / (rays - misses) : misses;
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "measure/contract/suspect.hpp"
-#include "measure/map/groups.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/groups.hpp"
 #include "scene/dump/dump.hpp"
 
 namespace lostbits::measure::judge {
@@ -33,7 +33,7 @@ private:
 struct JudgeRequest {
     std::vector<Solid<double>> solids = {};  ///< of all rays, numbers of the dump's format; empty: each has its own
     std::optional<intersect::MarchConstants<double>> march = {};
-    std::vector<map::MapRow> rows = {};
+    std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< of the row of the file's answers; null: it has none
     std::vector<const metric::Metric*> metrics = {};
     std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
@@ -46,21 +46,21 @@ struct JudgeRequest {
     /// Called with the number of rays, and of bytes of the file, that are done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_of_file(const map::MapRow& row) const { return row.form == file_form; }
+    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& row) const { return row.form == file_form; }
     /// The place of the row of the file's answers, if there is one.
     [[nodiscard]] std::optional<std::size_t> file_place() const;
 };
 
-/// Where a row's results go, with what the file has of the same rays. As a `MapSink`: in order, never concurrently for
-/// one row.
+/// Where a row's results go, with what the file has of the same rays. As a `EvaluationSink`: in order, never
+/// concurrently for one row.
 class JudgeSink {
 public:
     virtual ~JudgeSink() = default;
-    virtual void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) = 0;
+    virtual void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) = 0;
 };
 
 struct JudgeResult {
-    std::vector<map::MapSummary> summaries;  ///< one a row
+    std::vector<evaluate::FormSummary> summaries;  ///< one a row
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;  ///< numbers of the file that its format does not hold
     /// Answers of the file with a t that is not 0, and those whose t is a number of binary32 or a decimal of one: all
@@ -71,12 +71,12 @@ struct JudgeResult {
     /// What the file's answers and the truth make of the first rays that either has a hit on, for
     /// `contract::suspicion`.
     std::vector<contract::Judged> first = {};
-    map::Groups groups = {};  ///< where the request has a column for them
+    evaluate::Groups groups = {};  ///< where the request has a column for them
 
     /// What is known of the pieces that come next.
     void append(JudgeResult&& after);
     /// So many rays the file rightly misses, by its summary, for as many as `first` holds.
-    [[nodiscard]] std::uint64_t misses_beside_first(const map::MapSummary& file) const;
+    [[nodiscard]] std::uint64_t misses_beside_first(const evaluate::FormSummary& file) const;
 };
 
 /// In how many pieces the file is measured: they are cut by the request's picture and the file alone. Reads it to its

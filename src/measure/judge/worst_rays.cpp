@@ -8,7 +8,7 @@ namespace lostbits::measure::judge {
 
 using answer::Outcome;
 
-NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const map::BandResult& result) const {
+NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
     // The nearest of all solids is the nearer of these two.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
@@ -34,7 +34,7 @@ void WorstRays::keep_fault(NotedRay&& ray) {
     if (faults.size() < most_) faults.push_back(std::move(ray));
 }
 
-void WorstRays::look_at(std::uint64_t first, const map::BandResult& result) {
+void WorstRays::look_at(std::uint64_t first, const evaluate::BandResult& result) {
     if (most_ == 0) return;
     const std::vector<double>& ulps = result.metrics[ulp_error_];
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
@@ -61,7 +61,7 @@ void WorstRays::append(WorstRays&& after) {
 
 std::vector<NotedRay> WorstRays::all() const {
     std::vector<NotedRay> rays = errors_;
-    for (const Outcome outcome : map::wrong_decisions) {
+    for (const Outcome outcome : evaluate::wrong_decisions) {
         const auto& found = faults_[static_cast<std::size_t>(outcome)];
         rays.insert(rays.end(), found.begin(), found.end());
     }

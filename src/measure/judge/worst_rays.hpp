@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -25,7 +25,7 @@ public:
     explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_(most), ulp_error_(ulp_error) {}
 
     /// Rays of the file from `first` on.
-    void look_at(std::uint64_t first, const map::BandResult& result);
+    void look_at(std::uint64_t first, const evaluate::BandResult& result);
     /// What is known of the rays that come next in the file.
     void append(WorstRays&& after);
     /// The largest errors first, then the wrong decisions in the file's order.
@@ -40,7 +40,7 @@ private:
     void keep_error(NotedRay&& ray);
     void keep_fault(NotedRay&& ray);
     [[nodiscard]] bool is_kept(double error) const;
-    NotedRay note(std::uint64_t first, std::size_t i, const map::BandResult& result) const;
+    NotedRay note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
 
     std::size_t most_, ulp_error_;
     std::vector<NotedRay> errors_;  ///< falling

@@ -7,8 +7,8 @@
 
 namespace lostbits::measure::mend {
 
-std::vector<map::MapRow> catalogue_beside(const map::MapRow& row) {
-    std::vector<map::MapRow> rows;
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {
+    std::vector<evaluate::TestedForm> rows;
     const auto made = intersect::space::made_of(*row.form);
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != row.form->shape || !form.exists_in(row.format)) continue;

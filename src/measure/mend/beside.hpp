@@ -10,10 +10,10 @@ namespace lostbits::measure::mend {
 
 /// All forms of the catalogue for the same solids and format; of solids under matrices through the same space, and the
 /// form itself through all.
-std::vector<map::MapRow> catalogue_beside(const map::MapRow& row);
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row);
 
 struct Ranked {
-    map::MapRow row;
+    evaluate::TestedForm row;
     Worth worth;
 };
 /// These with what they are worth on the request's rays, the most accurate first.

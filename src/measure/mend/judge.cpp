@@ -9,12 +9,12 @@
 #include "intersect/process/parallel.hpp"
 #include "intersect/table/in_range.hpp"
 #include "measure/answer/pair_columns.hpp"
-#include "measure/map/measure_row.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::mend {
 
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::file::Scene;
 using tape::TapeForm;
 
@@ -24,9 +24,9 @@ namespace {
 constexpr std::size_t at_once = 48;
 
 /// The bits of all answers of a row, in order.
-class Bits final : public map::MapSink {
+class Bits final : public evaluate::EvaluationSink {
 public:
-    void band(const map::BandResult& result) override {
+    void band(const evaluate::BandResult& result) override {
         const answer::Answers& a = *result.answers;
         for (std::size_t i = 0; i < a.hit.size(); ++i) {
             add(a.hit[i]);
@@ -41,7 +41,7 @@ private:
     std::uint64_t hash_ = 0xcbf29ce484222325U;
 };
 
-MapRow row_like(const MapRow& row, const TapeForm& form) {
+TestedForm row_like(const TestedForm& row, const TapeForm& form) {
     return {.form = &form.row(), .format = row.format, .judged = row.judged};
 }
 
@@ -79,15 +79,15 @@ const std::string& MendRequest::id() const { return scene ? scene->id : rays->id
 class Judge::Part {
 public:
     Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
-        : band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)), request.limit, &culler),
+        : band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)), request.limit, &culler),
           inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(map::columns_of(band, {request.row})) {}
+          columns_(evaluate::columns_of(band, {request.row})) {}
     Part(const MendRequest& request, const scene::rays::RayGroup& rays)
         : band(rays, request.limit),
           inputs_(band.inputs(request.row.format, choice::needs_of(request.row))),
-          columns_(map::columns_of(band, {request.row})) {}
+          columns_(evaluate::columns_of(band, {request.row})) {}
 
-    [[nodiscard]] map::RowBand rows() const { return {band, inputs_, columns_}; }
+    [[nodiscard]] evaluate::RowBand rows() const { return {band, inputs_, columns_}; }
 
     const truth::Band band;
 
@@ -110,7 +110,7 @@ Judge::~Judge() = default;
 
 std::uint64_t Judge::rays() const { return scene_ ? scene_->pixels() : kept_.front()->band.pixels(); }
 
-std::vector<int> Judge::bands() const { return map::bands_of(scene_->width, scene_->height, {}); }
+std::vector<int> Judge::bands() const { return evaluate::bands_of(scene_->width, scene_->height, {}); }
 
 void Judge::each_part(const std::function<void(const Part&)>& act) {
     for (const auto& part : kept_) act(*part);
@@ -118,20 +118,22 @@ void Judge::each_part(const std::function<void(const Part&)>& act) {
         for (const int y0 : bands()) act(Part(request_, *scene_, y0, *culler_));
 }
 
-std::vector<Worth> Judge::worth_of(const std::vector<MapRow>& rows, const std::vector<map::MapSink*>& sinks) {
+std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
+                                   const std::vector<evaluate::EvaluationSink*>& sinks) {
     return worth_of(rows, sinks, {});
 }
 
-std::vector<Worth> Judge::worth_of(const std::vector<MapRow>& rows, const std::vector<map::MapSink*>& sinks,
+std::vector<Worth> Judge::worth_of(const std::vector<TestedForm>& rows,
+                                   const std::vector<evaluate::EvaluationSink*>& sinks,
                                    const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.wish.metrics();
-    std::vector<map::MapSummary> summaries;
+    std::vector<evaluate::FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     each_part([&](const Part& part) {
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
-            map::RowRequest asked{rows[r], metrics, sinks.empty() ? nullptr : sinks[r]};
+            evaluate::RowRequest asked{rows[r], metrics, sinks.empty() ? nullptr : sinks[r]};
             if (among) asked.answers = &*among;
             measure_row(asked, part.rows(), summaries[r]);
         });
@@ -146,7 +148,7 @@ std::vector<Worth> Judge::worth_of(const std::vector<Tape>& tapes) {
     for (std::size_t begin = 0; begin < tapes.size(); begin += at_once) {
         const std::size_t end = std::min(begin + at_once, tapes.size());
         std::vector<std::unique_ptr<TapeForm>> forms;
-        std::vector<MapRow> rows;
+        std::vector<TestedForm> rows;
         for (std::size_t k = begin; k < end; ++k) {
             forms.push_back(
                 std::make_unique<TapeForm>(*request_.row.form, request_.row.format, tapes[k], "candidate", ""));
@@ -171,7 +173,7 @@ struct Compared {
     Worth worth;  ///< of the form
     bool same;
 };
-Compared compared(const MapRow& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
     const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
     Bits first, second;
     const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
@@ -180,7 +182,7 @@ Compared compared(const MapRow& form, const Tape& tape, const MendRequest& reque
 
 }  // namespace
 
-bool answers_as(const MapRow& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+bool answers_as(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
     return compared(form, tape, request, judge).same;
 }
 

@@ -17,7 +17,7 @@ using choice::Worth;
 struct MendRequest {
     const scene::file::Scene* scene = nullptr;
     const choice::FileRays* rays = nullptr;  ///< in place of a scene: what is searched on is their sample
-    map::MapRow row;                         ///< in f32 or f64
+    evaluate::TestedForm row;                ///< in f32 or f64
     Wish wish{};
     bool two_words = false;  ///< two floats in place of a double; for double always
     truth::TruthLimit limit{};
@@ -45,7 +45,8 @@ public:
     /// In the order of the tapes.
     std::vector<Worth> worth_of(const std::vector<Tape>& tapes);
     /// Of rows with the contract and format of the request's; `sinks`, none or as many, are shown what they answer.
-    std::vector<Worth> worth_of(const std::vector<map::MapRow>& rows, const std::vector<map::MapSink*>& sinks = {});
+    std::vector<Worth> worth_of(const std::vector<evaluate::TestedForm>& rows,
+                                const std::vector<evaluate::EvaluationSink*>& sinks = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -55,7 +56,8 @@ private:
     class Part;
     Judge(const MendRequest& request, const scene::file::Scene* scene);
     [[nodiscard]] std::vector<int> bands() const;
-    std::vector<Worth> worth_of(const std::vector<map::MapRow>& rows, const std::vector<map::MapSink*>& sinks,
+    std::vector<Worth> worth_of(const std::vector<evaluate::TestedForm>& rows,
+                                const std::vector<evaluate::EvaluationSink*>& sinks,
                                 const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void each_part(const std::function<void(const Part&)>& act);
 
@@ -73,6 +75,6 @@ bool is_more_accurate(const Worth& a, const Worth& b);
 Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge);
 
 /// Whether a form with the contract of the request's answers on all its rays as a tape does, to the bit.
-bool answers_as(const map::MapRow& form, const Tape& tape, const MendRequest& request, Judge& judge);
+bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge);
 
 }  // namespace lostbits::measure::mend

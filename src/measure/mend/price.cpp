@@ -96,11 +96,11 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
     const fs::path library = bench.folder / "mended.so";
     auto formulas = are_placed(forms) ? placed_rows(library, forms) : intersect::doors::load_formulas(library);
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const map::MapRow& from = forms[k].from;
+        const evaluate::TestedForm& from = forms[k].from;
         MendRequest asked = request;
         asked.row = from;
         Judge judge(asked);
-        const map::MapRow own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
+        const evaluate::TestedForm own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
         if (!answers_as(own, *forms[k].tape, asked, judge))
             throw std::logic_error(forms[k].type + ": compiled it has other answers than its tape");
         if (!own.form->is_placed) simd::enroll_packs({{formulas[k].row.info, formulas[k].packed}});
@@ -108,14 +108,14 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
     return formulas;
 }
 
-std::vector<Price> prices_of(const MendRequest& request, const std::vector<map::MapRow>& rows,
+std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan) {
     auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
                                  : speed::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
-    for (const map::MapRow& row : rows) {
+    for (const evaluate::TestedForm& row : rows) {
         const bool in_packs = row.form->is_placed || is_packed(*row.form, isa);
         prices.push_back({.isa = name_of(in_packs ? isa : simd::Isa::scalar)});
         work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));

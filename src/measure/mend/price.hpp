@@ -19,9 +19,9 @@ struct Workshop {
 /// A mended form as C++.
 struct Written {
     const Tape* tape;
-    std::string header;  ///< text
-    std::string type;    ///< the struct's name, with its namespace
-    map::MapRow from;    ///< the form that it was made of
+    std::string header;         ///< text
+    std::string type;           ///< the struct's name, with its namespace
+    evaluate::TestedForm from;  ///< the form that it was made of
 };
 
 /// Seconds a ray and solid.
@@ -37,7 +37,7 @@ std::vector<intersect::doors::Formula> compiled(const MendRequest& request, cons
                                                 const Workshop& workshop);
 
 /// All rows in one run, on rays of the scene, as `lostbits trade --scene` times them.
-std::vector<Price> prices_of(const MendRequest& request, const std::vector<map::MapRow>& rows,
+std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan);
 
 }  // namespace lostbits::measure::mend

@@ -54,7 +54,7 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
 }
 
 RaySample::RaySample(const MendRequest& request, int rays) {
-    const map::MapRow& row = request.row;
+    const evaluate::TestedForm& row = request.row;
     std::optional<scene::file::Scene> thin;
     if (request.scene) thin = choice::thinned(*request.scene, rays);
     const truth::Band band = thin ? truth::Band(*thin, 0, thin->height, request.limit)

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/offset/new_rays.hpp"
 #include "measure/offset/strategy.hpp"
 
@@ -80,7 +80,7 @@ struct MetPoint {
 /// Asks everything about points of one form in one format. The scene's solids and light are numbers of the format.
 class PointWork {
 public:
-    PointWork(const map::MapRow& row, HitPoint point, std::span<const Solid<double>> solids,
+    PointWork(const evaluate::TestedForm& row, HitPoint point, std::span<const Solid<double>> solids,
               std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
         : row_(row), point_(point), solids_(solids), light_(light), strategies_(strategies) {}
 
@@ -103,7 +103,7 @@ public:
     [[nodiscard]] std::optional<Start> start(const MetPoint& met) const;
 
 private:
-    const map::MapRow& row_;
+    const evaluate::TestedForm& row_;
     HitPoint point_;
     std::span<const Solid<double>> solids_;
     std::optional<Vec<double>> light_;

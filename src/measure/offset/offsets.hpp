@@ -54,7 +54,7 @@ struct SideSummary {
 
 /// A form in a format, and how its points are taken.
 struct OffsetRow {
-    map::MapRow row;
+    evaluate::TestedForm row;
     HitPoint point = HitPoint::computed;
     friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
 };

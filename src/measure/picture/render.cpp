@@ -14,7 +14,7 @@
 
 namespace lostbits::measure::picture {
 
-using map::MapRow;
+using evaluate::TestedForm;
 using scene::file::Stage;
 using truth::Band;
 using truth::missing;
@@ -93,7 +93,7 @@ struct Inputs {
 /// One form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderRequest& request, const MapRow& row, const Band& band, const Inputs& in,
+    RowRenderer(const RenderRequest& request, const TestedForm& row, const Band& band, const Inputs& in,
                 std::span<const TruePixel> truth)
         : request_(request),
           row_(row),
@@ -257,7 +257,7 @@ private:
     }
 
     const RenderRequest& request_;
-    const MapRow& row_;
+    const TestedForm& row_;
     const Band& band_;
     const Inputs& in_;
     std::span<const TruePixel> truth_;
@@ -273,7 +273,7 @@ private:
 
 std::map<std::string, Inputs> inputs_of(const RenderRequest& request, const Band& band) {
     std::map<std::string, truth::BandNeeds> needs;
-    for (const MapRow& row : request.rows)
+    for (const TestedForm& row : request.rows)
         needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
     std::map<std::string, Inputs> inputs;
     for (const auto& [name, need] : needs) {
@@ -301,8 +301,8 @@ std::vector<RenderSummary> run_render(const RenderRequest& request, RenderSink* 
         summaries[k].rule = shade_rule(scene.appearance, summaries[k].stage);
     }
     const StoredAppearance<double> look = input_appearance(scene, binary64);
-    for (int y0 = 0; y0 < scene.height; y0 += map::band_rows(scene.width)) {
-        const Band band(scene, y0, std::min(scene.height, y0 + map::band_rows(scene.width)),
+    for (int y0 = 0; y0 < scene.height; y0 += evaluate::band_rows(scene.width)) {
+        const Band band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)),
                         {.stop = request.limit.stop});
         const std::vector<TruePixel> truth = find_true_picture(scene, band, request.stages, request.limit);
         if (sink) sink->reference(band.y0(), band.rows(), truth);

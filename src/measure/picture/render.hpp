@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/measured_column.hpp"
 #include "measure/picture/shade.hpp"
 #include "measure/picture/stored_appearance.hpp"
@@ -114,9 +114,9 @@ public:
 struct RenderRequest {
     const scene::file::Scene* scene = nullptr;  ///< of spheres
     std::vector<scene::file::Stage> stages;     ///< in rising order, none beyond what the scene asks for
-    std::vector<map::MapRow> rows;
+    std::vector<evaluate::TestedForm> rows;
     PictureLimit limit{};
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `MapRequest::progress`
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};  ///< as `EvaluationRequest::progress`
 };
 
 /// A summary per row and stage: those of a row's stages side by side. The results do not depend on the number of

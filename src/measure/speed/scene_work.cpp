@@ -118,7 +118,7 @@ std::size_t SceneWork::bytes(const Format& format) const {
 }
 
 template <class S>
-std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const map::MapRow& row) {
+std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm& row) {
     auto& stores = [this]() -> auto& {
         if constexpr (std::same_as<S, float>) return f32_;
         else return f64_;
@@ -135,7 +135,7 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const map::MapRow& row) {
     return made;
 }
 
-TimedWork SceneWork::on(const map::MapRow& row, const intersect::simd::PackedRow& kernels) {
+TimedWork SceneWork::on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels) {
     const std::size_t items = rays() * solids();
     if (row.format.engine == Format::Engine::native32)
         return {[to = store<float>(row), kernel = kernels.f32] { to->run(kernel); }, items, true};

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "intersect/simd/packed.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/speed/timing.hpp"
 
 namespace lostbits::measure::speed {
@@ -36,7 +36,7 @@ public:
 
     /// Every ray against every one of the solids, by the row's kernel: an item is a ray and a solid. The format is f32
     /// or f64. Work of one format shares its arrays and runs one at a time; they live as long as any work on them.
-    TimedWork on(const map::MapRow& row, const intersect::simd::PackedRow& kernels);
+    TimedWork on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels);
 
 private:
     void choose_solids(const std::vector<int>& same_as, std::size_t solids);
@@ -44,7 +44,7 @@ private:
     template <class S>
     struct Store;
     template <class S>
-    std::shared_ptr<Store<S>> store(const map::MapRow& row);
+    std::shared_ptr<Store<S>> store(const evaluate::TestedForm& row);
 
     scene::file::Scene scene_ = {};
     truth::Band band_;

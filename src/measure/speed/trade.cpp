@@ -11,8 +11,8 @@
 namespace lostbits::measure::speed {
 
 using answer::Outcome;
+using evaluate::TestedForm;
 using intersect::table::Intersector;
-using map::MapRow;
 
 namespace {
 
@@ -75,21 +75,21 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
 
 /// Kernels of one row share its measurement.
 void measure_all(const TradeRequest& request, TradeResult& result) {
-    std::vector<MapRow> rows;
+    std::vector<TestedForm> rows;
     for (const TradeKernel& k : request.kernels) {
         const auto same = std::ranges::find_if(
-            rows, [&k](const MapRow& r) { return r.form == k.measured.form && r.format == k.measured.format; });
+            rows, [&k](const TestedForm& r) { return r.form == k.measured.form && r.format == k.measured.format; });
         result.row_of.push_back(static_cast<std::size_t>(same - rows.begin()));
         if (same == rows.end()) rows.push_back(k.measured);
     }
     if (request.scene) {
-        const map::MapRequest asked{
+        const evaluate::EvaluationRequest asked{
             .scene = request.scene, .rows = rows, .metrics = request.metrics, .limit = request.limit};
-        result.rows.push_back(map::run_map(asked, {}));
+        result.rows.push_back(evaluate::evaluate_rows(asked, {}));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape))
-        result.rows.push_back(map::measure_groups(set.groups(), rows, request.metrics, request.limit));
+        result.rows.push_back(evaluate::measure_groups(set.groups(), rows, request.metrics, request.limit));
 }
 
 void count_all(const TradeRequest& request, TradeResult& result) {
@@ -117,7 +117,7 @@ bool at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
 
 }  // namespace
 
-std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
+std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
     std::vector<TradeKernel> kernels;
     const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32,
                                 decltype(Intersector::native64) f64) {
@@ -126,7 +126,7 @@ std::vector<TradeKernel> trade_kernels(const std::vector<MapRow>& rows) {
         if (engine == Format::Engine::native64) kernel.f64 = f64;
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         const intersect::Info* const form = row.form->info;
         // A row through the space of a solid takes the registers of the run.
         const auto isas = row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
@@ -189,7 +189,7 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const MapRow& row, const map::MapSummary& accuracy,
+ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost = metric::place_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();

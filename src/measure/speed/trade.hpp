@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/speed/timing.hpp"
 #include "measure/speed/trade_rays.hpp"
 
@@ -15,7 +15,7 @@ namespace lostbits::measure::speed {
 /// One thing that can be called: a form in a native format over registers of a width. Kernels of one form and format
 /// with the same `measured` give the same bits.
 struct TradeKernel {
-    map::MapRow measured;           ///< what its accuracy is that of
+    evaluate::TestedForm measured;  ///< what its accuracy is that of
     const intersect::Info* form;    ///< as it is written
     std::string_view isa;           ///< `scalar`, `128`, ...
     std::string_view variant = {};  ///< of compiler flags: `contract`, `fastmath`; empty: the form as it is written
@@ -25,7 +25,7 @@ struct TradeKernel {
 
 /// Every selected row (f32 and f64 alone) on every instruction set that there is, and in every variant of compiler
 /// flags, in the order of rows, then widths, then variants.
-std::vector<TradeKernel> trade_kernels(const std::vector<map::MapRow>& rows);
+std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& rows);
 
 /// The rays that a kernel is timed on: so many bytes of them and their answers, of which so many hit.
 struct TradeLoad {
@@ -71,12 +71,12 @@ struct TradeResult {
         double hit_rate;  ///< of these rays
         std::size_t solids = 1;
     };
-    std::vector<std::vector<Timed>> times;           ///< [kernel][load]
-    std::vector<OperationCounts> operations;         ///< [kernel]
-    std::vector<std::size_t> row_of;                 ///< [kernel]: where its accuracy is
-    std::vector<std::vector<map::MapSummary>> rows;  ///< [ray set][row]
+    std::vector<std::vector<Timed>> times;                 ///< [kernel][load]
+    std::vector<OperationCounts> operations;               ///< [kernel]
+    std::vector<std::size_t> row_of;                       ///< [kernel]: where its accuracy is
+    std::vector<std::vector<evaluate::FormSummary>> rows;  ///< [ray set][row]
 
-    [[nodiscard]] const map::MapSummary& accuracy(std::size_t set, std::size_t kernel) const {
+    [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t set, std::size_t kernel) const {
         return rows[set][row_of[kernel]];
     }
 };
@@ -91,7 +91,7 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const map::MapRow& row, const map::MapSummary& accuracy,
+ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics);
 
 /// Of each: whether another is at least as fast and at least as accurate, and better in one of the two.

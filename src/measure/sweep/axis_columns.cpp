@@ -7,10 +7,10 @@
 
 namespace lostbits::measure::sweep {
 
+using evaluate::TestedForm;
 using intersect::Direction;
 using intersect::table::HitBatch;
 using intersect::table::RayBatch;
-using map::MapRow;
 
 namespace {
 
@@ -83,14 +83,14 @@ std::span<const float> AxisColumns::wide(std::size_t place, bool unit) const {
     return ray_varies_[place] ? values_ : std::span<const float>(ray_columns_[place]).first(values_.size());
 }
 
-Ray<float> AxisColumns::ray_for(const MapRow& row, std::size_t i) const {
+Ray<float> AxisColumns::ray_for(const TestedForm& row, std::size_t i) const {
     Ray<float> ray = file_.ray_at(ray_, values_[i]);
     if (row.form->info->direction == Direction::unit)
         ray.direction = {unit_columns_[0][i], unit_columns_[1][i], unit_columns_[2][i]};
     return ray;
 }
 
-void AxisColumns::answer(const MapRow& row, std::span<float> t, std::span<std::uint8_t> hit) {
+void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
     const bool unit = row.form->info->direction == Direction::unit;
     if (unit) make_unit_directions();
     if (!file_.solid_places.empty()) return answer_solids(row, t, hit);
@@ -110,7 +110,7 @@ void AxisColumns::answer(const MapRow& row, std::span<float> t, std::span<std::u
 
 /// One ray against many solids has a kernel of packs with the same bits. One that is told where the ray ends does not
 /// tell a miss from a hit there.
-void AxisColumns::answer_solids(const MapRow& row, std::span<float> t, std::span<std::uint8_t> hit) {
+void AxisColumns::answer_solids(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
     if (!many.f32 || many.told_end || !file_.ray_places.empty()) return answer_one_by_one(row, t, hit);
     intersect::simd::SolidArrays<float> solids;
@@ -120,7 +120,7 @@ void AxisColumns::answer_solids(const MapRow& row, std::span<float> t, std::span
     many.f32(ray_for(row, 0), solids, t, hit);
 }
 
-void AxisColumns::answer_one_by_one(const MapRow& row, std::span<float> t, std::span<std::uint8_t> hit) {
+void AxisColumns::answer_one_by_one(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
     for (std::size_t i = 0; i < values_.size(); ++i) {
         const Ray<float> ray = ray_for(row, i);
         const Solid<float> solid = file_.solid_at(values_[i]);

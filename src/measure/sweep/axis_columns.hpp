@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 
@@ -28,10 +28,10 @@ public:
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
 
     /// What a form answers at each float: `hit` is 0 or 1.
-    void answer(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
+    void answer(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
 
     /// What a form is given at float i, once it has answered there.
-    [[nodiscard]] Ray<float> ray_for(const map::MapRow& row, std::size_t i) const;
+    [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& row, std::size_t i) const;
     [[nodiscard]] Solid<float> solid(std::size_t i) const { return file_.solid_at(values_[i]); }
     /// Whether that is another solid at each float.
     [[nodiscard]] bool solid_varies() const { return !file_.solid_places.empty(); }
@@ -39,8 +39,8 @@ public:
 private:
     void make_unit_directions();
     [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
-    void answer_solids(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
-    void answer_one_by_one(const map::MapRow& row, std::span<float> t, std::span<std::uint8_t> hit);
+    void answer_solids(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
+    void answer_one_by_one(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
 
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;

@@ -11,7 +11,7 @@ namespace lostbits::measure::sweep {
 /// Of a form of boxes its solid, of a form behind a box that box; of others none.
 class BoxOfRow {
 public:
-    explicit BoxOfRow(const map::MapRow& row) : row_(row), behind_(intersect::hull::made_of(*row.form)) {}
+    explicit BoxOfRow(const evaluate::TestedForm& row) : row_(row), behind_(intersect::hull::made_of(*row.form)) {}
 
     [[nodiscard]] bool is_asked() const { return row_.form->shape == hull_shape || behind_.form != nullptr; }
     /// By how many u tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
@@ -20,7 +20,7 @@ public:
 private:
     [[nodiscard]] Hull<float> box_around(const Solid<float>& solid) const;
 
-    const map::MapRow& row_;
+    const evaluate::TestedForm& row_;
     intersect::hull::HullParts behind_;
     std::optional<Hull<float>> same_;  ///< where the axis leaves the solid as it is
 };

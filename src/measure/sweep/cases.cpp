@@ -7,30 +7,30 @@
 namespace lostbits::measure::sweep {
 
 using answer::Outcome;
-using map::MapSummary;
+using evaluate::FormSummary;
 
-MapSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers) {
-    const map::MapRow& what = request.rows[row];
+FormSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers) {
+    const evaluate::TestedForm& what = request.rows[row];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t number : numbers) {
         for (scene::rays::RayGroup& group : request.file->rays(number, what.format.shape))
             groups.push_back(std::move(group));
     }
-    return std::move(map::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
+    return std::move(evaluate::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
 }
 
-std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
+std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> by_format;
     for (std::size_t row = 0; row < request.rows.size(); ++row) by_format[request.rows[row].format.name].push_back(row);
     const auto units = request.share.of_units(request.file->size());
-    std::vector<std::vector<MapSummary>> cases(units.size());
+    std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
         for (const auto& [name, places] : by_format) {
-            std::vector<map::MapRow> rows;
+            std::vector<evaluate::TestedForm> rows;
             for (const std::size_t row : places) rows.push_back(request.rows[row]);
-            auto summaries = map::measure_groups(request.file->rays(units.first + i, rows.front().format.shape), rows,
-                                                 request.metrics, request.limit);
+            auto summaries = evaluate::measure_groups(request.file->rays(units.first + i, rows.front().format.shape),
+                                                      rows, request.metrics, request.limit);
             for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
         }
         request.progress(request.rows.size());
@@ -38,7 +38,7 @@ std::vector<std::vector<MapSummary>> run_cases(const CaseRequest& request) {
     return cases;
 }
 
-Verdict verdict_of(const MapSummary& s, const std::vector<const metric::Metric*>& metrics, double within) {
+Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*>& metrics, double within) {
     if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
     if (const auto wrong = s.wrong()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scene/sweep/case_file.hpp"
 
 namespace lostbits::measure::sweep {
@@ -27,7 +27,7 @@ inline constexpr std::array<std::string_view, 8> verdict_names{
 
 struct CaseRequest {
     const scene::sweep::CaseFile* file = nullptr;
-    std::vector<map::MapRow> rows;
+    std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
     truth::TruthLimit limit{};
     shard::Share share = {};  ///< of the cases
@@ -36,13 +36,14 @@ struct CaseRequest {
 
 /// Every row of every case of the share, in the file's order; in parallel over the cases. Each format gets the case's
 /// rays as its own numbers, and its own truth.
-std::vector<std::vector<map::MapSummary>> run_cases(const CaseRequest& request);
+std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& request);
 /// One row over several cases as if they were one.
-map::MapSummary run_cases_together(const CaseRequest& request, std::size_t row,
-                                   const std::vector<std::size_t>& numbers);
+evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
+                                         const std::vector<std::size_t>& numbers);
 
 /// `right`: every decision is, and no answer loses more than `within` bits. `within_inputs`: every decision is right,
 /// and what an answer loses is at most `within` bits beyond the envelope of half an ulp in each input.
-Verdict verdict_of(const map::MapSummary& summary, const std::vector<const metric::Metric*>& metrics, double within);
+Verdict verdict_of(const evaluate::FormSummary& summary, const std::vector<const metric::Metric*>& metrics,
+                   double within);
 
 }  // namespace lostbits::measure::sweep

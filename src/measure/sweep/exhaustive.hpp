@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/shard/share.hpp"
 #include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -34,7 +34,7 @@ struct ExhaustiveState {
 
 struct ExhaustiveRequest {
     const scene::sweep::ExhaustiveFile* sweep = nullptr;
-    std::vector<map::MapRow> rows;  ///< all in binary32
+    std::vector<evaluate::TestedForm> rows;  ///< all in binary32
     truth::TruthLimit limit{};
     std::string scene = {};   ///< of a sweep across a mesh: as a command line names it
     shard::Share share = {};  ///< of the blocks into which every binade is cut

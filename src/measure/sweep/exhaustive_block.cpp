@@ -139,7 +139,7 @@ private:
 
 }  // namespace
 
-std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, truth::TruthLimit limit) {
+std::vector<RowsOfTruth> rows_by_truth(const std::vector<evaluate::TestedForm>& rows, truth::TruthLimit limit) {
     std::vector<RowsOfTruth> groups;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const bool unit = rows[r].form->info->direction == intersect::Direction::unit;

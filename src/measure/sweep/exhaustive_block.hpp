@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
@@ -16,12 +16,12 @@ struct RowsOfTruth {
     truth::ColumnTerms terms;
     std::vector<std::size_t> rows;
 };
-std::vector<RowsOfTruth> rows_by_truth(const std::vector<map::MapRow>& rows, truth::TruthLimit limit);
+std::vector<RowsOfTruth> rows_by_truth(const std::vector<evaluate::TestedForm>& rows, truth::TruthLimit limit);
 
 /// One ray of a sweep and the forms that meet it.
 struct BlockRequest {
     const scene::sweep::ExhaustiveFile& sweep;
-    const std::vector<map::MapRow>& rows;
+    const std::vector<evaluate::TestedForm>& rows;
     const std::vector<RowsOfTruth>& truths;  ///< of the rows
     std::size_t ray = 0;
     scene::sweep::FloatRange floats;

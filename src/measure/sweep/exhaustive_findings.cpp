@@ -16,7 +16,7 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
         const MeshAnswer there = mesh_answer_at({*request.sweep, request.rows, truths, ray, {place, place}}, row);
         return {there.outcome, static_cast<float>(there.t), there.truth, there.ulps};
     }
-    const map::MapRow& form = request.rows[row];
+    const evaluate::TestedForm& form = request.rows[row];
     const bool unit = form.form->info->direction == intersect::Direction::unit;
     const truth::Length length = unit ? truth::Length::distance : truth::Length::parameter;
     const float value = scene::sweep::float_at(place);
@@ -39,7 +39,7 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
     return found;
 }
 
-double padding_max(const map::MapRow& row, const FloatTally& tally) {
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally) {
     if (!BoxOfRow(row).is_asked()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }

@@ -19,7 +19,7 @@ FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::si
 
 /// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
 /// that asks no box.
-double padding_max(const map::MapRow& row, const FloatTally& tally);
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
 /// A form on a ray over all floats of a range.
 struct RangeFinding {

@@ -29,9 +29,9 @@ public:
           inputs_(
               band_.inputs(request.rows.front().format, {.unit_rays = any_unit(request.rows), .own_truth = false})) {}
 
-    void measure(std::size_t row, map::MapSink& sink) const {
-        map::MapSummary summary(measured());
-        map::measure_row({request_.rows[row], measured(), &sink}, band_, inputs_, summary);
+    void measure(std::size_t row, evaluate::EvaluationSink& sink) const {
+        evaluate::FormSummary summary(measured());
+        evaluate::measure_row({request_.rows[row], measured(), &sink}, band_, inputs_, summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -48,9 +48,10 @@ private:
         group.mesh = request.sweep.mesh;
         return group;
     }
-    static bool any_unit(const std::vector<map::MapRow>& rows) {
-        return std::ranges::any_of(
-            rows, [](const map::MapRow& row) { return row.form->info->direction == intersect::Direction::unit; });
+    static bool any_unit(const std::vector<evaluate::TestedForm>& rows) {
+        return std::ranges::any_of(rows, [](const evaluate::TestedForm& row) {
+            return row.form->info->direction == intersect::Direction::unit;
+        });
     }
 
     const BlockRequest& request_;
@@ -61,11 +62,11 @@ private:
 };
 
 /// Adds up what a row does, float by float in their order.
-class Tally final : public map::MapSink {
+class Tally final : public evaluate::EvaluationSink {
 public:
     explicit Tally(const scene::sweep::FloatRange& floats) : floats_(floats) {}
 
-    void band(const map::BandResult& result) override {
+    void band(const evaluate::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome outcome = result.outcomes[i];
             const std::uint32_t place = floats_.at(i);
@@ -93,10 +94,10 @@ private:
 };
 
 /// The answer at the only float.
-class OneAnswer final : public map::MapSink {
+class OneAnswer final : public evaluate::EvaluationSink {
 public:
     explicit OneAnswer(intersect::Direction unit_of) : unit_of_(unit_of) {}
-    void band(const map::BandResult& result) override {
+    void band(const evaluate::BandResult& result) override {
         found = {.outcome = result.outcomes.front(),
                  .t = result.answers->hit.front() != 0 ? result.answers->t.front() : truth::missing,
                  .truth = result.truth(0).is_hit()

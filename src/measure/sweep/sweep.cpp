@@ -12,34 +12,34 @@
 namespace lostbits::measure::sweep {
 
 using answer::Outcome;
+using evaluate::FormSummary;
+using evaluate::TestedForm;
 using intersect::Stop;
-using map::MapRow;
-using map::MapSummary;
 using metric::Metric;
 
 namespace {
 
 /// The rows of one step.
-std::vector<MapSummary> run_step(const SweepRequest& request, const std::vector<MapRow>& rows,
-                                 const std::vector<double>& values) {
-    return map::measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
+std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector<TestedForm>& rows,
+                                  const std::vector<double>& values) {
+    return evaluate::measure_groups(request.sweep->rays(values), rows, request.metrics, request.limit);
 }
 
 /// One thing that can first happen: its value at a step, NaN where there is none.
 struct Event {
     std::string name, statistic;
     double threshold;
-    std::function<double(const MapSummary&)> value;
+    std::function<double(const FormSummary&)> value;
 
-    [[nodiscard]] bool happens(const MapSummary& s) const { return value(s) >= threshold; }
+    [[nodiscard]] bool happens(const FormSummary& s) const { return value(s) >= threshold; }
     /// A form that hits nothing any more has no bits to lose, and is not good again.
-    [[nodiscard]] bool is_good(const MapSummary& s) const { return value(s) < threshold; }
+    [[nodiscard]] bool is_good(const FormSummary& s) const { return value(s) < threshold; }
 };
 
 /// Whether it is what a step into the space of a solid under a matrix loses, in ulps.
 bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
 
-std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>& metrics) {
+std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost = metric::place_of(metrics, "lost_bits"), stop = metric::place_of(metrics, "stop");
     std::vector<Event> events;
     const double p = row.format.shape.precision;
@@ -47,23 +47,23 @@ std::vector<Event> events_of(const MapRow& row, const std::vector<const Metric*>
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
             events.push_back({"lost_bits", std::string(s.name), bits,
-                              [lost, s](const MapSummary& m) { return s.of(m.metrics[lost]); }});
+                              [lost, s](const FormSummary& m) { return s.of(m.metrics[lost]); }});
         }
     }
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (!is_step(*metrics[m])) continue;
         events.push_back({std::string(metrics[m]->name), "p50", 1,
-                          [m](const MapSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
+                          [m](const FormSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
     }
-    for (const Outcome o : map::wrong_decisions) {
+    for (const Outcome o : evaluate::wrong_decisions) {
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
-                          [o](const MapSummary& m) { return static_cast<double>(m.count(o)); }});
+                          [o](const FormSummary& m) { return static_cast<double>(m.count(o)); }});
     }
     if (is_solid(row.form->shape) || stop == metrics.size()) return events;
     for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(why);
         events.push_back({std::string(intersect::stop_names[c]), "count", 1,
-                          [stop, c](const MapSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+                          [stop, c](const FormSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
     }
     return events;
 }
@@ -85,7 +85,7 @@ class StepsBetween {
 public:
     StepsBetween(const SweepRequest& request, std::size_t row)
         : request_(for_events(request)), row_{request_.rows[row]} {}
-    const MapSummary& at(double value) {
+    const FormSummary& at(double value) {
         const auto [place, fresh] = seen_.try_emplace(value);
         if (fresh) place->second = std::move(run_step(request_, row_, {value}).front());
         return place->second;
@@ -93,8 +93,8 @@ public:
 
 private:
     SweepRequest request_;
-    std::vector<MapRow> row_;
-    std::map<double, MapSummary> seen_;
+    std::vector<TestedForm> row_;
+    std::map<double, FormSummary> seen_;
 };
 
 /// Halves a bracket until it is narrow. `holds` at the first place and not at the second; `at_second` hears of every
@@ -105,7 +105,7 @@ void narrow(const scene::sweep::Axis& axis, double& first, double& second, Steps
     while (std::fabs(second - first) > 0x1p-9 * std::fabs(second)) {
         const double middle = axis.middle(first, second);
         if (middle == first || middle == second) return;
-        const MapSummary& there = between.at(middle);
+        const FormSummary& there = between.at(middle);
         if (holds(there)) {
             first = middle;
         } else {
@@ -131,7 +131,7 @@ void find_recovery(const SweepRequest& request, const Read& steps, std::size_t b
     onset.bad_again = steps[good + 1]->values.front();
     narrow(
         request.sweep->axes.front(), onset.last_good_after, onset.bad_again, between,
-        [&](const MapSummary& s) { return event.is_good(s); }, [](const MapSummary&) {});
+        [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
 
 Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, const Event& event,
@@ -153,8 +153,8 @@ Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, co
     onset.last_good = (*std::prev(bad))->values.front();
     narrow(
         request.sweep->axes.front(), onset.last_good, onset.first_bad, between,
-        [&](const MapSummary& s) { return !event.happens(s); },
-        [&](const MapSummary& s) { onset.value_at_first_bad = event.value(s); });
+        [&](const FormSummary& s) { return !event.happens(s); },
+        [&](const FormSummary& s) { onset.value_at_first_bad = event.value(s); });
     return onset;
 }
 
@@ -201,7 +201,7 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
     return steps;
 }
 
-MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values) {
+FormSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values) {
     return std::move(run_step(request, {request.rows[row]}, values).front());
 }
 

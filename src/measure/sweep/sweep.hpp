@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/spread.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
@@ -15,7 +15,7 @@ namespace lostbits::measure::sweep {
 /// The rows at one step.
 struct SweepStep {
     std::vector<double> values;  ///< one per axis
-    std::vector<map::MapSummary> rows;
+    std::vector<evaluate::FormSummary> rows;
 };
 
 /// Where a row first crosses a threshold along the first axis.
@@ -58,7 +58,7 @@ struct SweepFindings {
 
 struct SweepRequest {
     const scene::sweep::SweepFile* sweep = nullptr;
-    std::vector<map::MapRow> rows;
+    std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
     int further_draws = 0;    ///< of the rays, for the spread of onsets; no other rays where the sweep is not random
     shard::Share share = {};  ///< of the steps, and of the rows whose onsets are found
@@ -73,7 +73,7 @@ struct SweepRequest {
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
 /// One row at any place of the sweep, on its steps or between them.
-map::MapSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
+evaluate::FormSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
 /// the 99th percentile and the largest, of one ulp by the median of each measured step of a space, of the first of each

@@ -38,11 +38,11 @@ struct Place {
 };
 
 /// What the sink of one litter remembers: the worst of it.
-class Judge final : public map::MapSink {
+class Judge final : public evaluate::EvaluationSink {
 public:
     Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
         : metric_(metric), unit_of_(unit_of), file_(file) {}
-    void band(const map::BandResult& result) override {
+    void band(const evaluate::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
@@ -78,7 +78,7 @@ private:
 
 class Search {
 public:
-    Search(const WorstRequest& request, const map::MapRow& row)
+    Search(const WorstRequest& request, const evaluate::TestedForm& row)
         : request_(request),
           file_(*request.search),
           row_(row),
@@ -245,13 +245,13 @@ private:
         rays.y1 = 1;
         evaluations_ += places.size();
         truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
-        const unsigned needs = map::needs_of(request_.metrics);
+        const unsigned needs = evaluate::needs_of(request_.metrics);
         if (needs & metric::needs_condition) band.find_condition();
         const auto inputs = band.inputs(
             row_.format, {row_.form->info->direction == Direction::unit, (needs & metric::needs_own_truth) != 0});
-        map::MapSummary summary(request_.metrics);
+        evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
-        map::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
+        evaluate::measure_row({row_, request_.metrics, &judge}, band, inputs, summary);
         return judge;
     }
 
@@ -270,7 +270,7 @@ private:
 
     const WorstRequest& request_;
     const scene::sweep::SearchFile& file_;
-    const map::MapRow& row_;
+    const evaluate::TestedForm& row_;
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;

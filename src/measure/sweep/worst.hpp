@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scene/sweep/search_file.hpp"
 
 namespace lostbits::measure::sweep {
@@ -24,7 +24,7 @@ struct WorstFound {
 
 struct WorstRequest {
     const scene::sweep::SearchFile* search = nullptr;
-    std::vector<map::MapRow> rows;
+    std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< the search's own, by `searched`
     truth::TruthLimit limit{};
     shard::Share share = {};  ///< of the rows

@@ -83,7 +83,7 @@ std::string where_form_is_from(std::string_view form) {
     return own || form.empty() ? "" : words_of_libraries();
 }
 
-std::string explain_command(const std::string& name, const measure::map::MapRow& row) {
+std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& row) {
     if (!row.form->native32 && !row.form->native64) return "";
     return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, row.form->info->name, row.format.name,
                        row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "",

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::output::blame {
 
@@ -28,6 +28,6 @@ void say_where_forms_are_from(const std::string& words);
 
 /// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that the row is judged by unless that is its own, and
 /// with where a form from outside is from. Empty for the answers of a file, which nobody can ask again.
-std::string explain_command(const std::string& name, const measure::map::MapRow& row);
+std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& row);
 
 }  // namespace lostbits::output::blame

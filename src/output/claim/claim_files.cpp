@@ -49,7 +49,7 @@ std::string explain_witness(const Claim& c, const ClaimResult& r) {
             ? blame::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
             : "";
     if (name.empty()) return "";
-    measure::map::MapRow row = measure::claim::claim_row(c);
+    measure::evaluate::TestedForm row = measure::claim::claim_row(c);
     row.judged = r.witness.judged;
     return blame::explain_command(name, row);
 }

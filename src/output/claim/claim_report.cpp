@@ -28,7 +28,7 @@ namespace lostbits::output::claim {
 using intersect::Touching;
 using measure::claim::ClaimRequest;
 using measure::claim::ClaimResult;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::ConsistencySubject;
 using scene::claim::OffsetsSubject;
@@ -61,16 +61,16 @@ struct ShownSubject {
 };
 
 /// The forms and formats that the claims name, each once, in the order of the catalogue.
-std::vector<MapRow> rows_of(const std::vector<const Claim*>& claims) {
-    std::vector<MapRow> rows;
+std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
+    std::vector<TestedForm> rows;
     for (const Claim* const c : claims) {
-        const MapRow row = measure::claim::claim_row(*c);
-        const auto same = [&](const MapRow& r) {
+        const TestedForm row = measure::claim::claim_row(*c);
+        const auto same = [&](const TestedForm& r) {
             return r.form == row.form && r.format == row.format && r.judged == row.judged;
         };
         if (std::ranges::none_of(rows, same)) rows.push_back(row);
     }
-    std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const MapRow& row) {
+    std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const TestedForm& row) {
         const auto place = std::ranges::find(known, row.form->info, &intersect::table::Intersector::info);
         return std::pair(place - known.begin(), row.form->info->name);  // what is made at run time comes last, by name
     });
@@ -90,23 +90,23 @@ std::string picture_link(const std::string& title, const std::string& file) {
 
 /// The marches along a scene's first pixel, sample by sample, where all claims are about those; else its picture.
 std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
-    const std::vector<MapRow> rows = rows_of(shown.claims);
+    const std::vector<TestedForm> rows = rows_of(shown.claims);
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     const auto traced = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
     if (std::ranges::all_of(shown.claims, traced)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
         std::string text;
-        for (const MapRow& row : rows)
+        for (const TestedForm& row : rows)
             text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
         return text;
     }
-    const measure::map::MapRequest request{.scene = &scene,
-                                           .rows = rows,
-                                           .metrics = {measure::metric::find_metric("lost_bits")},
-                                           .limit = {.stop = shown.run.stop}};
+    const measure::evaluate::EvaluationRequest request{.scene = &scene,
+                                                       .rows = rows,
+                                                       .metrics = {measure::metric::find_metric("lost_bits")},
+                                                       .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
     map::SceneSheet sheet(request, shown.folder / "pictures" / file, scene.id);
-    sheet.finish(measure::map::run_map(request, sheet.sinks()));
+    sheet.finish(measure::evaluate::evaluate_rows(request, sheet.sinks()));
     return picture_link(scene.title, file);
 }
 
@@ -120,10 +120,10 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
         .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
     // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
     // lacks.
-    const std::vector<MapRow> claimed = rows_of(shown.claims);
-    for (const MapRow& a : claimed) {
-        for (const MapRow& b : claimed) {
-            const auto same = [&](const MapRow& r) { return r.form == a.form && r.format == b.format; };
+    const std::vector<TestedForm> claimed = rows_of(shown.claims);
+    for (const TestedForm& a : claimed) {
+        for (const TestedForm& b : claimed) {
+            const auto same = [&](const TestedForm& r) { return r.form == a.form && r.format == b.format; };
             if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same))
                 request.rows.push_back({a.form, b.format});
         }
@@ -184,7 +184,7 @@ SweepPlots plots_of(const std::vector<const Claim*>& claims) {
 /// The pictures of a sweep, as Markdown.
 std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     const auto& [folder, claims, run] = shown;
-    const std::vector<MapRow> rows = rows_of(claims);
+    const std::vector<TestedForm> rows = rows_of(claims);
     const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
     // The claims are about small ranges; a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
@@ -196,7 +196,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
         std::string text;
         for (const std::optional<Touching> judged :
              {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-            if (std::ranges::none_of(rows, [&](const MapRow& r) { return r.judged == judged; })) continue;
+            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
             const std::string picture =
                 judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
             sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
@@ -207,7 +207,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     const scene::sweep::SweepFile sweep(path, run.data_dir);
     measure::sweep::SweepRequest request{
         .sweep = &sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
-    for (MapRow& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
+    for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {

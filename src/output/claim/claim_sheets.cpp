@@ -12,8 +12,9 @@ scene::file::Scene shown_scene(const std::string& name, const measure::claim::Cl
     return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
 }
 
-std::string picture_consistency(const std::filesystem::path& folder, const std::vector<measure::map::MapRow>& rows,
-                                const std::string& name, const measure::claim::ClaimRequest& run) {
+std::string picture_consistency(const std::filesystem::path& folder,
+                                const std::vector<measure::evaluate::TestedForm>& rows, const std::string& name,
+                                const measure::claim::ClaimRequest& run) {
     const scene::file::Scene scene = shown_scene(name, run);
     const measure::consistency::ConsistencyRequest request{.scene = &scene,
                                                            .rows = rows,

@@ -15,8 +15,9 @@ scene::file::Scene shown_scene(const std::string& name, const measure::claim::Cl
 
 /// All checks of consistency of a scene, by the rows that claims name, into `folder`/pictures; the Markdown that shows
 /// it.
-std::string picture_consistency(const std::filesystem::path& folder, const std::vector<measure::map::MapRow>& rows,
-                                const std::string& name, const measure::claim::ClaimRequest& run);
+std::string picture_consistency(const std::filesystem::path& folder,
+                                const std::vector<measure::evaluate::TestedForm>& rows, const std::string& name,
+                                const measure::claim::ClaimRequest& run);
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
 std::string screenshots_in(const std::filesystem::path& folder);

@@ -23,7 +23,7 @@ using measure::consistency::CheckSummary;
 using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyRequest;
 using measure::consistency::RowChecks;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using table::Table;
 
 namespace {
@@ -69,7 +69,7 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
 /// What a check finds of a row.
 struct CheckRow {
     const Check* check;
-    const MapRow* row;
+    const TestedForm* row;
     const CheckSummary* summary;
 };
 
@@ -102,7 +102,8 @@ Table<CheckRow> check_table() {
 /// The files of one form in one format.
 class ConsistencyRowFiles {
 public:
-    ConsistencyRowFiles(const ConsistencyRequest& request, const MapRow& row, const ConsistencyFilesOptions& options)
+    ConsistencyRowFiles(const ConsistencyRequest& request, const TestedForm& row,
+                        const ConsistencyFilesOptions& options)
         : request_(request), scale_(excess_scale(image::image_backend())) {
         for (const Check* check : request.checks) {
             request.limit.stop.check();
@@ -135,7 +136,7 @@ public:
     [[nodiscard]] const std::optional<table::TableFile<AccordPixel>>& table() const { return pixels_; }
 
 private:
-    void open(const Check& check, const MapRow& row, const std::filesystem::path& folder) {
+    void open(const Check& check, const TestedForm& row, const std::filesystem::path& folder) {
         image::HeatmapSpec spec{
             .title = fmt::format("{}: {}", check.name, check.title),
             .subtitle = {request_.scene->title, fmt::format("{} in {}", row.form->info->name, row.format.name),
@@ -166,7 +167,7 @@ struct ConsistencyFiles::Parts {
           options(with),
           table(with.folder, "summary.csv", "One row per check, form and format", check_table()),
           sheet(image::image_backend(), with.folder / "contact.png", of) {
-        for (const MapRow& row : of.rows) rows.push_back(std::make_unique<ConsistencyRowFiles>(of, row, with));
+        for (const TestedForm& row : of.rows) rows.push_back(std::make_unique<ConsistencyRowFiles>(of, row, with));
     }
 
     const ConsistencyRequest& request;

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "measure/answer/outcome.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/diff/ledger.hpp"
 
 namespace lostbits::output::diff {
@@ -72,7 +72,7 @@ struct ColumnPair {
 };
 
 bool is_wrong(const std::string& name) {
-    return std::ranges::any_of(measure::map::wrong_decisions, [&name](measure::answer::Outcome o) {
+    return std::ranges::any_of(measure::evaluate::wrong_decisions, [&name](measure::answer::Outcome o) {
         return name == measure::answer::outcome_names[static_cast<std::size_t>(o)];
     });
 }

@@ -20,7 +20,7 @@ std::string name_of(std::size_t outcome) {
 }
 
 struct NearestRow {
-    measure::map::MapRow row;
+    measure::evaluate::TestedForm row;
     std::string outcome;
     std::uint64_t rays;
     const std::optional<NearestRay>& nearest;

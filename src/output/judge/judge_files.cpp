@@ -14,11 +14,11 @@
 namespace lostbits::output::judge {
 
 using measure::answer::Outcome;
+using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
 using measure::judge::JudgeSink;
 using measure::judge::NotedRay;
 using measure::judge::WorstRays;
-using measure::map::MapRow;
 using scene::dump::Chunk;
 using scene::dump::Dump;
 
@@ -37,9 +37,9 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 }
 
 /// What the name of a ray is to `lostbits explain`; nothing of a ray whose solids are too many to be named.
-std::string name_of(const measure::map::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); }
+std::string name_of(const measure::evaluate::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); }
 
-std::string case_name(const MapRow& row, const NotedRay& ray) {
+std::string case_name(const TestedForm& row, const NotedRay& ray) {
     const std::string what = ray.outcome == Outcome::agree_hit
                                  ? fmt::format("{:.6g} ulp", ray.ulps)
                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
@@ -49,12 +49,12 @@ std::string case_name(const MapRow& row, const NotedRay& ray) {
 /// The files of one row.
 class RowParts final : public JudgeSink {
 public:
-    RowParts(const MapRow& row, WorstRays worst, measure::map::MapSink& map)
+    RowParts(const TestedForm& row, WorstRays worst, measure::evaluate::EvaluationSink& map)
         : row_(row), worst_(std::move(worst)), map_(map) {}
     void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
         rows_.emplace(path, ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
-    void piece(const Chunk& chunk, const measure::map::BandResult& result) override {
+    void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) override {
         worst_.look_at(chunk.first, result);
         if (rows_) rows_->add(chunk, result, row_);
         map_.band(result);
@@ -66,9 +66,9 @@ public:
     }
 
 private:
-    const MapRow& row_;
+    const TestedForm& row_;
     WorstRays worst_;
-    measure::map::MapSink& map_;
+    measure::evaluate::EvaluationSink& map_;
     std::optional<RayRows> rows_;
 };
 
@@ -78,7 +78,7 @@ struct JudgeFiles::Parts {
     const JudgeRequest& request;
     JudgeFilesOptions options;
     scene::file::Scene scene;
-    measure::map::MapRequest map_request = {};
+    measure::evaluate::EvaluationRequest map_request = {};
     std::optional<map::MapFiles> map = {};
     std::optional<file::AtomicFile> worst = {};
     std::vector<std::unique_ptr<RowParts>> rows = {};
@@ -99,9 +99,9 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     p.scene = scene_of(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
     std::vector<file::DataResource> tables;
-    const auto table_of = [](const MapRow& row) { return map::row_name(row) + ".csv"; };
+    const auto table_of = [](const TestedForm& row) { return map::row_name(row) + ".csv"; };
     if (p.options.rows) {
-        for (const MapRow& row : request.rows)
+        for (const TestedForm& row : request.rows)
             tables.push_back({table_of(row),
                               fmt::format("One row per ray: {} in {}", row.form->info->name, row.format.name),
                               ray_table(dump, request.metrics).columns()});

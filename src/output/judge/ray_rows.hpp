@@ -27,7 +27,8 @@ public:
         : table_(std::move(table)),
           csv_(path.empty() ? file::CsvWriter(table_.columns()) : file::CsvWriter(path, table_.columns())) {}
 
-    void add(const scene::dump::Chunk& chunk, const measure::map::BandResult& result, const measure::map::MapRow& row) {
+    void add(const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result,
+             const measure::evaluate::TestedForm& row) {
         for (std::size_t i = 0; i < chunk.size(); ++i) table_.add_row(csv_, {&chunk, {&result, i, &row}});
     }
     /// What was added since the last call, where there is no file.

@@ -36,8 +36,8 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::by_run);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const measure::map::MapRow& row,
-                                 const measure::map::MapSummary& summary) {
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const measure::evaluate::TestedForm& row,
+                                 const measure::evaluate::FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;

@@ -3,14 +3,14 @@
 
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
 
 /// An operation that is the culprit of some rays: as columns of a summary, operations would differ from run to run.
 struct Culprit {
-    measure::map::MapRow row;
+    measure::evaluate::TestedForm row;
     std::string_view operation;
     std::uint64_t rays;
     double fraction;
@@ -22,7 +22,8 @@ table::Table<Culprit> culprit_table();
 
 /// The most frequent first.
 std::vector<Culprit> culprits_of(const std::vector<const measure::metric::Metric*>& metrics,
-                                 const measure::map::MapRow& row, const measure::map::MapSummary& summary);
+                                 const measure::evaluate::TestedForm& row,
+                                 const measure::evaluate::FormSummary& summary);
 
 /// The operations that are the culprit of any ray, by their categories, the most frequent first; of equals the first on
 /// the tape.

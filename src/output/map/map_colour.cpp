@@ -48,15 +48,15 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
 
 namespace {
 
-int common_precision(std::span<const measure::map::MapRow> rows) {
+int common_precision(std::span<const measure::evaluate::TestedForm> rows) {
     const int first = rows.empty() ? 0 : rows.front().format.shape.precision;
-    const auto same = [first](const measure::map::MapRow& row) { return row.format.shape.precision == first; };
+    const auto same = [first](const measure::evaluate::TestedForm& row) { return row.format.shape.precision == first; };
     return std::ranges::all_of(rows, same) ? first : 0;
 }
 
 }  // namespace
 
-LostBitsScale::LostBitsScale(std::span<const measure::map::MapRow> rows, image::ImageBackend& backend)
+LostBitsScale::LostBitsScale(std::span<const measure::evaluate::TestedForm> rows, image::ImageBackend& backend)
     : precision_(common_precision(rows)),
       bar_("viridis", backend.ramp("viridis", 256), 0, precision_ ? precision_ : 100, image::Spacing::root),
       unit_(precision_ ? "lost bits" : "% of the significand lost") {}
@@ -71,7 +71,7 @@ Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }
 
-std::vector<LegendEntry> outcome_legend(const measure::map::MapSummary& summary) {
+std::vector<LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary) {
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
         if (summary.outcomes[o] == 0) continue;

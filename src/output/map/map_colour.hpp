@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/image/canvas.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/image.hpp"
@@ -31,7 +31,7 @@ image::ColourScale metric_scale(const measure::metric::Metric& metric, const Flo
 /// precision, and of percent where they do not.
 class LostBitsScale {
 public:
-    LostBitsScale(std::span<const measure::map::MapRow> rows, image::ImageBackend& backend);
+    LostBitsScale(std::span<const measure::evaluate::TestedForm> rows, image::ImageBackend& backend);
 
     [[nodiscard]] image::Rgb8 colour(double bits, const FloatFormat& format) const;
     [[nodiscard]] const image::ColourScale& bar() const { return bar_; }
@@ -59,7 +59,7 @@ std::string plain_name(measure::answer::Outcome o);
 std::string count_text(std::uint64_t count, std::uint64_t total);
 
 /// The legend of a finished row; entries without a pixel are left out.
-std::vector<image::LegendEntry> outcome_legend(const measure::map::MapSummary& summary);
+std::vector<image::LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary);
 /// Every class that may occur in a picture of so many pixels, of a scene with a mesh or without, with the widest count
 /// it can have.
 std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels, bool of_mesh);

@@ -12,8 +12,8 @@ namespace lostbits::output::map {
 
 using image::Channel;
 using image::ExrPart;
-using measure::map::BandResult;
-using measure::map::MapRow;
+using measure::evaluate::BandResult;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using measure::truth::missing;
 
@@ -22,9 +22,9 @@ struct MapExr::Truths {
     intersect::Direction direction;
     intersect::Convention convention;
     const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
-    const MapRow* filled_by;
+    const TestedForm* filled_by;
 
-    [[nodiscard]] bool is_of(const MapRow& row) const {
+    [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
                maker == scene::rays::maker_of(*row.form);
     }
@@ -110,7 +110,7 @@ const std::vector<Channel> preview_channels{{"R", {}}, {"G", {}}, {"B", {}}};
 const std::vector<Channel> truth_channels{{"class.truth", Channel::Type::u32},
                                           {"class.truth_object", Channel::Type::u32}};
 
-ExrPart row_part(const MapExrRequest& request, const MapRow& row, const std::string& truth) {
+ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std::string& truth) {
     ExrPart part = part_of(request, row_name(row), "lostbits-map/2");
     auto& channels = part.spec.channels = preview_channels;
     add_number(channels, "t", is_within_float(row.format));
@@ -141,7 +141,7 @@ ExrPart needed_part(const MapExrRequest& request, const intersect::Info& form) {
     part.spec.channels = preview_channels;
     part.spec.channels.push_back({"bits.needed", {}});
     part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
-    using measure::map::least_width, measure::map::most_width;
+    using measure::evaluate::least_width, measure::evaluate::most_width;
     add(part.spec.attributes,
         {{"lostbits:form", std::string(form.name)},
          {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
@@ -160,7 +160,7 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     for (const Metric* m : request.layers)
         layers_.push_back(place_in(request.map.metrics, [m](const Metric* measured) { return measured == m; }));
     std::vector<ExrPart> parts;
-    for (const MapRow& row : request.map.rows) {
+    for (const TestedForm& row : request.map.rows) {
         rows_.push_back(&row);
         const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
         if (truths == truths_.size())
@@ -179,7 +179,7 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
 MapExr::~MapExr() = default;
 
-std::vector<ExrRows> MapExr::rows_of(const MapRow& row, const BandResult& result,
+std::vector<ExrRows> MapExr::rows_of(const TestedForm& row, const BandResult& result,
                                      std::span<const image::Rgb8> preview) const {
     const std::size_t n = result.outcomes.size();
     std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
@@ -193,7 +193,7 @@ std::vector<ExrRows> MapExr::rows_of(const MapRow& row, const BandResult& result
         samples.push_back(hit ? static_cast<std::uint32_t>(result.answers->object[i] + 1) : 0);
         for (const std::size_t m : layers_) samples.push_back(image::float_word(result.metrics[m][i]));
     }
-    pieces.front().part = place_in(rows_, [&row](const MapRow* r) { return r == &row; });
+    pieces.front().part = place_in(rows_, [&row](const TestedForm* r) { return r == &row; });
 
     const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.filled_by == &row; });
     if (truths == truths_.size()) return pieces;
@@ -211,7 +211,7 @@ std::vector<ExrRows> MapExr::rows_of(const MapRow& row, const BandResult& result
     return pieces;
 }
 
-std::vector<ExrRows> MapExr::rows_of(const measure::map::NeededBand& result,
+std::vector<ExrRows> MapExr::rows_of(const measure::evaluate::NeededBand& result,
                                      std::span<const image::Rgb8> preview) const {
     std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
     std::vector<std::uint32_t>& samples = pieces.front().samples;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
-#include "measure/map/needed.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
 
@@ -15,10 +15,10 @@ namespace lostbits::output::map {
 
 /// What is written and how it was asked for.
 struct MapExrRequest {
-    const measure::map::MapRequest& map;
-    std::vector<const measure::metric::Metric*> layers;   ///< of the map's metrics
-    std::string command;                                  ///< what to type to make the file again
-    const measure::map::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
+    const measure::evaluate::EvaluationRequest& map;
+    std::vector<const measure::metric::Metric*> layers;        ///< of the map's metrics
+    std::string command;                                       ///< what to type to make the file again
+    const measure::evaluate::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
 };
 
 /// Rows of a part, as the file has them.
@@ -54,9 +54,10 @@ public:
 
     /// What the file has of a band of a row of the map, its truth where no other row has it; or of a form of the bits
     /// needed.
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::map::MapRow& row, const measure::map::BandResult& result,
+    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::TestedForm& row,
+                                               const measure::evaluate::BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::map::NeededBand& result,
+    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::NeededBand& result,
                                                std::span<const image::Rgb8> preview) const;
     /// The next rows of their parts. Parts may be served at the same time.
     void write(const std::vector<ExrRows>& pieces);
@@ -64,7 +65,7 @@ public:
 
 private:
     struct Truths;
-    std::vector<const measure::map::MapRow*> rows_;
+    std::vector<const measure::evaluate::TestedForm*> rows_;
     std::vector<std::size_t> layers_;  ///< places in the request's metrics
     std::vector<Truths> truths_;
     std::vector<const intersect::Info*> needed_;

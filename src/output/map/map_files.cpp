@@ -19,10 +19,10 @@ namespace lostbits::output::map {
 using file::CsvWriter;
 using image::LegendEntry;
 using measure::answer::Outcome;
-using measure::map::MapRequest;
-using measure::map::MapRow;
-using measure::map::MapSink;
-using measure::map::MapSummary;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::EvaluationSink;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -32,7 +32,7 @@ std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
 }
 
 /// Those that occurred; `inside` of the pixels are drawn paler.
-std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary& summary, std::size_t m,
+std::vector<LegendEntry> final_legend(const MetricPaint& paint, const FormSummary& summary, std::size_t m,
                                       std::uint64_t inside) {
     auto entries = paint.legend(summary, m, paint.without_value(summary, m));
     if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
@@ -41,7 +41,7 @@ std::vector<LegendEntry> final_legend(const MetricPaint& paint, const MapSummary
 
 /// What the maps of a sheet have in common.
 struct Total {
-    MapSummary summary;
+    FormSummary summary;
     std::uint64_t without = 0, inside = 0;
 };
 
@@ -57,7 +57,7 @@ std::vector<LegendEntry> sheet_legend(const MetricPaint& paint, const Total& tot
 }  // namespace
 
 /// The files of one row.
-class RowFiles final : public MapSink {
+class RowFiles final : public EvaluationSink {
 public:
     struct Drawing {
         std::size_t metric;
@@ -67,8 +67,8 @@ public:
         std::unique_ptr<image::HeatmapWriter> heatmap;
     };
 
-    RowFiles(const MapRequest& request, const MapRow& row, const MapFilesOptions& options, image::ImageBackend& backend,
-             std::vector<MapSheet>& sheets)
+    RowFiles(const EvaluationRequest& request, const TestedForm& row, const MapFilesOptions& options,
+             image::ImageBackend& backend, std::vector<MapSheet>& sheets)
         : request_(request),
           row_(row),
           exr_(options.exr),
@@ -111,7 +111,7 @@ public:
                          pixel_table_);
     }
 
-    void band(const measure::map::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) override {
         MapPiece piece = piece_of(result);
         if (keep_) keep_(static_cast<std::size_t>(&row_ - request_.rows.data()), std::move(piece));
         else put(piece);
@@ -129,9 +129,9 @@ public:
         if (csv_) csv_->add_lines(piece.lines);
     }
 
-    void finish(const MapSummary& summary) {
+    void finish(const FormSummary& summary) {
         for (Drawing& d : drawings_) {
-            const measure::map::WorstRay* const worst = summary.worst_ray();
+            const measure::evaluate::WorstRay* const worst = summary.worst_ray();
             d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
                               d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
@@ -146,7 +146,7 @@ public:
     [[nodiscard]] std::uint64_t inside() const { return paler_; }
 
 private:
-    [[nodiscard]] MapPiece piece_of(const measure::map::BandResult& result) const {
+    [[nodiscard]] MapPiece piece_of(const measure::evaluate::BandResult& result) const {
         MapPiece piece{.y0 = result.y0};
         for (const Drawing& d : drawings_) {
             std::vector<image::Rgb8>& field = piece.fields.emplace_back(result.outcomes.size());
@@ -168,7 +168,7 @@ private:
 
     /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
     /// compiled elsewhere leaves nothing to explain.
-    [[nodiscard]] std::string worst_words(const MetricPaint& paint, const measure::map::WorstRay& worst) const {
+    [[nodiscard]] std::string worst_words(const MetricPaint& paint, const measure::evaluate::WorstRay& worst) const {
         if (!paint.names_worst()) return "";
         const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
         if (!row_.form->record) return place;
@@ -177,7 +177,7 @@ private:
     }
 
     /// The preview of a row that none of the metrics applies to.
-    static std::vector<image::Rgb8> outcomes_of(const measure::map::BandResult& result) {
+    static std::vector<image::Rgb8> outcomes_of(const measure::evaluate::BandResult& result) {
         std::vector<image::Rgb8> field(result.outcomes.size());
         for (std::size_t i = 0; i < field.size(); ++i)
             field[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
@@ -185,7 +185,7 @@ private:
     }
 
     /// How many pixels it draws paler. NaN, where a metric does not exist, is inside nothing.
-    std::uint64_t draw_envelope(const measure::map::BandResult& result, std::vector<image::Rgb8>& field) const {
+    std::uint64_t draw_envelope(const measure::evaluate::BandResult& result, std::vector<image::Rgb8>& field) const {
         std::uint64_t inside = 0;
         for (std::size_t i = 0; i < field.size(); ++i) {
             if (!inside_envelope(result.metrics[lost_][i], result.metrics[excess_][i])) continue;
@@ -195,8 +195,8 @@ private:
         return inside;
     }
 
-    const MapRequest& request_;
-    const MapRow& row_;
+    const EvaluationRequest& request_;
+    const TestedForm& row_;
     MapExr* exr_;
     bool pixels_;
     const KeepPiece& keep_;
@@ -209,7 +209,7 @@ private:
 };
 
 struct MapFiles::Parts {
-    const MapRequest& request;
+    const EvaluationRequest& request;
     MapFilesOptions options;
     std::vector<MapSheet> sheets = {};
     std::vector<std::unique_ptr<RowFiles>> rows = {};
@@ -229,7 +229,7 @@ struct MapFiles::Parts {
     }
 };
 
-MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
+MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
@@ -241,7 +241,7 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
     p.sheets = sheets_of(request, options);
-    for (const MapRow& row : request.rows) {
+    for (const TestedForm& row : request.rows) {
         request.limit.stop.check();
         p.rows.push_back(std::make_unique<RowFiles>(request, row, p.options, image::image_backend(), p.sheets));
     }
@@ -249,15 +249,15 @@ MapFiles::MapFiles(const MapRequest& request, const MapFilesOptions& options)
 
 MapFiles::~MapFiles() = default;
 
-std::vector<MapSink*> MapFiles::sinks() {
-    std::vector<MapSink*> sinks;
+std::vector<EvaluationSink*> MapFiles::sinks() {
+    std::vector<EvaluationSink*> sinks;
     for (const auto& row : parts_->rows) sinks.push_back(row.get());
     return sinks;
 }
 
 void MapFiles::put(std::size_t row, MapPiece&& piece) { parts_->rows.at(row)->put(piece); }
 
-void MapFiles::finish(const std::vector<MapSummary>& summaries, const measure::map::Groups& groups) {
+void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     std::uint64_t inside = 0;
     // Side by side: a row's legend and the last of its picture are its own, and so is its place on a sheet.
@@ -266,9 +266,9 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries, const measure::m
     for (const auto& row : p.rows) inside += row->inside();
     for (MapSheet& sheet : p.sheets) {
         const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
-        Total all{MapSummary(p.request.metrics)};
+        Total all{FormSummary(p.request.metrics)};
         if (is_enveloped(p.options, sheet.paint.metric())) all.inside = inside;
-        MapSummary& total = all.summary;
+        FormSummary& total = all.summary;
         std::vector<SheetCell> cells;
         for (std::size_t r = 0; r < p.rows.size(); ++r) {
             if (!sheet.paint.applies_to(p.request.rows[r])) continue;
@@ -284,7 +284,7 @@ void MapFiles::finish(const std::vector<MapSummary>& summaries, const measure::m
                            best_first(sheet.forms.size(), cells,
                                       index_of(p.request.metrics, measure::metric::find_metric("lost_bits"))));
     }
-    const auto name_of = [&p](const measure::map::WorstRay& ray) {
+    const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.name_of_ray ? p.options.name_of_ray(ray)
                                      : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
     };

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_exr.hpp"
@@ -36,16 +36,17 @@ struct MapFilesOptions {
 /// names in `finish`. Destroyed without `finish`, it leaves nothing under a final name.
 class MapFiles {
 public:
-    MapFiles(const measure::map::MapRequest& request, const MapFilesOptions& options);
+    MapFiles(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
     ~MapFiles();
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// One sink a row of the request, in its order.
-    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
+    [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
     /// The next piece of a row, as another run kept it.
     void put(std::size_t row, MapPiece&& piece);
-    void finish(const std::vector<measure::map::MapSummary>& summaries, const measure::map::Groups& groups = {});
+    void finish(const std::vector<measure::evaluate::FormSummary>& summaries,
+                const measure::evaluate::Groups& groups = {});
 
 private:
     struct Parts;

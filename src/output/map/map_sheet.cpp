@@ -8,8 +8,8 @@
 namespace lostbits::output::map {
 
 using image::LegendEntry;
-using measure::map::MapRequest;
-using measure::map::MapRow;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 std::string file_word(const Metric& metric) {
@@ -34,9 +34,9 @@ std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const M
     return entries;
 }
 
-void MapSheet::open(const MapRequest& request, const MapFilesOptions& options, bool first) {
+void MapSheet::open(const EvaluationRequest& request, const MapFilesOptions& options, bool first) {
     std::vector<image::ColourScale> scales;  // one a line
-    for (const MapRow& row : request.rows) {
+    for (const TestedForm& row : request.rows) {
         if (!paint.applies_to(row)) continue;
         static_cast<void>(find_or_add(forms, short_name(*row.form->info)));
         for (const Metric* m : metrics) {
@@ -53,7 +53,7 @@ void MapSheet::open(const MapRequest& request, const MapFilesOptions& options, b
         image::SheetSpec{
             .title = request.scene->title,
             .subtitle = sheet_subtitle(*request.scene, options.named,
-                                       options.listed ? std::span<const MapRow>() : request.rows, paint, several),
+                                       options.listed ? std::span<const TestedForm>() : request.rows, paint, several),
             .forms = forms,
             .formats = lines,
             .field_width = request.scene->width,
@@ -65,10 +65,10 @@ void MapSheet::open(const MapRequest& request, const MapFilesOptions& options, b
             .note_lines = cell_note_lines});
 }
 
-std::vector<MapSheet> sheets_of(const MapRequest& request, const MapFilesOptions& options) {
+std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn) {
-        const auto draws = [m](const MapRow& row) {
+        const auto draws = [m](const TestedForm& row) {
             return MetricPaint(*m, row.format.shape, image::image_backend()).applies_to(row);
         };
         const auto first = std::ranges::find_if(request.rows, draws);

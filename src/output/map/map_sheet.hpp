@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
@@ -33,23 +33,25 @@ struct MapSheet {
     std::unique_ptr<image::ContactSheet> page;
     std::vector<std::string> forms, lines;
 
-    [[nodiscard]] std::size_t form_of(const measure::map::MapRow& row) const {
+    [[nodiscard]] std::size_t form_of(const measure::evaluate::TestedForm& row) const {
         return place(forms, short_name(*row.form->info));
     }
-    [[nodiscard]] std::size_t line_of(const measure::map::MapRow& row, const measure::metric::Metric& metric) const {
+    [[nodiscard]] std::size_t line_of(const measure::evaluate::TestedForm& row,
+                                      const measure::metric::Metric& metric) const {
         return place(lines, line_name(row, metric));
     }
-    [[nodiscard]] std::string line_name(const measure::map::MapRow& row, const measure::metric::Metric& metric) const {
+    [[nodiscard]] std::string line_name(const measure::evaluate::TestedForm& row,
+                                        const measure::metric::Metric& metric) const {
         return metrics.size() == 1 ? row.format.name : row.format.name + " " + std::string(metric.name);
     }
     static std::size_t place(const std::vector<std::string>& names, const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     }
 
-    void open(const measure::map::MapRequest& request, const MapFilesOptions& options, bool first);
+    void open(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options, bool first);
 };
 
 /// Metrics that are drawn alike share a sheet. None is opened in a shard.
-std::vector<MapSheet> sheets_of(const measure::map::MapRequest& request, const MapFilesOptions& options);
+std::vector<MapSheet> sheets_of(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
 
 }  // namespace lostbits::output::map

@@ -11,7 +11,7 @@
 namespace lostbits::output::map {
 
 using file::Cell;
-using measure::map::SummaryColumn;
+using measure::evaluate::SummaryColumn;
 using measure::metric::Metric;
 using table::Table;
 using table::when;
@@ -28,7 +28,7 @@ std::string type_of(const SummaryColumn& column) {
     return "string";
 }
 
-Cell cell_of(const SummaryColumn& column, const measure::map::MapSummary& summary) {
+Cell cell_of(const SummaryColumn& column, const measure::evaluate::FormSummary& summary) {
     const double x = column.value(summary);
     if (std::isnan(x)) return {};
     switch (column.kind) {
@@ -45,7 +45,7 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
         table.add({c.name, type_of(c), c.unit, c.meaning, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
 }
 
-std::string command(const SummaryRow& r, const measure::map::WorstRay* ray) {
+std::string command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
     const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
     return name.empty() ? "" : blame::explain_command(name, r.row);
 }
@@ -55,15 +55,15 @@ std::string command(const SummaryRow& r, const measure::map::WorstRay* ray) {
 Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                 bool meshes, std::string by) {
     using R = SummaryRow;
-    std::vector<SummaryColumn> of_rays = measure::map::summary_columns(metrics);
+    std::vector<SummaryColumn> of_rays = measure::evaluate::summary_columns(metrics);
     std::erase_if(of_rays, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
     Table<R> table;
     table.add(table::subject_columns(), &R::row);
     add_columns(table, of_rays);
-    add_columns(table, measure::map::worst_columns(shapes));
+    add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "string", "", "the command that explains the worst ray: these numbers again",
                [](const R& r) { return command(r, &r.summary->worst); }});
-    add_columns(table, measure::map::fault_columns());
+    add_columns(table, measure::evaluate::fault_columns());
     table.add({"fault_explain", "string", "", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
@@ -73,11 +73,11 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const measure::map::MapRow& row,
-                                     const measure::map::MapSummary& summary, const measure::map::Groups& groups,
-                                     const NameOfRay& name_of_ray) {
+std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
+                                     const measure::evaluate::FormSummary& summary,
+                                     const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray) {
     std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
-    for (const measure::map::Group& group : groups.all())
+    for (const measure::evaluate::Group& group : groups.all())
         rows.push_back({row, &group.summaries[r], name_of_ray, group.value.empty() ? "(empty)" : group.value});
     return rows;
 }
@@ -97,7 +97,7 @@ Table<BandRay> found_columns(const std::vector<const Metric*>& metrics) {
          }});
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         const auto categories = metrics[m]->categories;
-        table.add({measure::map::column_name(*metrics[m]), categories.empty() ? "number" : "string",
+        table.add({measure::evaluate::column_name(*metrics[m]), categories.empty() ? "number" : "string",
                    std::string(metrics[m]->unit), std::string(metrics[m]->meaning),
                    [m, categories](const BandRay& r) -> Cell {
                        const double value = r.result->metrics[m][r.i];
@@ -130,7 +130,7 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
     return table.add(found_columns(metrics));
 }
 
-void require_open_files(const measure::map::MapRequest& request, std::size_t pictures, bool pixels_csv,
+void require_open_files(const measure::evaluate::EvaluationRequest& request, std::size_t pictures, bool pixels_csv,
                         const std::filesystem::path& folder) {
     // In front of an hour of drawing titles.
     file::require_open_files(request.rows.size() * (pictures + (pixels_csv ? 1 : 0)) + pictures + 2, folder.string(),

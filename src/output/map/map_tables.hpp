@@ -6,24 +6,24 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/groups.hpp"
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/groups.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
 
 /// What comes after `lostbits explain` to name a ray of a summary: `near-benign --pixel 3,4`; empty where nothing does.
-using NameOfRay = std::function<std::string(const measure::map::WorstRay&)>;
+using NameOfRay = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
 /// A row of a map, or a group of its rays.
 struct SummaryRow {
-    measure::map::MapRow row;
-    const measure::map::MapSummary* summary;
+    measure::evaluate::TestedForm row;
+    const measure::evaluate::FormSummary* summary;
     NameOfRay name_of_ray;
     file::Cell group = {};  ///< missing: all rays
 };
 
-/// What is known of a row of the map, as the columns of `measure::map::summary_columns`, `worst_columns` and
+/// What is known of a row of the map, as the columns of `measure::evaluate::summary_columns`, `worst_columns` and
 /// `fault_columns`, the last two with the command that explains the ray. Empty where there is no sample.
 ///
 /// `meshes`: the rays are at meshes, and have the outcomes of those. `by`: the column whose values rays are grouped by,
@@ -31,15 +31,15 @@ struct SummaryRow {
 table::Table<SummaryRow> summary_table(const std::vector<const measure::metric::Metric*>& metrics,
                                        const std::vector<Shape>& shapes, bool meshes = false, std::string by = {});
 /// Of all rays, and then of each of the groups. `row` is the `r`th of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const measure::map::MapRow& row,
-                                     const measure::map::MapSummary& summary, const measure::map::Groups& groups,
-                                     const NameOfRay& name_of_ray);
+std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
+                                     const measure::evaluate::FormSummary& summary,
+                                     const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
 
 /// A ray of a band, as a row of the run answers it.
 struct BandRay {
-    const measure::map::BandResult* result;
+    const measure::evaluate::BandResult* result;
     std::size_t i;
-    const measure::map::MapRow* row;
+    const measure::evaluate::TestedForm* row;
 
     [[nodiscard]] bool hit() const { return result->answers->hit[i] != 0; }
     [[nodiscard]] file::Cell t() const { return result->answers->t[i]; }
@@ -53,7 +53,7 @@ table::Table<BandRay> pixel_table(const std::vector<const measure::metric::Metri
 
 /// EnvironmentError where this machine does not let a process have the files of a map open at once: so many pictures of
 /// each row, a table of its pixels where wanted, and what all rows have in common.
-void require_open_files(const measure::map::MapRequest& request, std::size_t pictures, bool pixels_csv,
+void require_open_files(const measure::evaluate::EvaluationRequest& request, std::size_t pictures, bool pixels_csv,
                         const std::filesystem::path& folder);
 
 }  // namespace lostbits::output::map

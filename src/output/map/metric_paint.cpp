@@ -14,7 +14,7 @@ namespace lostbits::output::map {
 using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 using measure::metric::Metric;
 using measure::metric::Over;
 
@@ -53,8 +53,8 @@ constexpr std::size_t two_lines = 50;  ///< letters below a cell of a sheet
 
 /// Wrong decisions as shares of all pixels, the most frequent first: by name all that two lines hold, else two of them,
 /// and the rest as one: `1.2% double hit, 1.0% crack, 0.3% other`.
-std::string faults_of(const MapSummary& s) {
-    auto order = measure::map::wrong_decisions;
+std::string faults_of(const FormSummary& s) {
+    auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
     const auto share = [&s](std::uint64_t n, std::string_view what) {
         return fmt::format("{} {}", percent(n, s.rays), what);
@@ -87,7 +87,7 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, image:
     if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, format, backend, range);
 }
 
-bool MetricPaint::applies_to(const measure::map::MapRow& row) const {
+bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
     if (metric_->over == Over::pairs)  // how far apart: of t that mean the same alone
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
@@ -147,12 +147,12 @@ std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels, bool of_mesh)
     return entries;
 }
 
-std::uint64_t MetricPaint::without_value(const MapSummary& summary, std::size_t m) const {
+std::uint64_t MetricPaint::without_value(const FormSummary& summary, std::size_t m) const {
     if (is_distance()) return summary.rays - summary.metrics[m].count();
     return metric_->over == Over::agreed_hits ? summary.count(Outcome::agree_hit) - summary.metrics[m].count() : 0;
 }
 
-std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::size_t m, std::uint64_t without) const {
+std::vector<LegendEntry> MetricPaint::legend(const FormSummary& summary, std::size_t m, std::uint64_t without) const {
     if (metric_->over == Over::agreed_hits) {
         auto entries = outcome_legend(summary);
         if (without > 0)
@@ -171,7 +171,7 @@ std::vector<LegendEntry> MetricPaint::legend(const MapSummary& summary, std::siz
     return entries;
 }
 
-std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, std::size_t m) const {
+std::vector<LegendEntry> MetricPaint::culprit_legend(const FormSummary& summary, std::size_t m) const {
     const auto& counts = summary.categories[m];
     const std::uint64_t blamed = measure::blame::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
@@ -190,7 +190,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const MapSummary& summary, 
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         const bool may_have_culprit =
-            outcome == Outcome::agree_hit || (outcome != Outcome::not_a_number && measure::map::is_wrong(outcome));
+            outcome == Outcome::agree_hit || (outcome != Outcome::not_a_number && measure::evaluate::is_wrong(outcome));
         if (summary.outcomes[o] == 0 || may_have_culprit) continue;
         entries.push_back({plain_name(outcome), image::outcome_colours[o], std::to_string(summary.outcomes[o])});
     }
@@ -224,7 +224,7 @@ std::string MetricPaint::quantile_note() const {
                                                                                                           : "have");
 }
 
-std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
+std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     if (metric_->by_run) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
@@ -264,7 +264,7 @@ std::string MetricPaint::glance(const MapSummary& s, std::size_t m) const {
     return text;
 }
 
-std::string MetricPaint::caption(const MapSummary& s, std::size_t m) const {
+std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
     std::string text;
     for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
     // Below one picture there is room for what a sheet says once.

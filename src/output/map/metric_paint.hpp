@@ -19,7 +19,7 @@ public:
     /// None for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return scale_; }
     /// Whether a row has such a picture.
-    [[nodiscard]] bool applies_to(const measure::map::MapRow& row) const;
+    [[nodiscard]] bool applies_to(const measure::evaluate::TestedForm& row) const;
     /// Whether both are drawn alike, so that they may share a bar.
     [[nodiscard]] bool shares_with(const measure::metric::Metric& other) const;
 
@@ -27,10 +27,10 @@ public:
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels, bool of_mesh) const;
     /// Those that occurred; `m` is the metric's place in the summary, and `without` how many are `without_value`.
-    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::map::MapSummary& summary, std::size_t m,
+    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::evaluate::FormSummary& summary, std::size_t m,
                                                          std::uint64_t without) const;
     /// Correct hits for which the metric does not exist; of two forms held against each other, rays that not both hit.
-    [[nodiscard]] std::uint64_t without_value(const measure::map::MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::uint64_t without_value(const measure::evaluate::FormSummary& summary, std::size_t m) const;
 
     /// What the colours mean, in one line: in this format, or on a sheet of several.
     [[nodiscard]] std::string note(bool several = false) const;
@@ -38,11 +38,11 @@ public:
     [[nodiscard]] std::string quantile_note() const;
     /// What a glance at a row should take away, in at most four short lines: wrong decisions, as shares of all pixels,
     /// then how far off the agreed hits are, and how many they are.
-    [[nodiscard]] std::string glance(const measure::map::MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string glance(const measure::evaluate::FormSummary& summary, std::size_t m) const;
     /// Whether the row's worst ray is worst by what is drawn: it has the largest error of all.
     [[nodiscard]] bool names_worst() const { return metric_->over == measure::metric::Over::agreed_hits; }
     /// The same as a sentence, for below a picture.
-    [[nodiscard]] std::string caption(const measure::map::MapSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string caption(const measure::evaluate::FormSummary& summary, std::size_t m) const;
     /// As long as captions of pictures of so many pixels get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
@@ -51,7 +51,7 @@ private:
     [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && scale_; }
     [[nodiscard]] image::Rgb8 colour_without_value() const;
     [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::map::MapSummary& summary,
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::evaluate::FormSummary& summary,
                                                                  std::size_t m) const;
 
     const measure::metric::Metric* metric_;

@@ -17,11 +17,11 @@ using file::CsvWriter;
 using image::LegendEntry;
 using image::Rgb8;
 using intersect::Info;
-using measure::map::NeededBand;
-using measure::map::NeededRequest;
-using measure::map::NeededSink;
-using measure::map::NeededSummary;
-using measure::map::WidthCounts;
+using measure::evaluate::NeededBand;
+using measure::evaluate::NeededRequest;
+using measure::evaluate::NeededSink;
+using measure::evaluate::NeededSummary;
+using measure::evaluate::WidthCounts;
 using measure::metric::Statistic;
 using measure::metric::statistics;
 using table::Table;
@@ -35,7 +35,7 @@ constexpr Rgb8 unresolved_colour =
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
 LegendEntry beyond_entry(std::string count) {
-    return {fmt::format("not even {} bits are enough", measure::map::most_width), beyond_colour, std::move(count)};
+    return {fmt::format("not even {} bits are enough", measure::evaluate::most_width), beyond_colour, std::move(count)};
 }
 LegendEntry unresolved_entry(std::string count) {
     return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)};
@@ -49,7 +49,7 @@ image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, 
                          fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct "
                                      "bits, as every wider one up to {} does; "
                                      "inputs are rounded to the width too",
-                                     request.bits, measure::map::most_width)},
+                                     request.bits, measure::evaluate::most_width)},
             .width = request.scene->width,
             .height = request.scene->height,
             .scale = scale,
@@ -129,7 +129,8 @@ public:
                     image::ImageBackend& backend)
         : place_(place),
           pixel_table_(needed_pixel_table(request.bits)),
-          scale_("viridis", backend.ramp("viridis", 256), measure::map::least_width, measure::map::most_width),
+          scale_("viridis", backend.ramp("viridis", 256), measure::evaluate::least_width,
+                 measure::evaluate::most_width),
           options_(options) {
         const Info& form = *request.forms[place]->info;
         if (options.keep) return;
@@ -169,7 +170,7 @@ public:
 private:
     [[nodiscard]] Rgb8 colour(double needed) const {
         if (std::isnan(needed)) return unresolved_colour;
-        return needed == measure::map::needed_beyond ? beyond_colour : scale_.map(needed);
+        return needed == measure::evaluate::needed_beyond ? beyond_colour : scale_.map(needed);
     }
 
     [[nodiscard]] std::string pixel_lines(const NeededBand& result) const {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/needed.hpp"
+#include "measure/evaluate/needed.hpp"
 #include "output/file/datapackage.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
@@ -30,18 +30,18 @@ struct NeededFilesOptions {
 /// closes the EXR and whose summary.csv says that all is there.
 class NeededFiles {
 public:
-    NeededFiles(const measure::map::NeededRequest& request, const NeededFilesOptions& options);
+    NeededFiles(const measure::evaluate::NeededRequest& request, const NeededFilesOptions& options);
     ~NeededFiles();
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
     /// One sink a form of the request, in its order.
-    [[nodiscard]] std::vector<measure::map::NeededSink*> sinks();
+    [[nodiscard]] std::vector<measure::evaluate::NeededSink*> sinks();
     /// The next piece of a form, as another run kept it.
     void put(std::size_t form, MapPiece&& piece);
     /// For the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
-    void finish(const std::vector<measure::map::NeededSummary>& summaries);
+    void finish(const std::vector<measure::evaluate::NeededSummary>& summaries);
 
 private:
     struct Parts;

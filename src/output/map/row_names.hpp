@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::output::map {
 
@@ -28,7 +28,7 @@ namespace lostbits::output::map {
 }
 
 /// `sphere.unified.f32`
-[[nodiscard]] inline std::string row_name(const measure::map::MapRow& row) {
+[[nodiscard]] inline std::string row_name(const measure::evaluate::TestedForm& row) {
     return std::string(row.form->info->name) + "." + row.format.name;
 }
 
@@ -47,8 +47,8 @@ struct RowGrid {
     std::vector<std::string> forms, formats;
     std::vector<Place> places;  ///< one a row
 
-    explicit RowGrid(const std::vector<measure::map::MapRow>& rows) {
-        for (const measure::map::MapRow& row : rows)
+    explicit RowGrid(const std::vector<measure::evaluate::TestedForm>& rows) {
+        for (const measure::evaluate::TestedForm& row : rows)
             places.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
     }
 };

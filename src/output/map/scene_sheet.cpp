@@ -13,22 +13,22 @@ namespace lostbits::output::map {
 
 using image::ColourScale;
 using image::ContactSheet;
-using measure::map::MapSink;
+using measure::evaluate::EvaluationSink;
 
 namespace {
 
 /// Hands a row's lost bits on to the contact sheet.
-class SheetRow final : public MapSink {
+class SheetRow final : public EvaluationSink {
 public:
     SheetRow(ContactSheet& sheet, RowGrid::Place place, MetricPaint paint, std::size_t metric)
         : sheet_(sheet), place_(place), paint_(std::move(paint)), metric_(metric) {}
-    void band(const measure::map::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) override {
         std::vector<image::Rgb8> field(result.outcomes.size());
         for (std::size_t i = 0; i < field.size(); ++i)
             field[i] = paint_.colour(result.outcomes[i], result.metrics[metric_][i]);
         sheet_.add_rows(place_.form, place_.format, result.y0, field);
     }
-    void finish(const measure::map::MapSummary& summary) {
+    void finish(const measure::evaluate::FormSummary& summary) {
         sheet_.set_note(place_.form, place_.format, cell_note(paint_, summary, metric_));
     }
 
@@ -48,7 +48,7 @@ struct SceneSheet::Parts {
     std::vector<std::unique_ptr<SheetRow>> rows;
 };
 
-SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path,
+SceneSheet::SceneSheet(const measure::evaluate::EvaluationRequest& request, const std::filesystem::path& path,
                        const std::string& named) {
     const measure::metric::Metric* const lost = measure::metric::find_metric("lost_bits");
     image::ImageBackend& backend = image::image_backend();
@@ -82,15 +82,15 @@ SceneSheet::SceneSheet(const measure::map::MapRequest& request, const std::files
 
 SceneSheet::~SceneSheet() = default;
 
-std::vector<MapSink*> SceneSheet::sinks() {
-    std::vector<MapSink*> all;
+std::vector<EvaluationSink*> SceneSheet::sinks() {
+    std::vector<EvaluationSink*> all;
     for (const auto& row : parts_->rows) all.push_back(row.get());
     return all;
 }
 
-void SceneSheet::finish(const std::vector<measure::map::MapSummary>& summaries) {
+void SceneSheet::finish(const std::vector<measure::evaluate::FormSummary>& summaries) {
     Parts& p = *parts_;
-    measure::map::MapSummary total;
+    measure::evaluate::FormSummary total;
     std::vector<SheetCell> cells;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         total.rays += summaries[r].rays;

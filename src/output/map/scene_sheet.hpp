@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::output::map {
 
@@ -15,14 +15,15 @@ namespace lostbits::output::map {
 class SceneSheet {
 public:
     /// `named`: what names the scene to `lostbits explain`.
-    SceneSheet(const measure::map::MapRequest& request, const std::filesystem::path& path, const std::string& named);
+    SceneSheet(const measure::evaluate::EvaluationRequest& request, const std::filesystem::path& path,
+               const std::string& named);
     ~SceneSheet();
     SceneSheet(const SceneSheet&) = delete;
     SceneSheet& operator=(const SceneSheet&) = delete;
 
     /// One per row of the request, in its order.
-    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
-    void finish(const std::vector<measure::map::MapSummary>& summaries);
+    [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
+    void finish(const std::vector<measure::evaluate::FormSummary>& summaries);
 
 private:
     struct Parts;

@@ -14,11 +14,11 @@
 
 namespace lostbits::output::map {
 
-std::string input_note(const scene::file::Scene& scene, std::span<const measure::map::MapRow> rows) {
+std::string input_note(const scene::file::Scene& scene, std::span<const measure::evaluate::TestedForm> rows) {
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself: errors include what that costs (metric input_error)";
     std::vector<std::string> narrow;
-    for (const measure::map::MapRow& row : rows) {
+    for (const measure::evaluate::TestedForm& row : rows) {
         if (!holds_shared_inputs(row.format.shape)) static_cast<void>(find_or_add(narrow, row.format.name));
     }
     if (narrow.empty()) return "";
@@ -28,7 +28,7 @@ std::string input_note(const scene::file::Scene& scene, std::span<const measure:
 }
 
 std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
-                                        std::span<const measure::map::MapRow> rows, const MetricPaint& paint,
+                                        std::span<const measure::evaluate::TestedForm> rows, const MetricPaint& paint,
                                         bool several) {
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run ? "" : "; percentages are of all of them"),
@@ -45,8 +45,8 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
     return lines;
 }
 
-std::string cell_note(const MetricPaint& paint, const measure::map::MapSummary& summary, std::size_t m) {
-    const measure::map::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
+std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary, std::size_t m) {
+    const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
     return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "number/format.hpp"
 #include "output/map/metric_paint.hpp"
 #include "scene/file/scene.hpp"
@@ -19,23 +19,25 @@ namespace lostbits::output::map {
 
 /// Says of which formats of the rows the errors include what rounding the inputs costs. Empty where they are shared and
 /// every format holds them.
-[[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const measure::map::MapRow> rows);
+[[nodiscard]] std::string input_note(const scene::file::Scene& scene,
+                                     std::span<const measure::evaluate::TestedForm> rows);
 
 /// The lines below the title of a contact sheet, on which one metric has `several` bars or not; `named` is what names
 /// the scene to `lostbits explain`. Without rows nothing is said of inputs.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
-                                                      std::span<const measure::map::MapRow> rows,
+                                                      std::span<const measure::evaluate::TestedForm> rows,
                                                       const MetricPaint& paint, bool several);
 
 /// Four of a glance, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
 /// What stands below a cell of a sheet: a glance, and `worst pixel 100,90`, where a ray is worse than another.
-[[nodiscard]] std::string cell_note(const MetricPaint& paint, const measure::map::MapSummary& summary, std::size_t m);
+[[nodiscard]] std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary,
+                                    std::size_t m);
 
 /// What was found of a form, in the format that a sheet has first.
 struct SheetCell {
     std::size_t form;
-    const measure::map::MapSummary* summary;
+    const measure::evaluate::FormSummary* summary;
 };
 /// So many forms by fewest wrong decisions, then by the least p99 of lost bits (metric `lost` of the request), as they
 /// came where both are the same. Of several cells of a form the first counts.

@@ -11,11 +11,11 @@
 namespace lostbits::output::mend {
 
 struct FormRow {
-    std::string_view kind;       ///< own, wider, all_wider, rewritten, catalogue
-    std::string name;            ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
-    measure::map::MapRow row;    ///< of the catalogue its own, else the form's
-    std::size_t operations = 0;  ///< that round; 0 for the catalogue
-    std::size_t wide = 0;        ///< so many of them are done wider
+    std::string_view kind;              ///< own, wider, all_wider, rewritten, catalogue
+    std::string name;                   ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
+    measure::evaluate::TestedForm row;  ///< of the catalogue its own, else the form's
+    std::size_t operations = 0;         ///< that round; 0 for the catalogue
+    std::size_t wide = 0;               ///< so many of them are done wider
     const measure::mend::Worth* worth = nullptr;
     const measure::mend::Worth* apart = nullptr;  ///< on rays on which nothing was searched; null where not asked
     std::string rules = {};                       ///< that rewrote it

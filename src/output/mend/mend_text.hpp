@@ -15,7 +15,7 @@ struct MendResult {
     const measure::mend::MendRequest& request;
     const measure::mend::Mended& mended;
     /// The forms of the catalogue for the same solids in the same format, most accurate first, and what they are worth.
-    std::vector<measure::map::MapRow> catalogue;
+    std::vector<measure::evaluate::TestedForm> catalogue;
     std::vector<measure::mend::Worth> catalogue_worth;
     std::vector<measure::choice::Room> rooms = {};  ///< of the form with its set
     /// Of each way of writing it; empty of one that fails the wish.

@@ -8,14 +8,14 @@
 
 namespace lostbits::output::page {
 
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 
 namespace {
 
 /// What all grids need to be painted as the PNGs are: the scale of lost bits in each format, and the paper that paler
 /// colours are mixed with.
-void add_paint(Json& json, const std::vector<measure::map::MapRow>& rows) {
-    for (const measure::map::MapRow& row : rows)
+void add_paint(Json& json, const std::vector<measure::evaluate::TestedForm>& rows) {
+    for (const measure::evaluate::TestedForm& row : rows)
         json["scales"][row.format.name] = scale_json(
             map::metric_scale(*measure::metric::find_metric("lost_bits"), row.format.shape, image::image_backend()));
     json["paper"] = colour_json(image::style::page);
@@ -43,7 +43,7 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
     add_paint(json, request.rows);
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto at = [&](std::size_t cell) -> const MapSummary& {
+        const auto at = [&](std::size_t cell) -> const FormSummary& {
             return plane.at(r, cell % columns, cell / columns);
         };
         rows.push_back(row_json(request.rows[r], request.metrics, columns * plane.y.size(), at));
@@ -51,7 +51,7 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
     return json;
 }
 
-Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<MapSummary>>& cases) {
+Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases) {
     const scene::sweep::CaseFile& file = *request.file;
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
@@ -67,15 +67,15 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     add_paint(json, request.rows);
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto at = [&](std::size_t cell) -> const MapSummary& { return cases[cell][r]; };
+        const auto at = [&](std::size_t cell) -> const FormSummary& { return cases[cell][r]; };
         Json row = row_json(request.rows[r], request.metrics, cases.size(), at);
         const std::size_t inherent = measure::metric::place_of(request.metrics, "inherent_bits");
-        row["inherent"] = array_of(cases, [&](const std::vector<MapSummary>& each) {
+        row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
             return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
                                                                  : measure::truth::missing);
         });
         row["judged"] = intersect::convention_name(request.rows[r].judged);
-        row["verdicts"] = array_of(cases, [&](const std::vector<MapSummary>& each) {
+        row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
             return measure::sweep::verdict_names[static_cast<std::size_t>(
                 measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))];
         });

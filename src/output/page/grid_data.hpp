@@ -17,6 +17,6 @@ namespace lostbits::output::page {
 /// Named cases: their names, and of every row (by each convention) verdict, outcomes and `sweep_statistics` of
 /// each.
 [[nodiscard]] Json case_json(const measure::sweep::CaseRequest& request,
-                             const std::vector<std::vector<measure::map::MapSummary>>& cases);
+                             const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
 
 }  // namespace lostbits::output::page

@@ -21,10 +21,10 @@
 namespace lostbits::output::page {
 
 using intersect::Direction;
-using measure::map::BandResult;
-using measure::map::MapRequest;
-using measure::map::MapRow;
-using measure::map::MapSink;
+using measure::evaluate::BandResult;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::EvaluationSink;
+using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -59,7 +59,7 @@ struct MapData::Group {
     Layer hit, object, truth, rest, bound, condition;
     std::set<int> places;  ///< of the solids that a ray truly meets
 
-    Group(const MapRow& row, std::size_t n)
+    Group(const TestedForm& row, std::size_t n)
         : direction(row.form->info->direction),
           convention(row.convention()),
           maker(scene::rays::maker_of(*row.form)),
@@ -76,7 +76,7 @@ struct MapData::Group {
         return 2 * last - before;
     }
 
-    [[nodiscard]] bool is_of(const MapRow& row) const {
+    [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
                maker == scene::rays::maker_of(*row.form);
     }
@@ -102,9 +102,9 @@ struct MapData::Group {
     }
 };
 
-class MapData::Row final : public MapSink {
+class MapData::Row final : public EvaluationSink {
 public:
-    Row(const MapRequest& request, const MapRow& row, std::size_t n, std::size_t group, Group* filled)
+    Row(const EvaluationRequest& request, const TestedForm& row, std::size_t n, std::size_t group, Group* filled)
         : row_(row),
           group_(group),
           filled_(filled),
@@ -112,7 +112,8 @@ public:
           object_(4, n),
           t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
-            with_condition_ |= (measure::map::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
+            with_condition_ |=
+                (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             const Metric& metric = *request.metrics[m];
             if (is_inherent(metric)) inherent_ = m;
             if (!is_derived(metric) && !is_condition(metric)) stored_.push_back({m, Layer(4, n)});
@@ -145,7 +146,7 @@ public:
     }
     [[nodiscard]] std::size_t group() const { return group_; }
     [[nodiscard]] const std::set<int>& places() const { return places_; }
-    [[nodiscard]] const MapRow& row() const { return row_; }
+    [[nodiscard]] const TestedForm& row() const { return row_; }
 
 private:
     /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
@@ -181,7 +182,7 @@ private:
         std::size_t metric;
         Layer layer;
     };
-    const MapRow& row_;
+    const TestedForm& row_;
     std::size_t group_;
     Group* filled_;
     bool with_condition_ = false;
@@ -192,9 +193,9 @@ private:
     std::vector<Stored> stored_;
 };
 
-MapData::MapData(const MapRequest& request) : request_(request) {
+MapData::MapData(const EvaluationRequest& request) : request_(request) {
     const std::size_t n = request.scene->pixels();
-    for (const MapRow& row : request.rows) {
+    for (const TestedForm& row : request.rows) {
         const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
         const bool first = found == groups_.end();
@@ -205,15 +206,15 @@ MapData::MapData(const MapRequest& request) : request_(request) {
 
 MapData::~MapData() = default;
 
-std::vector<MapSink*> MapData::sinks() {
-    std::vector<MapSink*> all;
+std::vector<EvaluationSink*> MapData::sinks() {
+    std::vector<EvaluationSink*> all;
     for (const auto& row : rows_) all.push_back(row.get());
     return all;
 }
 
 namespace {
 
-Json metric_json(const Metric& m, std::span<const MapRow> rows) {
+Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     const map::MetricPaint paint(m, rows.front().format.shape, image::image_backend());
     Json json{{"name", m.name},
               {"unit", m.unit},
@@ -227,7 +228,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
                                          : "stored"}};
     if (paint.scale()) {  // one a format, as the pictures have it
         Json& scales = json["scales"] = Json::object();
-        for (const MapRow& row : rows)
+        for (const TestedForm& row : rows)
             scales[row.format.name] = scale_json(map::metric_scale(m, row.format.shape, image::image_backend()));
         return json;
     }
@@ -243,7 +244,7 @@ Json metric_json(const Metric& m, std::span<const MapRow> rows) {
 /// most rays stop at its cheap way. A set has a tape for each shape. The page knows no box, and
 /// makes the rays of a camera by
 /// rounding.
-bool is_taped(const MapRow& row, const MapRequest& request) {
+bool is_taped(const TestedForm& row, const EvaluationRequest& request) {
     return !request.scene->camera.rays && !scene::rays::maker_of(*row.form) && is_solid(row.form->shape) &&
            row.form->is_template() && !intersect::hull::innermost(*row.form).way && !row.form->is_set() &&
            !intersect::hull::has_box(*row.form);
@@ -258,8 +259,8 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapRequest& request, const MapRow& row, const measure::map::MapSummary& s, std::size_t group,
-                  const std::string& named) {
+Json summary_json(const EvaluationRequest& request, const TestedForm& row, const measure::evaluate::FormSummary& s,
+                  std::size_t group, const std::string& named) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
@@ -268,7 +269,7 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     const FloatFormat& f = row.format.shape;
-    const measure::map::WorstRay* const worst = s.worst_ray();
+    const measure::evaluate::WorstRay* const worst = s.worst_ray();
     return {
         {"form", row.form->info->name},
         {"format", row.format.name},
@@ -292,7 +293,7 @@ Json summary_json(const MapRequest& request, const MapRow& row, const measure::m
 
 }  // namespace
 
-Json MapData::index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const {
+Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size) const {
     const scene::file::Scene& scene = *request_.scene;
     const std::string named = own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height);
     Json rows = Json::array();

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/page/json.hpp"
 #include "output/page/pack.hpp"
 
@@ -27,24 +27,24 @@ struct Blob {
 /// What follows from t and t* alone (`derived_metrics`) the page works out itself.
 class MapData {
 public:
-    explicit MapData(const measure::map::MapRequest& request);
+    explicit MapData(const measure::evaluate::EvaluationRequest& request);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
     /// One per row of the request, in its order.
-    [[nodiscard]] std::vector<measure::map::MapSink*> sinks();
+    [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
 
     /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
     /// claims have the same rays.
-    [[nodiscard]] Json index(const std::vector<measure::map::MapSummary>& summaries, bool own_size) const;
+    [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size) const;
     /// The pixels, and the tapes of the forms, which other maps may have too.
     [[nodiscard]] std::vector<Blob> blobs() const;
 
 private:
     struct Group;
     class Row;
-    const measure::map::MapRequest& request_;
+    const measure::evaluate::EvaluationRequest& request_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };

@@ -96,8 +96,8 @@ struct Report {
 
 /// Forms and formats of a map: decisions, and p50, p99 and max of lost bits, withheld where too few hits agree; each
 /// number carries the CSV's own decimal.
-[[nodiscard]] std::string summary_table(const measure::map::MapRequest& request,
-                                        const std::vector<measure::map::MapSummary>& summaries);
+[[nodiscard]] std::string summary_table(const measure::evaluate::EvaluationRequest& request,
+                                        const std::vector<measure::evaluate::FormSummary>& summaries);
 
 /// Every form and format, cheapest first: time, bits kept, wrong decisions, whether it meets the wish.
 [[nodiscard]] std::string choice_table(const choice::Chosen& chosen);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/page/text.hpp"
@@ -15,7 +15,7 @@
 
 namespace lostbits::output::page {
 
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 using measure::metric::Metric;
 using measure::sweep::Onset;
 
@@ -28,12 +28,12 @@ const char* spacing_name(scene::sweep::Axis::Spacing s) {
 
 }  // namespace
 
-Json row_json(const measure::map::MapRow& row, const std::vector<const Metric*>& metrics, std::size_t cells,
-              const std::function<const MapSummary&(std::size_t)>& at) {
-    const auto columns = measure::map::summary_columns(metrics);
+Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const Metric*>& metrics, std::size_t cells,
+              const std::function<const FormSummary&(std::size_t)>& at) {
+    const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
     for (const std::string_view name : sweep_statistics) {
-        const measure::map::SummaryColumn* const column = measure::map::find_column(columns, name);
+        const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
         Json& all = values.emplace_back(Json::array());
         for (std::size_t c = 0; c < cells; ++c)
             all.push_back(number_json(column ? column->value(at(c)) : measure::truth::missing));
@@ -58,7 +58,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json rows = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         Json row = row_json(request.rows[r], request.metrics, steps.size(),
-                            [&](std::size_t k) -> const MapSummary& { return steps[k].rows[r]; });
+                            [&](std::size_t k) -> const FormSummary& { return steps[k].rows[r]; });
         Json& found = row["onsets"] = Json::array();
         for (const Onset& o : onsets) {
             if (o.row != r || !o.found) continue;
@@ -70,7 +70,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         rows.push_back(std::move(row));
     }
     Json far = Json::object();
-    for (const measure::map::MapRow& row : request.rows) {
+    for (const measure::evaluate::TestedForm& row : request.rows) {
         if (far.contains(row.format.name)) continue;
         const auto part = sweep::too_far(*request.sweep, row.format.shape);
         far[row.format.name] = part ? Json::array({number_json(part->from), number_json(part->to)}) : Json();
@@ -133,7 +133,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
     for (const Wanted& w : wanted) text += fmt::format("<th scope=\"col\">{}</th>", w.title);
     text += "</tr></thead><tbody>\n";
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const measure::map::MapRow& row = request.rows[r];
+        const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
         for (const Wanted& w : wanted) {
             const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.shape.precision;

@@ -20,8 +20,9 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
 
 /// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
 /// row at every step, cell or case.
-[[nodiscard]] Json row_json(const measure::map::MapRow& row, const std::vector<const measure::metric::Metric*>& metrics,
-                            std::size_t cells, const std::function<const measure::map::MapSummary&(std::size_t)>& at);
+[[nodiscard]] Json row_json(const measure::evaluate::TestedForm& row,
+                            const std::vector<const measure::metric::Metric*>& metrics, std::size_t cells,
+                            const std::function<const measure::evaluate::FormSummary&(std::size_t)>& at);
 
 /// A sweep along one axis: the axis with its values, and of every row outcomes and each statistic at every step.
 [[nodiscard]] Json sweep_json(const measure::sweep::SweepRequest& request,

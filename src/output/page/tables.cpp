@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/mend/mend_rows.hpp"
@@ -52,11 +52,11 @@ std::string caption_of(Side side) { return fmt::format("<caption>Rays {}</captio
 
 }  // namespace
 
-std::string summary_table(const measure::map::MapRequest& request,
-                          const std::vector<measure::map::MapSummary>& summaries) {
-    const auto columns = measure::map::summary_columns(request.metrics);
-    const auto value = [&](std::string_view name, const measure::map::MapSummary& s) {
-        return measure::map::find_column(columns, name)->value(s);
+std::string summary_table(const measure::evaluate::EvaluationRequest& request,
+                          const std::vector<measure::evaluate::FormSummary>& summaries) {
+    const auto columns = measure::evaluate::summary_columns(request.metrics);
+    const auto value = [&](std::string_view name, const measure::evaluate::FormSummary& s) {
+        return measure::evaluate::find_column(columns, name)->value(s);
     };
     std::string text =
         "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
@@ -69,8 +69,8 @@ std::string summary_table(const measure::map::MapRequest& request,
         "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
         "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::map::MapSummary& s = summaries[r];
-        const measure::map::MapRow& row = request.rows[r];
+        const measure::evaluate::FormSummary& s = summaries[r];
+        const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
         std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
@@ -85,7 +85,7 @@ std::string summary_table(const measure::map::MapRequest& request,
             for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
                 text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
         }
-        const measure::map::WorstRay* const worst = s.worst_ray();
+        const measure::evaluate::WorstRay* const worst = s.worst_ray();
         if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
         else
             text += fmt::format(

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 namespace lostbits::output::page {
 

@@ -11,7 +11,7 @@ using image::float_word;
 
 namespace {
 
-image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const measure::evaluate::TestedForm& row,
                        const std::string& command) {
     using enum image::Channel::Type;
     image::ExrSpec spec{.width = request.scene->width,
@@ -47,7 +47,7 @@ image::ExrSpec spec_of(const measure::picture::RenderRequest& request, const mea
 }  // namespace
 
 RenderExr::RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,
-                     const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+                     const measure::picture::RenderRequest& request, const measure::evaluate::TestedForm& row,
                      const std::string& command)
     : request_(request), writer_(backend.open_exr(path, spec_of(request, row, command))) {}
 

@@ -20,7 +20,7 @@ namespace lostbits::output::picture {
 class RenderExr {
 public:
     RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,
-              const measure::picture::RenderRequest& request, const measure::map::MapRow& row,
+              const measure::picture::RenderRequest& request, const measure::evaluate::TestedForm& row,
               const std::string& command);
 
     void write(const measure::picture::RenderBand& band);

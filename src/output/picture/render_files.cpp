@@ -17,7 +17,7 @@ namespace lostbits::output::picture {
 
 using image::HeatmapWriter;
 using map::row_name;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using measure::picture::RenderBand;
 using measure::picture::RenderRequest;
 using measure::picture::ShadeRule;
@@ -30,7 +30,7 @@ bool any_stage(const RenderRequest& request, bool ShadeRule::*asks) {
     });
 }
 
-image::HeatmapSpec map_spec(const RenderRequest& request, const MapRow& row, const std::string& title,
+image::HeatmapSpec map_spec(const RenderRequest& request, const TestedForm& row, const std::string& title,
                             const std::string& note, std::vector<image::LegendEntry> legend) {
     return {.title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
             .subtitle = {request.scene->title, map::title_of(*row.form->info), note},
@@ -51,7 +51,7 @@ struct DifferenceMap {
 
 struct StageRow {
     scene::file::Stage stage;
-    const MapRow* row;
+    const TestedForm* row;
     const measure::picture::RenderSummary* summary;
 };
 
@@ -71,7 +71,7 @@ table::Table<StageRow> stage_table() {
 /// The files of one form in one format.
 class RenderRowFiles {
 public:
-    RenderRowFiles(const RenderRequest& request, const MapRow& row, const RenderFilesOptions& options,
+    RenderRowFiles(const RenderRequest& request, const TestedForm& row, const RenderFilesOptions& options,
                    image::ImageBackend& backend)
         : exr_(backend, options.folder / (row_name(row) + ".exr"), request, row, options.command) {
         const auto open = [&](ErrorMap d, std::size_t stage, const std::string& name, const std::string& title) {
@@ -168,7 +168,7 @@ RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions&
         parts_->references.push_back(image::image_backend().open_png(
             options.folder / fmt::format("{}.reference.png", name_of(stage)), scene.width, scene.height));
     }
-    for (const MapRow& row : request.rows)
+    for (const TestedForm& row : request.rows)
         parts_->rows.push_back(std::make_unique<RenderRowFiles>(request, row, options, image::image_backend()));
 }
 

@@ -5,10 +5,10 @@
 #include "measure/claim/claim.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/edges/nearest.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/judge/worst_rays.hpp"
-#include "measure/map/map.hpp"
-#include "measure/map/needed.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
@@ -75,22 +75,22 @@ void fields(Bits& bits, measure::metric::Distribution& distribution) {
 }
 
 template <class Bits>
-void fields(Bits& bits, measure::map::WorstRay& w) {
+void fields(Bits& bits, measure::evaluate::WorstRay& w) {
     auto& [x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged, given] = w;
     bits(x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged, given);
 }
 
 template <class Bits>
-void fields(Bits& bits, measure::map::MapSummary& summary) {
+void fields(Bits& bits, measure::evaluate::FormSummary& summary) {
     auto& [rays, views, outcomes, true_hits, metrics, categories, worst, faults] = summary;
     bits(rays, views, outcomes, true_hits, metrics, categories, worst, faults);
 }
 
 template <class Bits>
-void fields(Bits& bits, measure::map::NeededSummary& summary) {
+void fields(Bits& bits, measure::evaluate::NeededSummary& summary) {
     auto& [hits, misses, hits_beyond, misses_beyond, unresolved] = summary;
-    bits(static_cast<std::array<std::uint64_t, measure::map::most_width + 1>&>(hits),
-         static_cast<std::array<std::uint64_t, measure::map::most_width + 1>&>(misses), hits_beyond, misses_beyond,
+    bits(static_cast<std::array<std::uint64_t, measure::evaluate::most_width + 1>&>(hits),
+         static_cast<std::array<std::uint64_t, measure::evaluate::most_width + 1>&>(misses), hits_beyond, misses_beyond,
          unresolved);
 }
 
@@ -150,13 +150,13 @@ void fields(Bits& bits, measure::judge::WorstRays& worst) {
 }
 
 template <class Bits>
-void fields(Bits& bits, measure::map::Group& group) {
+void fields(Bits& bits, measure::evaluate::Group& group) {
     auto& [value, summaries] = group;
     bits(value, summaries);
 }
 
 template <class Bits>
-void fields(Bits& bits, measure::map::Groups& groups) {
+void fields(Bits& bits, measure::evaluate::Groups& groups) {
     groups.fields(bits);
 }
 

@@ -24,7 +24,7 @@ table::Table<measure::speed::Timing> time_columns(const std::string& median, con
 
 /// A kernel in the plane of time and kept bits.
 struct FrontPoint {
-    const measure::map::MapRow& row;
+    const measure::evaluate::TestedForm& row;
     measure::speed::ParetoPoint worth;
     std::optional<measure::speed::Timing> time;  ///< none: what stands for it has no quartiles
     int marker = 0;

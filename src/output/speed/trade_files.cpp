@@ -82,9 +82,9 @@ Table<StandingRow> standing_table() {
          {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
           [](const R& r) { return number_or_missing(r.worth.kept_bits); }},
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss",
-          fraction(Outcome::false_hit, &measure::map::MapSummary::true_misses)},
+          fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
-          fraction(Outcome::false_miss, &measure::map::MapSummary::true_hits)},
+          fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
          {"wrong_fraction", "number", "1",
           "false hits, false misses, NaNs and, of a scene, hits of another solid, among all rays whose truth is known",
           [](const R& r) { return r.worth.wrong_fraction; }},
@@ -96,7 +96,7 @@ Table<StandingRow> standing_table() {
     return table;
 }
 
-const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::map::MapSummary& s,
+const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::evaluate::FormSummary& s,
                                                const char* name) {
     return s.metrics[measure::metric::place_of(request.metrics, name)];
 }
@@ -178,7 +178,7 @@ void TradeFiles::write_standings(const TradeResult& result) {
         const auto all = pareto_points_of(request_, result, s);
         const auto beaten = measure::speed::dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const measure::map::MapSummary& accuracy = result.accuracy(s, k);
+            const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
             standings_.add({sets[s].name, name_of(request_.kernels[k]), all[k], &accuracy,
                             &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
                             static_cast<bool>(beaten[k])});

@@ -26,7 +26,7 @@ struct StandingRow {
     std::string_view set;
     KernelName name;
     measure::speed::ParetoPoint worth;
-    const measure::map::MapSummary* accuracy;
+    const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
     bool dominated;
 };

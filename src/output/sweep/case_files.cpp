@@ -14,7 +14,7 @@
 namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
@@ -56,7 +56,7 @@ struct CellLook {
     const map::LostBitsScale& scale;
     const FloatFormat& format;
 
-    [[nodiscard]] plot::MatrixCell of(const MapSummary& s, Verdict verdict) const {
+    [[nodiscard]] plot::MatrixCell of(const FormSummary& s, Verdict verdict) const {
         switch (verdict) {
             case Verdict::right: return {case_right_colour, {}};
             case Verdict::within_inputs: return valued(s, true);
@@ -72,13 +72,13 @@ struct CellLook {
 
 private:
     /// A part of the rays is told by its number, all of them by the colour alone.
-    [[nodiscard]] static plot::MatrixCell wrong(const MapSummary& s, Outcome o) {
+    [[nodiscard]] static plot::MatrixCell wrong(const FormSummary& s, Outcome o) {
         const std::uint64_t n = s.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] plot::MatrixCell valued(const MapSummary& s, bool within) const {
+    [[nodiscard]] plot::MatrixCell valued(const FormSummary& s, bool within) const {
         const double lost = s.metrics[measure::metric::place_of(metrics, "lost_bits")].quantile(1);
         const std::size_t inherent = measure::metric::place_of(metrics, "inherent_bits");
         if (!within) return {scale.colour(lost, format), fmt::format("{:.0f} b", lost)};
@@ -91,7 +91,7 @@ private:
 }  // namespace
 
 void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
-                       const std::vector<std::vector<MapSummary>>& cases, std::optional<intersect::Touching> judged) {
+                       const std::vector<std::vector<FormSummary>>& cases, std::optional<intersect::Touching> judged) {
     image::ImageBackend& backend = image::image_backend();
     const map::LostBitsScale scale(request.rows, backend);
     plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged as {} solids", request.file->title,
@@ -105,7 +105,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
                               .scale = scale.bar(),
                               .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
-    for (const measure::map::MapRow& row : request.rows) {
+    for (const measure::evaluate::TestedForm& row : request.rows) {
         const std::string& format = row.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
             spec.groups.push_back({format, {}});
@@ -124,7 +124,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         });
         if (seen) spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
-    const auto look = [&](const MapSummary& s, Verdict verdict, const FloatFormat& format) {
+    const auto look = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
         return CellLook{request.metrics, scale, format}.of(s, verdict);
     };
     bool any_wrong_value = false, any_within = false;
@@ -151,10 +151,10 @@ CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& fo
       named_(std::move(named)),
       csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
 
-void CaseFiles::finish(const std::vector<std::vector<MapSummary>>& cases) {
+void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file->name(i);
-        const auto name_of_ray = [&](const measure::map::WorstRay& ray) {
+        const auto name_of_ray = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t place = std::int64_t{ray.group} * request_.file->rays_of(i) + ray.x;
             return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", name, place));
         };

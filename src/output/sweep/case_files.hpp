@@ -33,7 +33,7 @@ class CaseFiles {
 public:
     /// `named` is what names the file to `lostbits explain`.
     CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder, std::string named);
-    void finish(const std::vector<std::vector<measure::map::MapSummary>>& cases);
+    void finish(const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
 
 private:
     const measure::sweep::CaseRequest& request_;
@@ -44,7 +44,7 @@ private:
 
 /// The matrix of forms (columns, by format) and cases (rows) alone, of the rows judged by one convention.
 void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request,
-                       const std::vector<std::vector<measure::map::MapSummary>>& cases,
+                       const std::vector<std::vector<measure::evaluate::FormSummary>>& cases,
                        std::optional<intersect::Touching> judged = {});
 
 }  // namespace lostbits::output::sweep

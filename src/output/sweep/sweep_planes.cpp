@@ -16,8 +16,8 @@ namespace lostbits::output::sweep {
 
 using image::ImageBackend;
 using measure::answer::Outcome;
-using measure::map::MapRow;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
 using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;
 
@@ -31,17 +31,17 @@ std::string joined(const std::vector<double>& values) {
 
 struct Layer {
     const char* name;
-    std::function<float(const MapSummary&)> value;
+    std::function<float(const FormSummary&)> value;
 };
 
 std::vector<Layer> layers_of(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
-        return [i = measure::metric::place_of(request.metrics, metric), q](const MapSummary& s) {
+        return [i = measure::metric::place_of(request.metrics, metric), q](const FormSummary& s) {
             return static_cast<float>(s.metrics[i].quantile(q));
         };
     };
     const auto share = [](Outcome o) {
-        return [o](const MapSummary& s) {
+        return [o](const FormSummary& s) {
             return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays));
         };
     };
@@ -57,7 +57,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 
 void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
                const SweepGrid& plane, std::size_t r) {
-    const MapRow& row = request.rows[r];
+    const TestedForm& row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -95,7 +95,7 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
     if (y_falls_) std::ranges::reverse(y);
 }
 
-const MapSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t line) const {
+const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t line) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
     return steps_[i * y.size() + j].rows[row];
 }
@@ -103,7 +103,7 @@ const MapSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t
 void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
                          const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep->axes;
-    const MapRow& what = request.rows[row];
+    const TestedForm& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
                       excess = measure::metric::place_of(request.metrics, "excess_bits");
     const SweepGrid plane(request, steps);
@@ -118,11 +118,11 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
         .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.shape, backend),
         .unit = "lost bits",
         .legend = {}};
-    MapSummary drawn;
+    FormSummary drawn;
     bool any_outlined = false, few = false;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            const MapSummary& s = plane.at(row, column, line);
+            const FormSummary& s = plane.at(row, column, line);
             plot::PlaneCell cell;
             ++drawn.rays;
             if (wrong_share(s) <= 0.5) {

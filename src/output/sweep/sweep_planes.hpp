@@ -13,14 +13,14 @@ namespace lostbits::output::sweep {
 /// A sweep's axis as a plot shows it.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Rays with a wrong decision or NaN, among all.
-double wrong_share(const measure::map::MapSummary& s);
+double wrong_share(const measure::evaluate::FormSummary& s);
 
 /// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second.
 class SweepGrid {
 public:
     SweepGrid(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
     /// The numbers of one row of the request.
-    [[nodiscard]] const measure::map::MapSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    [[nodiscard]] const measure::evaluate::FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
 private:

@@ -21,8 +21,8 @@
 namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
-using measure::map::MapRow;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
 using measure::sweep::Onset;
 using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;
@@ -34,7 +34,7 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
     return {axis.label, axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
 }
 
-double wrong_share(const MapSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
+double wrong_share(const FormSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
 
 namespace {
 
@@ -42,7 +42,7 @@ using scene::sweep::Axis;
 
 /// One value of a row along the sweep, in rising order of the parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
-                 const std::function<double(const MapSummary&)>& value) {
+                 const std::function<double(const FormSummary&)>& value) {
     Series series{label, {}, {}, {}, {}};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
@@ -58,19 +58,19 @@ Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std
 struct Quantity {
     std::string title;
     plot::AxisSpec axis;
-    std::function<double(const MapSummary&)> value;
-    std::function<double(const MapSummary&)> envelope;  ///< empty: none
-    bool over_hits = false;                             ///< a quantile over agreed hits: withheld where they are few
-    std::string note = {};                              ///< ends the subtitle
-    bool (*shows)(const MapRow&) = [](const MapRow&) { return true; };
+    std::function<double(const FormSummary&)> value;
+    std::function<double(const FormSummary&)> envelope;  ///< empty: none
+    bool over_hits = false;                              ///< a quantile over agreed hits: withheld where they are few
+    std::string note = {};                               ///< ends the subtitle
+    bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
     std::string nothing = {};  ///< why there is nothing to draw; empty: there is
 };
 
-bool marches(const MapRow& row) { return !is_solid(row.form->shape); }
+bool marches(const TestedForm& row) { return !is_solid(row.form->shape); }
 
 /// How many rays a step has, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
-    const MapSummary& any = sweep.steps.front().rows.front();
+    const FormSummary& any = sweep.steps.front().rows.front();
     if (!sweep.request.sweep->is_drawn()) return fmt::format("{} rays per step", any.rays);
     if (any.views == any.rays) return fmt::format("{} independent rays per step", any.rays);
     return fmt::format("{} rays per step, of {} independent views", any.rays, any.views);
@@ -116,7 +116,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto measured = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const MapRow& row = sweep.request.rows[o.row];
+            const TestedForm& row = sweep.request.rows[o.row];
             return o.found && !o.from_last && row.form->info->name == mark.form && row.format == format &&
                    o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
@@ -141,27 +141,27 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
                       inherent = measure::metric::place_of(request.metrics, "inherent_bits");
     Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
-                      [lost, q](const MapSummary& s) { return drawn_quantile(s, lost, q); },
+                      [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
                       {},
                       true};
     if (inherent < request.metrics.size())
-        quantity.envelope = [inherent, q](const MapSummary& s) { return drawn_quantile(s, inherent, q); };
+        quantity.envelope = [inherent, q](const FormSummary& s) { return drawn_quantile(s, inherent, q); };
     write_lines(path, sweep, format, quantity, size);
 }
 
 void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                       Outcome outcome, PlotSize size) {
-    const auto share = [outcome](const MapSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
+    const auto share = [outcome](const FormSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
     std::uint64_t most = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const MapSummary& s : step.rows) most = std::max(most, s.rays);
+        for (const FormSummary& s : step.rows) most = std::max(most, s.rays);
     }
     // Nothing but 0 is less than one ray of a step.
     Quantity quantity{wrong_title(outcome),
                       {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
                       share,
                       {}};
-    const auto truly_misses = [](const MapSummary& s) { return s.true_misses() > 0; };
+    const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
     const bool possible = outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
                               return std::ranges::any_of(step.rows, truly_misses);
                           });
@@ -206,14 +206,14 @@ using Parts = std::vector<std::pair<std::string, std::string>>;
 void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r,
                       const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
-    const MapRow& row = request.rows[r];
+    const TestedForm& row = request.rows[r];
     LinePlotSpec spec =
         plot_along(sweep, fmt::format("{} of {} in {}, medians", title, row.form->info->name, row.format.name),
                    {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
         const std::size_t m = measure::metric::place_of(request.metrics, metric);
         spec.series.push_back(
-            series_of(sweep.steps, r, label, [m](const MapSummary& s) { return drawn_quantile(s, m, 0.5); }));
+            series_of(sweep.steps, r, label, [m](const FormSummary& s) { return drawn_quantile(s, m, 0.5); }));
         for (const Onset& o : sweep.onsets)
             if (o.found && !o.from_start && o.row == r && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
@@ -239,7 +239,7 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
     const std::size_t stop = measure::metric::place_of(request.metrics, "stop"),
                       iterations = measure::metric::place_of(request.metrics, "iterations");
     if (stop == request.metrics.size()) return;
-    const auto unfinished = [stop](const MapSummary& s) {
+    const auto unfinished = [stop](const FormSummary& s) {
         const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] +
                        s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
         return static_cast<double>(n) / static_cast<double>(s.rays);
@@ -255,13 +255,13 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {"Samples of the field, 99th percentile",
                  {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
-                 [iterations](const MapSummary& s) { return s.metrics[iterations].quantile(0.99); },
+                 [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
                  {},
                  false,
                  {},
                  marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const MapRow& row = request.rows[r];
+        const TestedForm& row = request.rows[r];
         if (row.format == format && marches(row))
             write_parts_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r,
                              "Model and rounding error",
@@ -275,7 +275,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     const SweepRequest& request = sweep.request;
     constexpr std::size_t most = 7;
     constexpr std::size_t longest = 70;
-    const MapRow& row = request.rows[r];
+    const TestedForm& row = request.rows[r];
     const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
                                             request.metrics.begin());
     std::vector<double> peak(request.metrics[m]->categories.size());
@@ -293,7 +293,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
                                    {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0});
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
-        spec.series.push_back(series_of(sweep.steps, r, label, [&](const MapSummary& s) {
+        spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
             return measure::blame::culprit_share(s.categories[m], places);
         }));
     };
@@ -312,7 +312,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
 
 std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
-    for (const MapRow& row : sweep.request.rows) {
+    for (const TestedForm& row : sweep.request.rows) {
         if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
     }
     return formats;
@@ -334,7 +334,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
                              format, o);
         write_march_plots(folder, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const MapRow& row = request.rows[r];
+            const TestedForm& row = request.rows[r];
             if (const Parts parts = steps_of(request); row.format == format && !parts.empty() && row.form->is_placed)
                 write_parts_plot(file(fmt::format("steps.{}", row.form->info->name)), sweep, r, "Steps", parts);
             if (row.format == format && map::asks_for_culprits(request.metrics))

@@ -28,7 +28,7 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
 
 }  // namespace
 
-double drawn_quantile(const measure::map::MapSummary& s, std::size_t metric, double q) {
+double drawn_quantile(const measure::evaluate::FormSummary& s, std::size_t metric, double q) {
     return s.agreement().is_enough() ? s.metrics[metric].quantile(q) : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -62,7 +62,7 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
     }
     const auto is_withheld = [&](const measure::sweep::SweepStep& step) {
         for (std::size_t r = 0; r < step.rows.size(); ++r) {
-            const measure::map::MapSummary& s = step.rows[r];
+            const measure::evaluate::FormSummary& s = step.rows[r];
             if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
         }
         return false;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/sweep_file.hpp"
@@ -12,7 +12,7 @@
 namespace lostbits::output::sweep {
 
 /// A quantile of a metric over agreed hits; NaN, which is a gap in a line, where too few hits agree.
-[[nodiscard]] double drawn_quantile(const measure::map::MapSummary& s, std::size_t metric, double q);
+[[nodiscard]] double drawn_quantile(const measure::evaluate::FormSummary& s, std::size_t metric, double q);
 /// What a gap is, here and on the page.
 [[nodiscard]] std::string gap_means();
 

@@ -19,7 +19,7 @@ using measure::sweep::WorstRequest;
 namespace {
 
 struct WorstRow {
-    measure::map::MapRow row;
+    measure::evaluate::TestedForm row;
     const std::optional<WorstFound>& worst;
 };
 
@@ -64,7 +64,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
          }});
 }
 
-std::string case_of(const WorstRequest& request, const measure::map::MapRow& row, const WorstFound& w) {
+std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstFound& w) {
     const bool decided = w.outcome == Outcome::agree_hit;
     std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
                                : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);

@@ -4,11 +4,11 @@
 
 namespace lostbits::output::table {
 
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 
-Table<MapRow> subject_columns(const std::string& form, const std::string& format) {
-    return {{"form", "string", "", form, [](const MapRow& row) { return row.form->info->name; }},
-            {"format", "string", "", format, [](const MapRow& row) { return row.format.name; }}};
+Table<TestedForm> subject_columns(const std::string& form, const std::string& format) {
+    return {{"form", "string", "", form, [](const TestedForm& row) { return row.form->info->name; }},
+            {"format", "string", "", format, [](const TestedForm& row) { return row.format.name; }}};
 }
 
 Table<Ray<double>> ray_columns(const std::string& of) {

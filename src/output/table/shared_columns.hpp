@@ -3,14 +3,14 @@
 
 #include <string>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::table {
 
 /// form and format.
-Table<measure::map::MapRow> subject_columns(const std::string& form = "form under test",
-                                            const std::string& format = "format it computes in");
+Table<measure::evaluate::TestedForm> subject_columns(const std::string& form = "form under test",
+                                                     const std::string& format = "format it computes in");
 
 /// Origin and direction as C hexadecimal floats; `of` is what the ray is of.
 Table<Ray<double>> ray_columns(const std::string& of);

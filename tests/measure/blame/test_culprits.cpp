@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_culprits {
@@ -128,13 +128,13 @@ TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves
 TEST_CASE("categories go by how often they are to blame", "[culprits]") {
     const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
     const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{60, 40}}).front();
-    measure::map::MapRequest request{
+    measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
         request.rows.push_back({&form, *find_format("f32")});
     MetricSet made;
-    request.metrics =
-        made.for_forms(request.metrics, measure::map::forms_of(request.rows), measure::blame::SettingOf(scene).get());
+    request.metrics = made.for_forms(request.metrics, measure::evaluate::forms_of(request.rows),
+                                     measure::blame::SettingOf(scene).get());
     const Metric* const before = request.metrics[1];
     request.metrics = order_culprits(request, made);
     const Metric* const after = request.metrics[1];
@@ -146,9 +146,9 @@ TEST_CASE("categories go by how often they are to blame", "[culprits]") {
     std::ranges::sort(b);
     CHECK(a == b);
     // The picture is small enough to be its own small picture.
-    const auto summaries = measure::map::run_map(request, {});
+    const auto summaries = measure::evaluate::evaluate_rows(request, {});
     std::vector<std::uint64_t> total(after->categories.size());
-    for (const measure::map::MapSummary& s : summaries) {
+    for (const measure::evaluate::FormSummary& s : summaries) {
         for (std::size_t c = 0; c < total.size(); ++c) total[c] += s.categories[1][c];
     }
     CHECK(std::is_sorted(total.begin() + 1, total.end(), std::greater{}));

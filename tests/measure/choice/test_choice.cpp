@@ -12,7 +12,7 @@
 namespace lostbits::test::test_choice {
 
 using namespace lostbits::measure::choice;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::file::Scene;
 
 namespace {
@@ -23,7 +23,7 @@ Scene scene_named(const char* name, std::optional<std::string> variant = {}) {
     return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
 }
 
-MapRow row_of(std::string_view form, const char* format) {
+TestedForm row_of(std::string_view form, const char* format) {
     const auto all = intersect::table::intersectors();
     return {std::ranges::find_if(all, [&](const auto& row) { return row.info->name == form; }).operator->(),
             *find_format(format)};
@@ -71,8 +71,8 @@ TEST_CASE("every row is timed, on rays of the scene, and worth what a map says")
     CHECK(timed.rays > 1000);
     for (const Candidate& c : all) CHECK(c.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
-    const auto summaries =
-        measure::map::run_map({.scene = &scene, .rows = request.rows, .metrics = {lost}}, {nullptr, nullptr});
+    const auto summaries = measure::evaluate::evaluate_rows({.scene = &scene, .rows = request.rows, .metrics = {lost}},
+                                                            {nullptr, nullptr});
     for (std::size_t r = 0; r < all.size(); ++r) {
         CHECK(all[r].worth.wrong == summaries[r].wrong_count());
         CHECK(all[r].worth.hits == summaries[r].true_hits);
@@ -148,7 +148,7 @@ TEST_CASE("a stretched scene is the scene at factor 1, and shows the same pictur
 TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
-    const MapRow row = row_of("sphere.schoolbook", "f32");
+    const TestedForm row = row_of("sphere.schoolbook", "f32");
     const auto rooms = rooms_of(request, row, 48 * 48);
     REQUIRE(rooms.size() == 4);
     const Room& distance = rooms[0];
@@ -169,7 +169,7 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
 }
 
 TEST_CASE("two spheres that differ in radius alone have rooms that end at one radius") {
-    const MapRow row = row_of("sphere.pythagoras", "f64");
+    const TestedForm row = row_of("sphere.pythagoras", "f64");
     const auto edge = [&row](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4", variant);
         const auto rooms = rooms_of(request_of(scene, 16), row, 4096);
@@ -184,7 +184,7 @@ TEST_CASE("two spheres that differ in radius alone have rooms that end at one ra
 TEST_CASE("a room ends where binary32 holds another scene, though every ray is decided rightly there") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
-    const MapRow row = row_of("sphere.unified", "f64");
+    const TestedForm row = row_of("sphere.unified", "f64");
     const auto rooms = rooms_of(request, row, 48 * 48);
     const auto offset = std::ranges::find(rooms, Growth::offset, &Room::way);
     REQUIRE(offset != rooms.end());

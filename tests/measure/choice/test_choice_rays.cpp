@@ -15,7 +15,7 @@
 namespace lostbits::test::test_choice_rays {
 
 using namespace lostbits::measure::choice;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::file::Scene;
 using scene::test::Columns;
 
@@ -48,7 +48,7 @@ std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool solids) 
     return scene::dump::open_dump(path, options);
 }
 
-ChoiceRequest wish_of(double bits, std::vector<MapRow> rows) {
+ChoiceRequest wish_of(double bits, std::vector<TestedForm> rows) {
     ChoiceRequest request;
     request.rows = std::move(rows);
     request.wish.bits = bits;
@@ -207,7 +207,7 @@ TEST_CASE("at the edge of the room of rays the wish holds, and just beyond it fa
     FileRays rays;
     rays.format = *find_format("f32");
     rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_solids(scene)};
-    const MapRow row = testing::row("sphere.schoolbook", "f32");
+    const TestedForm row = testing::row("sphere.schoolbook", "f32");
     ChoiceRequest request = wish_of(14, {row});
     request.rays = &rays;
     const auto rooms = rooms_of(request, row);
@@ -232,7 +232,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
     // 8.5, off by 0.03, in ulps of binary64 (2^-49 at 8.53) 2^43.94: 8.059 of 53 bits are left. A quantile of lost bits
     // is known to 2^-11 of itself.
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
-    const MapRow row = testing::row("sphere.unified", "f32");
+    const TestedForm row = testing::row("sphere.unified", "f32");
     ChoiceRequest request = wish_of(16, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
@@ -251,7 +251,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
 }
 
 TEST_CASE("what stands in the way: format, problem and formula are told apart") {
-    const MapRow row = testing::row("sphere.unified", "f32");
+    const TestedForm row = testing::row("sphere.unified", "f32");
     // Every number is one of binary32, and the ray starts far away: half an ulp in the centre costs bits all the same.
     const Scene far = one_ray("0", "1048576", "1048575");
     ChoiceRequest request = wish_of(16, {row});
@@ -266,19 +266,19 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     CHECK(find_obstacle(request, row).cause == Obstacle::Cause::width);
     // Some 18 bits are kept where half an ulp in each input would leave 20: neither is 23, but the formula loses more.
     const Scene benign = scene_of_choice("near-benign");
-    const MapRow lossy = testing::row("sphere.schoolbook", "f32");
+    const TestedForm lossy = testing::row("sphere.schoolbook", "f32");
     request = wish_of(23, {lossy});
     request.scene = &benign;
     const Obstacle loses = find_obstacle(request, lossy);
     CHECK(loses.cause == Obstacle::Cause::formula);
     const Scene thin = thinned(benign, 2048);
     const auto* const inherent = measure::metric::find_metric("inherent_bits");
-    const auto map = measure::map::run_map({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
+    const auto map = measure::evaluate::evaluate_rows({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));
     CHECK(loses.exact.kept_bits == 53);
     // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
     const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
-    const MapRow schoolbook = testing::row("sphere.schoolbook", "f32");
+    const TestedForm schoolbook = testing::row("sphere.schoolbook", "f32");
     request = wish_of(4, {schoolbook});
     request.scene = &oblique;
     const Obstacle formula = find_obstacle(request, schoolbook);
@@ -291,7 +291,7 @@ TEST_CASE("what stands in the way: nothing is hit") {
     // The ray looks away from the sphere: no format, no input and no formula has anything to keep.
     Scene scene = one_ray("999990.5", "1000000.03", "1");
     scene.camera.look_at.z = Real(0);
-    const MapRow row = testing::row("sphere.unified", "f32");
+    const TestedForm row = testing::row("sphere.unified", "f32");
     ChoiceRequest request = wish_of(30, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
@@ -301,7 +301,7 @@ TEST_CASE("what stands in the way: nothing is hit") {
 
 TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
-    const MapRow row = testing::row("sphere.unified", "f64");
+    const TestedForm row = testing::row("sphere.unified", "f64");
     ChoiceRequest request = wish_of(48, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
@@ -314,7 +314,7 @@ TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
 
 TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {
     const Scene scene = scene_of_choice("near-benign", {32, 24});
-    const MapRow row = testing::row("sphere.double_inside", "f32");
+    const TestedForm row = testing::row("sphere.double_inside", "f32");
     const auto safe = safe_offsets(scene, row);
     REQUIRE(safe);
     CHECK(safe->points > 100);

@@ -10,7 +10,7 @@ namespace lostbits::test::test_requirement {
 
 using namespace lostbits::measure::choice;
 using measure::answer::Outcome;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 
 namespace {
 
@@ -20,8 +20,8 @@ scene::file::Scene small_scene(const char* name) {
     return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
 }
 
-std::vector<MapRow> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
-    std::vector<MapRow> rows;
+std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
+    std::vector<TestedForm> rows;
     for (const char* form : forms) {
         const auto all = intersect::table::intersectors();
         const auto found = std::ranges::find_if(all, [form](const auto& row) { return row.info->name == form; });
@@ -31,10 +31,10 @@ std::vector<MapRow> rows_of(std::initializer_list<const char*> forms, std::initi
 }
 
 /// Outcomes and lost bits of a row, pixel by pixel.
-struct Kept final : measure::map::MapSink {
+struct Kept final : measure::evaluate::EvaluationSink {
     std::vector<Outcome> outcomes;
     std::vector<double> lost;
-    void band(const measure::map::BandResult& r) override {
+    void band(const measure::evaluate::BandResult& r) override {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         lost.insert(lost.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
@@ -45,10 +45,10 @@ struct Kept final : measure::map::MapSink {
 };
 
 /// Every row by itself.
-std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<MapRow>& rows) {
+std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     std::vector<Kept> kept(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        measure::map::run_map(
+        measure::evaluate::evaluate_rows(
             {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}}, {&kept[r]});
     }
     return kept;
@@ -61,8 +61,8 @@ struct Asked {
 };
 
 /// With prices of its own for the rows, so that a test does not depend on the clock.
-Asked require(const scene::file::Scene& scene, const std::vector<MapRow>& rows, const std::vector<double>& prices,
-              double bits, const std::vector<MapRow>& untimed = {}) {
+Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& rows, const std::vector<double>& prices,
+              double bits, const std::vector<TestedForm>& untimed = {}) {
     Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement = {}};
     asked.request.wish.bits = bits;
     Meetings meetings(asked.request, rows);

@@ -25,7 +25,7 @@ const Check* named(std::string_view name) {
     throw std::logic_error("no check " + std::string(name));
 }
 
-std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::map::MapRow> rows,
+std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                            std::vector<const Check*> among = all_checks()) {
     return run_consistency({.scene = &scene, .rows = std::move(rows), .checks = std::move(among)});
 }
@@ -42,7 +42,7 @@ CheckSummary one(const std::string& scene, std::string_view form, std::string_vi
 TEST_CASE("consistency: every form in packs and alone, and what every summary keeps", "[measure][consistency]") {
     for (const std::string name : {"near-benign", "camera-inside", "box-slabs", "consistency-on-surface"}) {
         const auto scene = load(name);
-        std::vector<measure::map::MapRow> rows;
+        std::vector<measure::evaluate::TestedForm> rows;
         for (const Shape shape : {Shape::sphere, Shape::box}) {
             if (!scene.meets(shape)) continue;
             for (const auto& r : testing::all_rows(shape, {"f32", "f64", "bf16"})) rows.push_back(r);

@@ -1,7 +1,7 @@
 // Culling changes nothing: answers and truths with an index against brute force, for every form.
 #include "catch.hpp"
 #include "counts.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "number/random.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/scene_text.hpp"

@@ -31,7 +31,8 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
     return EdgeSearchFile(folder.write("edges.toml", search_text(more)), LOSTBITS_DATA_DIR);
 }
 
-std::vector<EdgeFinding> found_by(const EdgeSearchFile& search, const std::vector<measure::map::MapRow>& rows) {
+std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
+                                  const std::vector<measure::evaluate::TestedForm>& rows) {
     return measure::edges::find_nearest({.search = &search, .rows = rows});
 }
 
@@ -47,7 +48,7 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
 }
 
 /// Whether a form claims one triangle of the scene, asked about it alone.
-bool claims(const measure::map::MapRow& row, const Ray<double>& ray, const Solid<double>& triangle) {
+bool claims(const measure::evaluate::TestedForm& row, const Ray<double>& ray, const Solid<double>& triangle) {
     const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
                  d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
     double t, near, far;

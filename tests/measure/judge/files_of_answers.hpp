@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "measure/answer/answers.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scene/dump/dump_writer.hpp"
 
 namespace lostbits::testing {
@@ -31,7 +31,7 @@ inline void add_answers(scene::test::Columns& columns, const measure::answer::An
 }
 
 /// The same numbers in every place of a summary.
-inline void require_same(const measure::map::MapSummary& a, const measure::map::MapSummary& b) {
+inline void require_same(const measure::evaluate::FormSummary& a, const measure::evaluate::FormSummary& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.outcomes == b.outcomes);
     CHECK(a.true_hits == b.true_hits);

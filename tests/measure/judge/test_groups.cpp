@@ -11,7 +11,7 @@ using scene::test::Columns;
 using testing::add_answers, testing::all_metrics, testing::ray_columns, testing::require_same;
 
 TEST_CASE("what a summary has of a group is what it has of those rays alone") {
-    const map::MapRow row = testing::row("sphere.press", "f32");
+    const evaluate::TestedForm row = testing::row("sphere.press", "f32");
     const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}};
     scene::rays::RayBlock rays;
     std::vector<double> kinds;
@@ -49,7 +49,7 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
     };
     const JudgeResult all = judged({});
     REQUIRE(all.groups.all().size() == 3);
-    for (const map::Group& group : all.groups.all()) {
+    for (const evaluate::Group& group : all.groups.all()) {
         INFO(group.value);
         JudgeResult alone = judged(std::stod(group.value));
         // Their places are others.
@@ -63,14 +63,14 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
 }
 
 TEST_CASE("groups stand in the order of their numbers, and words behind them") {
-    map::Groups groups, more;
+    evaluate::Groups groups, more;
     for (const char* value : {"10", "glass", "9", "-2.5", "1e3", "", "9"}) groups.add(value, 1, {});
     groups.at("9").summaries[0].rays = 4;
     for (const char* value : {"9", "100"}) more.add(value, 1, {});
     more.at("9").summaries[0].rays = 3;
     groups.append(std::move(more));
     std::string all;
-    for (const map::Group& group : groups.all()) all += group.value + ";";
+    for (const evaluate::Group& group : groups.all()) all += group.value + ";";
     CHECK(all == "-2.5;9;10;100;1e3;;glass;");
     CHECK(groups.at("9").summaries[0].rays == 7);
 }

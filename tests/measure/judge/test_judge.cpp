@@ -33,8 +33,8 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
     const std::vector<Solid<double>> solids = scene::rays::shared_solids(scene);
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
-        const map::MapRow row = testing::row(name, format);
-        const auto expected = map::run_map({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
+        const evaluate::TestedForm row = testing::row(name, format);
+        const auto expected = evaluate::evaluate_rows({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
 
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
         std::optional<intersect::MarchConstants<double>> march;
@@ -69,7 +69,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
 class Worst final : public judge::JudgeSink {
 public:
     explicit Worst(std::size_t most) : worst(most, 1) {}
-    void piece(const scene::dump::Chunk& chunk, const map::BandResult& result) override {
+    void piece(const scene::dump::Chunk& chunk, const evaluate::BandResult& result) override {
         worst.look_at(chunk.first, result);
     }
     judge::WorstRays worst;
@@ -150,7 +150,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
         for (const char* format : {"f32", "f64", "bf16"}) {
             const auto inputs = band.inputs(*find_format(format), {.unit_rays = true});
             const std::size_t few = std::string(format) == "bf16" ? 500 : 5000;
-            for (const map::MapRow& row : testing::all_rows(shape, {format})) {
+            for (const evaluate::TestedForm& row : testing::all_rows(shape, {format})) {
                 INFO(row.form->info->name << " in " << format);
                 const auto together = answer::evaluate(*row.form, inputs);
                 for (std::size_t i = 0; i < few; i += 1 + i / 20) {
@@ -170,7 +170,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
 
 TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
-    const map::MapRow row = testing::row("sphere.expanded", "f32");
+    const evaluate::TestedForm row = testing::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
     const auto judged = [&](bool late, Worst& worst) {
@@ -180,7 +180,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
     };
     Worst first(5), later(5);
     const JudgeResult at_start = judged(false, first), beyond = judged(true, later);
-    const map::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
+    const evaluate::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
     REQUIRE(a.x >= 0);
     CHECK(b.x - a.x == std::int64_t{scene::test::LateDump::before});
     CHECK(a.object == a.x);
@@ -195,7 +195,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
 
 TEST_CASE("judged rays do not depend on the number of threads, and the worst are those of every ray") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 100000, 5);
-    const map::MapRow row = testing::row("sphere.schoolbook", "f32");
+    const evaluate::TestedForm row = testing::row("sphere.schoolbook", "f32");
     Columns columns = columns_of_pairs(group);
     const truth::Band band(group);
     const auto inputs = band.inputs(row.format, {});

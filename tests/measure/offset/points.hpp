@@ -18,7 +18,7 @@ inline scene::file::Scene load(const std::string& name, int width = 12, int heig
 /// Points of a scene as one form in one format finds them, and what to ask them.
 struct ScenePoints {
     scene::file::Scene scene;
-    measure::map::MapRow of;
+    measure::evaluate::TestedForm of;
     std::vector<Solid<double>> solids;
     std::vector<measure::offset::MetPoint> met;
 

@@ -130,7 +130,7 @@ TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Sne
 }
 
 TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[measure][offset]") {
-    const measure::map::MapRow of = row("sphere.half_b", "f32");
+    const measure::evaluate::TestedForm of = row("sphere.half_b", "f32");
     const auto strategies = all_strategies();
     const auto named = [](std::string_view name) -> const Strategy& {
         return *std::ranges::find(measure::offset::strategies(), name, &Strategy::name);

@@ -23,8 +23,9 @@ inline scene::file::Scene load(const char* name, int width, int height) {
     return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
 }
 
-inline std::vector<measure::map::MapRow> rows_of(const std::vector<std::string>& formats, std::string_view only = "") {
-    std::vector<measure::map::MapRow> rows;
+inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std::string>& formats,
+                                                          std::string_view only = "") {
+    std::vector<measure::evaluate::TestedForm> rows;
     for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
         for (const auto& name : formats)
             if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name)))

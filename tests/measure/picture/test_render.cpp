@@ -158,7 +158,8 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
             for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
                 if (f.info->formats != intersect::Formats::all) continue;
                 CAPTURE(name, f.info->name, native);
-                const std::vector<measure::map::MapRow> rows{{&f, *find_format(native)}, {&f, *find_format(emulated)}};
+                const std::vector<measure::evaluate::TestedForm> rows{{&f, *find_format(native)},
+                                                                      {&f, *find_format(emulated)}};
                 const Collected run({.scene = &s, .stages = {s.appearance.furthest()}, .rows = rows});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);

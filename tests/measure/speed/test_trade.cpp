@@ -118,7 +118,7 @@ TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[
 
 TEST_CASE("a standing is made of the median, all wrong decisions and the 99th percentile", "[trade]") {
     const std::vector<const measure::metric::Metric*> lost{measure::metric::find_metric("lost_bits")};
-    measure::map::MapSummary s;
+    measure::evaluate::FormSummary s;
     s.rays = 100;
     s.outcomes = {90, 2, 1, 2, 1, 4};
     s.metrics = std::vector<measure::metric::Distribution>(1);
@@ -148,7 +148,7 @@ TEST_CASE("rays of a scene are taken evenly over it, and held against the solids
     CHECK(work.hit_rate() > 0.05);
     CHECK(work.hit_rate() < 0.95);
     for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
-        const measure::map::MapRow timed = row("sphere.schoolbook", format);
+        const measure::evaluate::TestedForm timed = row("sphere.schoolbook", format);
         CHECK(work.bytes(timed.format) == work.rays() * (9 * size + 1));
         const auto pass = work.on(timed, intersect::simd::packed_kernels(*timed.form));
         CHECK(pass.items == work.rays() * 3);
@@ -196,13 +196,13 @@ TEST_CASE("a kernel for every row, width and variant", "[trade]") {
 // Each ray of a set has a solid of its own. Rows of other flags were once asked about the first solid alone.
 TEST_CASE("what other flags make of a form is measured against the solid of each ray", "[trade]") {
     for (const char* const form : {"sphere.double_inside", "triangle.undivided"}) {
-        std::vector<measure::map::MapRow> rows;
+        std::vector<measure::evaluate::TestedForm> rows;
         for (const measure::speed::TradeKernel& k : measure::speed::trade_kernels({row(form, "f32")}))
             if (!k.variant.empty()) rows.push_back(k.measured);
         CHECK(rows.size() == intersect::simd::variants().size());
         const Shape shape = form_named(form).shape;
         for (const auto& summary :
-             measure::map::measure_groups(measure::speed::ray_sets(shape).front().groups(), rows, {}, {})) {
+             measure::evaluate::measure_groups(measure::speed::ray_sets(shape).front().groups(), rows, {}, {})) {
             CHECK(summary.count(measure::answer::Outcome::agree_hit) > summary.rays / 4);
             CHECK(summary.wrong_count() < summary.rays / 50);
         }

@@ -46,9 +46,9 @@ const std::string by_hand =
     // A miss is a miss: disc = 100 − 4·(9 + 25 − 4) = −20.
     one_case("exact miss", "centre = [3, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }");
 
-measure::map::MapSummary summary_of(std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts,
-                                    double excess) {
-    measure::map::MapSummary s;
+measure::evaluate::FormSummary summary_of(
+    std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts, double excess) {
+    measure::evaluate::FormSummary s;
     for (const auto& [outcome, n] : counts) {
         s.outcomes[static_cast<std::size_t>(outcome)] = n;
         s.rays += n;
@@ -97,7 +97,7 @@ TEST_CASE("verdicts that follow by hand") {
         CHECK(measure::sweep::verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
         CHECK(cases[i][0].rays == 1);
         // One row of one case is the same as that row among all.
-        const measure::map::MapSummary alone = measure::sweep::run_cases_together(request, 0, {i});
+        const measure::evaluate::FormSummary alone = measure::sweep::run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
         CHECK(same(alone.metrics[0].quantile(1), cases[i][0].metrics[0].quantile(1)));
     }
@@ -169,7 +169,7 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
     std::uint64_t right = 0, invented = 0;
     for (const auto& rows : cases) {
         REQUIRE(rows.size() == request.rows.size());
-        for (const measure::map::MapSummary& s : rows) {
+        for (const measure::evaluate::FormSummary& s : rows) {
             CHECK(s.true_hits == 0);
             CHECK(s.count(measure::answer::Outcome::agree_hit) + s.count(measure::answer::Outcome::false_miss) +
                       s.count(measure::answer::Outcome::unresolved) ==
@@ -234,7 +234,7 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
             bool any_right = false;
             for (std::size_t r = 0; r < request.rows.size(); ++r) {
                 CAPTURE(request.rows[r].form->info->name, request.rows[r].format.name);
-                const measure::map::MapSummary& s = cases[i][r];
+                const measure::evaluate::FormSummary& s = cases[i][r];
                 const measure::sweep::Verdict v =
                     measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
                 CHECK(v != measure::sweep::Verdict::unresolved);

@@ -23,7 +23,7 @@ using namespace lostbits;
 using namespace lostbits::testing;
 using intersect::table::HitBatch;
 using intersect::table::RayBatch;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
 using scene::sweep::place_of;
@@ -53,7 +53,7 @@ struct Alone {
     double ulps = 0, padding = 0;
 };
 
-Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const MapRow& row, float value) {
+Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& row, float value) {
     const Ray<float> there = file.ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
@@ -117,7 +117,7 @@ void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) 
     if (packs.at_most < found + 0x1p-19 * std::max(found, 1.0)) CHECK((worst == found || worst <= packs.at_most));
 }
 
-sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<MapRow> rows) {
+sweep::ExhaustiveRequest request_of(const ExhaustiveFile& file, std::vector<TestedForm> rows) {
     sweep::ExhaustiveRequest request;
     request.sweep = &file;
     request.rows = std::move(rows);
@@ -135,7 +135,7 @@ struct Compared {
     std::uint64_t floats = 0, wrong = 0;
 };
 
-Compared compare(const std::string& text, const std::vector<MapRow>& rows) {
+Compared compare(const std::string& text, const std::vector<TestedForm>& rows) {
     const TextFile written(text);
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto request = request_of(file, rows);

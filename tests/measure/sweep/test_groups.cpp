@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/rows.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test::test_groups {
 
-using measure::map::MapSummary;
-using measure::map::WorstRay;
+using measure::evaluate::FormSummary;
+using measure::evaluate::WorstRay;
 
 namespace {
 
@@ -46,7 +46,7 @@ void check_same(const WorstRay& a, const WorstRay& b) {
 }
 
 /// What a summary of all views says against the sum of one summary a view.
-void check_same(const MapSummary& together, const MapSummary& summed) {
+void check_same(const FormSummary& together, const FormSummary& summed) {
     CHECK(together.rays == summed.rays);
     CHECK(together.true_hits == summed.true_hits);
     CHECK(together.outcomes == summed.outcomes);
@@ -64,14 +64,14 @@ void check_same(const MapSummary& together, const MapSummary& summed) {
     }
 }
 
-MapSummary one_at_a_time(const std::vector<scene::rays::RayGroup>& groups, const measure::map::MapRow& row) {
-    MapSummary sum(metrics);
+FormSummary one_at_a_time(const std::vector<scene::rays::RayGroup>& groups, const measure::evaluate::TestedForm& row) {
+    FormSummary sum(metrics);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         measure::truth::Band band(groups[g]);
         band.find_condition();
         const auto inputs = band.inputs(
             row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit, .own_truth = true});
-        measure::map::measure_row({row, metrics, nullptr, static_cast<int>(g)}, band, inputs, sum);
+        measure::evaluate::measure_row({row, metrics, nullptr, static_cast<int>(g)}, band, inputs, sum);
     }
     for (auto& d : sum.metrics) d.seal();
     return sum;
@@ -101,7 +101,8 @@ TEST_CASE("rays of many views measured together are those of one view at a time"
             }
             for (const auto& row : testing::all_rows(shape, {"f32", "f64", "p16"})) {
                 INFO(sweep << ", " << row.form->info->name << " in " << row.format.name);
-                const MapSummary together = std::move(measure::map::measure_groups(groups, {row}, metrics, {}).front());
+                const FormSummary together =
+                    std::move(measure::evaluate::measure_groups(groups, {row}, metrics, {}).front());
                 check_same(together, one_at_a_time(groups, row));
                 CHECK(together.views == groups.size());
                 worst += together.worst.group > 0;

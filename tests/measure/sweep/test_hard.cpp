@@ -49,7 +49,7 @@ TEST_CASE("every hard ray measures what its name says") {
                 const double radii = scene::sweep::distance_in_radii(group.rays[0], group.solids[0].sphere());
                 CHECK(fmt::format("{:.6g}", radii) == part[4].str());
             }
-            const measure::map::MapSummary s = measure::sweep::run_cases_together(request, 0, {i});
+            const measure::evaluate::FormSummary s = measure::sweep::run_cases_together(request, 0, {i});
             REQUIRE(s.rays == 1);
             if (is_value) {
                 ++values;
@@ -64,7 +64,7 @@ TEST_CASE("every hard ray measures what its name says") {
         }
         CHECK(rows.size() == file.size());  // a row is named once
         if (!file.meets(Shape::sphere)) continue;
-        for (const measure::map::MapRow& r : all_rows(Shape::sphere, {"f32", "f64"})) {
+        for (const measure::evaluate::TestedForm& r : all_rows(Shape::sphere, {"f32", "f64"})) {
             INFO(file.id << " lacks " << r.form->info->name << " in " << r.format.name);
             CHECK(rows.count(std::string(r.form->info->name) + " " + r.format.name) == 1);
         }

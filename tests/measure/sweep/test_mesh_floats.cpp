@@ -30,7 +30,7 @@ struct Counted {
     std::size_t claimed = 0, crossed = 0;
 };
 
-Counted count_at(const ExhaustiveFile& file, const measure::map::MapRow& row, float value) {
+Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm& row, float value) {
     const Ray<double> ray = file.group_at(0, value).rays[0];
     const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
                  d[] = {ray.direction.x, ray.direction.y, ray.direction.z};

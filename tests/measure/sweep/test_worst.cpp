@@ -42,7 +42,7 @@ bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f)
 
 /// One ray through one form alone, and the truth found anew.
 struct Alone {
-    Alone(const measure::map::MapRow& row, const Ray<double>& ray, const Solid<double>& solid)
+    Alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray, const Solid<double>& solid)
         : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
         const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
                      d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
@@ -163,8 +163,9 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
         scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));
         search.starts = 2;
         search.generations = 16;
-        for (const measure::map::MapRow& r : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
-                                              row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
+        for (const measure::evaluate::TestedForm& r :
+             {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.pythagoras", "bf16"),
+              row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, r.form->info->name, r.format.name);
             const auto found =
                 measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
@@ -188,7 +189,7 @@ TEST_CASE("a search beats as many rays drawn by chance") {
     scene::sweep::SearchFile search(folder / "near.toml");
     search.starts = 4;
     search.generations = 64;
-    const measure::map::MapRow r = row("sphere.schoolbook", "f32");
+    const measure::evaluate::TestedForm r = row("sphere.schoolbook", "f32");
     const auto found = measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
     REQUIRE(found.has_value());
     CHECK(found->outcome == measure::answer::Outcome::agree_hit);
@@ -248,7 +249,7 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         .metrics = metrics_of(search)};
     const auto found = measure::sweep::find_worst(request);
     for (std::size_t r = 0; r < found.size(); ++r) {
-        const measure::map::MapRow& what = request.rows[r];
+        const measure::evaluate::TestedForm& what = request.rows[r];
         INFO(what.format.name);
         REQUIRE(found[r]);
         CHECK(found[r]->outcome == measure::answer::Outcome::false_miss);

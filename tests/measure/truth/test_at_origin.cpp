@@ -5,7 +5,7 @@
 
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "number/real.hpp"
 
@@ -191,7 +191,7 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
         group.solids = {Solid<double>(sphere_of(x))};
         const double h = dot(x.origin, x.direction);
         const auto outcome = [&](std::optional<Touching> judged, const char* format) {
-            auto summaries = measure::map::measure_groups(
+            auto summaries = measure::evaluate::measure_groups(
                 {group}, {{interval, *find_format(format), judged}},
                 {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("input_error"),
                  measure::metric::find_metric("excess_bits")},

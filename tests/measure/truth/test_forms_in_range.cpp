@@ -5,7 +5,7 @@
 
 #include "catch.hpp"
 #include "intersect/table/in_range.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/seeded.hpp"
 
 namespace lostbits::test::test_forms_in_range {
@@ -13,7 +13,7 @@ namespace lostbits::test::test_forms_in_range {
 using intersect::Roots;
 using intersect::Touching;
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 using scene::rays::RayGroup;
 
 namespace {
@@ -40,8 +40,8 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
 }
 
 Outcome outcome_of(const intersect::table::Intersector& form, const char* format, RayGroup group) {
-    const auto summaries = measure::map::measure_groups({std::move(group)}, {{&form, *find_format(format), {}}},
-                                                        {measure::metric::find_metric("lost_bits")}, {});
+    const auto summaries = measure::evaluate::measure_groups({std::move(group)}, {{&form, *find_format(format), {}}},
+                                                             {measure::metric::find_metric("lost_bits")}, {});
     for (const Outcome o : {Outcome::agree_hit, Outcome::agree_miss, Outcome::false_hit, Outcome::false_miss})
         if (summaries[0].count(o) == 1) return o;
     return Outcome::unresolved;

@@ -20,15 +20,15 @@ using namespace lostbits::output::test;
 using lostbits::binary32;
 using lostbits::binary64;
 using lostbits::measure::answer::Outcome;
-using lostbits::measure::map::MapSummary;
+using lostbits::measure::evaluate::FormSummary;
 using lostbits::measure::metric::find_metric;
 using lostbits::measure::metric::Metric;
 
 namespace {
 
 /// A row of 1000 pixels with these lost bits on its agreed hits, and these outcomes beside them.
-MapSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std::uint64_t>> outcomes) {
-    MapSummary s({find_metric("lost_bits")});
+FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std::uint64_t>> outcomes) {
+    FormSummary s({find_metric("lost_bits")});
     s.rays = 1000;
     for (const auto& [outcome, n] : outcomes) s.outcomes[static_cast<std::size_t>(outcome)] = n;
     for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_object}) s.true_hits += s.count(o);
@@ -38,7 +38,7 @@ MapSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std:
 
 bool has_word(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
 
-std::string glance(const MapSummary& s, const lostbits::FloatFormat& format = binary32,
+std::string glance(const FormSummary& s, const lostbits::FloatFormat& format = binary32,
                    const char* name = "lost_bits") {
     return MetricPaint(*find_metric(name), format, backend()).glance(s, 0);
 }
@@ -104,7 +104,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
           "[metric_paint]") {
     const Metric& apart = *find_metric("apart");
     const MetricPaint paint(apart, binary32, backend());
-    MapSummary s({&apart});
+    FormSummary s({&apart});
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
     CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both hit");
@@ -116,7 +116,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()));
     CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
     CHECK(paint.widest(1000, false).size() == 1);
-    CHECK(paint.glance(MapSummary({&apart}), 0) == "no ray that both hit");
+    CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     Metric culprit = *find_metric("culprit");
     culprit.categories = operations;
     const MetricPaint paint(culprit, binary32, backend());
-    MapSummary s({&culprit});
+    FormSummary s({&culprit});
     s.rays = 1000;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
@@ -144,7 +144,7 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
 TEST_CASE("a sheet says which formats got the inputs rounded too", "[metric_paint]") {
     lostbits::scene::file::Scene scene;
     const auto note = [&scene](std::initializer_list<const char*> formats) {
-        std::vector<lostbits::measure::map::MapRow> rows;
+        std::vector<lostbits::measure::evaluate::TestedForm> rows;
         for (const char* name : formats) rows.push_back(lostbits::testing::row("sphere.unified", name));
         return input_note(scene, rows);
     };
@@ -166,7 +166,7 @@ TEST_CASE("nothing is written as 0", "[metric_paint]") {
 TEST_CASE("a hit without a value has its outcome's colour, and the legend names it", "[metric_paint]") {
     const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
     CHECK(paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()) == image::outcome_colours[0]);
-    MapSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
+    FormSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
     CHECK(paint.without_value(s, 0) == 0);
     CHECK(paint.legend(s, 0, 0).size() == 1);
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] += 7;
@@ -181,29 +181,29 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
 TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then those with the least p99",
           "[metric_paint]") {
     const auto of = [](double lost, std::uint64_t missed) {
-        MapSummary s = summary_of(lost, {{Outcome::agree_hit, 900 - missed}, {Outcome::false_miss, missed}});
+        FormSummary s = summary_of(lost, {{Outcome::agree_hit, 900 - missed}, {Outcome::false_miss, missed}});
         for (auto& metric : s.metrics) metric.seal();
         return s;
     };
-    const MapSummary bad = of(0, 40), good = of(3, 0), better = of(2, 0), blind = of(0, 880);
+    const FormSummary bad = of(0, 40), good = of(3, 0), better = of(2, 0), blind = of(0, 880);
     // The second cell of the first form, in another format, does not count.
     const std::vector<SheetCell> cells{{0, &bad}, {0, &better}, {1, &good}, {2, &blind}, {3, &better}, {4, &good}};
     CHECK(best_first(5, cells, 0) == std::vector<std::size_t>{3, 1, 4, 0, 2});
     // With as many wrong decisions, and too few hits for a p99: behind.
-    const MapSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
+    const FormSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
     CHECK(best_first(2, std::vector<SheetCell>{{0, &few}, {1, &good}}, 0) == std::vector<std::size_t>{1, 0});
 
     const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
-    MapSummary seen = of(3, 0);
+    FormSummary seen = of(3, 0);
     CHECK_FALSE(has_word(cell_note(paint, seen, 0), "worst"));
     seen.worst.x = 17;
     seen.worst.y = 4;
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17,4"));
     // A wrong decision is worse than any error.
     seen.outcomes[static_cast<std::size_t>(Outcome::false_hit)] = 1;
-    const auto place = std::ranges::find(lostbits::measure::map::wrong_decisions, Outcome::false_hit) -
-                       lostbits::measure::map::wrong_decisions.begin();
-    seen.faults[static_cast<std::size_t>(place)] = std::make_unique<lostbits::measure::map::WorstRay>();
+    const auto place = std::ranges::find(lostbits::measure::evaluate::wrong_decisions, Outcome::false_hit) -
+                       lostbits::measure::evaluate::wrong_decisions.begin();
+    seen.faults[static_cast<std::size_t>(place)] = std::make_unique<lostbits::measure::evaluate::WorstRay>();
     seen.faults[static_cast<std::size_t>(place)]->x = 5;
     seen.faults[static_cast<std::size_t>(place)]->y = 6;
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));

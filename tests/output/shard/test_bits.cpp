@@ -42,7 +42,7 @@ TEST_CASE("shard: a list that claims more than the file has is refused", "[outpu
 }
 
 TEST_CASE("shard: a claimed list takes memory for what is there of it alone", "[output]") {
-    using Summaries = std::vector<measure::map::MapSummary>;
+    using Summaries = std::vector<measure::evaluate::FormSummary>;
     const std::uint64_t claimed = 30 << 20;  // where a summary takes hundreds of bytes, gigabytes
     std::string bits = bits_of(claimed);
     bits.resize(sizeof claimed + claimed, '\x7f');

@@ -17,7 +17,7 @@ using lostbits::output::plot::AxisSpec;
 using lostbits::output::plot::Series;
 using lostbits::testing::row;
 using lostbits::testing::TextFile;
-using measure::map::MapRow;
+using measure::evaluate::TestedForm;
 using output::test::Scratch;
 
 namespace {
@@ -32,7 +32,7 @@ const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 
 /// A sweep that was run.
 struct Ran {
-    Ran(const std::string& text, const std::vector<MapRow>& rows)
+    Ran(const std::string& text, const std::vector<TestedForm>& rows)
         : written(text), file(written.path(), LOSTBITS_DATA_DIR) {
         request.sweep = &file;
         request.rows = rows;

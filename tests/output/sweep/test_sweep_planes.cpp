@@ -142,7 +142,7 @@ TEST_CASE(
     const Planes planes(false, false);
     const std::size_t lost = 0, excess = 2;
     for (std::size_t r = 0; r < 2; ++r) {
-        const measure::map::MapRow& what = planes.request.rows[r];
+        const measure::evaluate::TestedForm& what = planes.request.rows[r];
         const auto image =
             backend().read_png(planes.folder / (std::string(what.form->info->name) + "." + what.format.name + ".png"));
         CHECK(rim_is_blank(image));
@@ -150,7 +150,7 @@ TEST_CASE(
             metric_scale(*measure::metric::find_metric("lost_bits"), what.format.shape, backend());
         int plain_cells = 0, wrong_cells = 0;
         for (const measure::sweep::SweepStep& step : planes.steps) {
-            const measure::map::MapSummary& s = step.rows[r];
+            const measure::evaluate::FormSummary& s = step.rows[r];
             const double p99 = s.metrics[lost].quantile(0.99);
             constexpr measure::answer::Outcome kinds[] = {measure::answer::Outcome::false_hit,
                                                           measure::answer::Outcome::false_miss,

@@ -16,7 +16,7 @@ using namespace lostbits::output::test;
 using lostbits::testing::row;
 using lostbits::testing::TextFile;
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 
 namespace {
 
@@ -38,7 +38,7 @@ struct Made {
             measure::sweep::SweepStep& step = made.emplace_back();
             step.values = {sweep.axes.front().values[k]};
             step.rows.emplace_back(request.metrics);
-            MapSummary& s = step.rows.back();
+            FormSummary& s = step.rows.back();
             s.rays = s.true_hits = s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = rays;
         }
     }

@@ -47,7 +47,7 @@ TEST_CASE("an ulp of the distance is as wide as a sphere from 2^p radii on", "[t
 }
 
 TEST_CASE("a quantile over too few agreed hits is a gap", "[too_far]") {
-    measure::map::MapSummary s;
+    measure::evaluate::FormSummary s;
     s.rays = s.true_hits = 100;
     s.metrics.resize(1);
     for (int k = 0; k < 10; ++k) s.metrics[0].add(3);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
@@ -18,11 +18,11 @@ using measure::truth::Truth;
 namespace {
 
 /// Recounts the outcomes of a band from every triangle asked alone; what is truly met without an index.
-class Recount final : public measure::map::MapSink {
+class Recount final : public measure::evaluate::EvaluationSink {
 public:
-    explicit Recount(const measure::map::MapRow& row) : row_(row) {}
+    explicit Recount(const measure::evaluate::TestedForm& row) : row_(row) {}
 
-    void band(const measure::map::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) override {
         const auto& in = *result.inputs;
         const auto& mesh = in.solids.mesh()->mesh();
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
@@ -109,7 +109,7 @@ private:
                             {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
         return hit != 0;
     }
-    const measure::map::MapRow& row_;
+    const measure::evaluate::TestedForm& row_;
 };
 
 scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std::string, std::string>> changes) {
@@ -127,16 +127,16 @@ TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcom
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
           smaller("mesh-tube-far", {{"mesh[0].along", "16"}}), smaller("mesh-sheets-far", {})}) {
-        measure::map::MapRequest request{
+        measure::evaluate::EvaluationRequest request{
             .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
                                  "triangle.havel_herout", "triangle.filtered"})
             request.rows.push_back(testing::row(form, "f32"));
         std::vector<Recount> again;
         for (const auto& row : request.rows) again.emplace_back(row);
-        std::vector<measure::map::MapSink*> sinks;
+        std::vector<measure::evaluate::EvaluationSink*> sinks;
         for (Recount& one : again) sinks.push_back(&one);
-        const auto summaries = measure::map::run_map(request, sinks);
+        const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
         for (std::size_t r = 0; r < again.size(); ++r) {
             INFO(scene.id << ", " << request.rows[r].form->info->name);
             CHECK(again[r].wrong == 0);

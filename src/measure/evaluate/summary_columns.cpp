@@ -1,4 +1,4 @@
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "measure/truth/missing.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
 using metric::Metric;
@@ -19,7 +19,7 @@ namespace {
 
 using Columns = std::vector<SummaryColumn>;
 using Kind = SummaryColumn::Kind;
-using S = MapSummary;
+using S = FormSummary;
 
 double number(std::uint64_t n) { return static_cast<double>(n); }
 
@@ -294,4 +294,4 @@ const SummaryColumn* find_column(const Columns& columns, std::string_view name) 
     return found == columns.end() ? nullptr : &*found;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

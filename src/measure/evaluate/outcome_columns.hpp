@@ -2,9 +2,9 @@
 #pragma once
 
 #include "measure/answer/mesh_outcomes.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// Where the outcomes of a band go: as many of each as rays.
 struct OutcomeColumns {
@@ -15,6 +15,6 @@ struct OutcomeColumns {
 /// The outcome of every ray, counted in `summary` too. A form that does not tell t claims no hit at NaN, and on which
 /// solid it hits nobody knows.
 void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
-                   const OutcomeColumns& out, MapSummary& summary);
+                   const OutcomeColumns& out, FormSummary& summary);
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -3,14 +3,14 @@
 
 #include "catch.hpp"
 #include "measure/answer/one_ray.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test::test_march {
 
 using intersect::Stop;
 using measure::answer::OneRay;
-using measure::map::MapRequest;
+using measure::evaluate::EvaluationRequest;
 
 namespace {
 
@@ -21,8 +21,9 @@ scene::file::Scene scene_of(const std::string& name, int size) {
     return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{size, size}}).front();
 }
 
-std::vector<measure::map::MapRow> marches(const scene::file::Scene& scene, std::initializer_list<const char*> formats) {
-    std::vector<measure::map::MapRow> rows;
+std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& scene,
+                                                   std::initializer_list<const char*> formats) {
+    std::vector<measure::evaluate::TestedForm> rows;
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         if (form.shape != Shape::sdf || !scene.meets(form.shape)) continue;
         for (const char* format : formats) rows.push_back({&form, *find_format(format)});
@@ -31,10 +32,10 @@ std::vector<measure::map::MapRow> marches(const scene::file::Scene& scene, std::
 }
 
 /// Checks ray by ray what a band shows.
-class Checker final : public measure::map::MapSink {
+class Checker final : public measure::evaluate::EvaluationSink {
 public:
     explicit Checker(int max_steps) : max_steps_(max_steps) {}
-    void band(const measure::map::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const intersect::MarchRecord& m = result.answers->march[i];
             const double ulps = result.metrics[0][i], model = result.metrics[1][i], rounding = result.metrics[2][i],
@@ -66,13 +67,13 @@ private:
 
 TEST_CASE("input, model and rounding error of a march sum to its error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
-    MapRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
+    EvaluationRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    std::vector<measure::map::MapSink*> sinks;
+    std::vector<measure::evaluate::EvaluationSink*> sinks;
     for (Checker& c : checkers) sinks.push_back(&c);
-    const auto summaries = measure::map::run_map(request, sinks);
+    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
                                               << checkers[r].without_self);
@@ -88,11 +89,12 @@ TEST_CASE("input, model and rounding error of a march sum to its error", "[measu
 
 TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
-    MapRequest request{.scene = &scene,
-                       .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
-                       .metrics = {measure::metric::find_metric("lost_bits"),
-                                   measure::metric::find_metric("iterations"), measure::metric::find_metric("stop")}};
-    const auto summary = std::move(measure::map::run_map(request, {}).front());
+    EvaluationRequest request{
+        .scene = &scene,
+        .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
+        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"),
+                    measure::metric::find_metric("stop")}};
+    const auto summary = std::move(measure::evaluate::evaluate_rows(request, {}).front());
     CHECK(summary.metrics[0].count() > 0);
     CHECK(summary.metrics[1].count() == 0);
     CHECK(summary.categories[2] == std::vector<std::uint64_t>(intersect::stop_names.size(), 0));
@@ -100,9 +102,9 @@ TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
 
 TEST_CASE("refinement takes the model error away", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
-    MapRequest request{
+    EvaluationRequest request{
         .scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
-    const auto summaries = measure::map::run_map(request, {});
+    const auto summaries = measure::evaluate::evaluate_rows(request, {});
     const double plain = summaries[0].metrics[0].quantile(0.5);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto name = request.rows[r].form->info->name;

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 struct SummaryColumn {
     /// How the number is written; of `category` as the name at that place of `categories`.
@@ -19,7 +19,7 @@ struct SummaryColumn {
     std::string name;
     Kind kind;
     std::string unit, meaning;
-    std::function<double(const MapSummary&)> value;  ///< NaN where it is missing
+    std::function<double(const FormSummary&)> value;  ///< NaN where it is missing
     std::span<const std::string_view> categories = {};
     bool tabled = true;      ///< false: for claims alone
     bool of_meshes = false;  ///< tabled where there are meshes
@@ -42,4 +42,4 @@ std::string column_name(const metric::Metric& metric, const metric::Statistic& s
 /// The column of that name; null where there is none.
 const SummaryColumn* find_column(const std::vector<SummaryColumn>& columns, std::string_view name);
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -10,7 +10,7 @@
 #include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// The widths that are tried: formats pP with binary64's exponents.
 inline constexpr int least_width = 2, most_width = 53;
@@ -80,7 +80,7 @@ struct NeededRequest {
     std::vector<const intersect::table::Intersector*> forms;  ///< each with `rounded` kernels
     int bits = 12;                                            ///< B, 1 to 52
     truth::TruthLimit limit{};
-    shard::Share share = {};  ///< of the bands, as in `MapRequest`
+    shard::Share share = {};  ///< of the bands, as in `EvaluationRequest`
     /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
@@ -101,4 +101,4 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
 /// of forms changes a result.
 std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::vector<NeededSink*>& sinks = {});
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -1,4 +1,4 @@
-#include "measure/map/row_sums.hpp"
+#include "measure/evaluate/row_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "measure/truth/missing.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
 using truth::missing;
@@ -19,7 +19,7 @@ WorstRay RowSums::worst(std::size_t i) const {
     return w;
 }
 
-void RowSums::keep_worst(MapSummary& summary, double largest) const {
+void RowSums::keep_worst(FormSummary& summary, double largest) const {
     if (!(largest > summary.worst.size)) return;
     const auto is_it = [largest](double ulps) { return std::fabs(ulps) == largest; };
     const double* const end = ulps_ + result_.outcomes.size();
@@ -27,7 +27,7 @@ void RowSums::keep_worst(MapSummary& summary, double largest) const {
     if (found != end) summary.worst = worst(static_cast<std::size_t>(found - ulps_));  // else no ray is measured
 }
 
-void RowSums::keep_faults(MapSummary& summary) const {
+void RowSums::keep_faults(FormSummary& summary) const {
     for (std::size_t kind = 0; kind < wrong_decisions.size(); ++kind) {
         auto& fault = summary.faults.at(kind);
         if (fault || summary.count(wrong_decisions[kind]) == 0) continue;
@@ -37,7 +37,7 @@ void RowSums::keep_faults(MapSummary& summary) const {
 }
 
 void RowSums::add(const BandPart& part) const {
-    MapSummary& summary = *part.summary;
+    FormSummary& summary = *part.summary;
     std::optional<std::size_t> farthest;
     double largest = summary.worst.size;
     summary.rays += part.rays.size();
@@ -90,4 +90,4 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
     return w;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -3,22 +3,22 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/map/map.hpp"
-#include "measure/map/summary_columns.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/summary_columns.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_wrong_solid {
 
 using measure::answer::Outcome;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 
 namespace {
 
 /// Counts for itself what a band shows.
-class Recount final : public measure::map::MapSink {
+class Recount final : public measure::evaluate::EvaluationSink {
 public:
-    void band(const measure::map::BandResult& result) override {
+    void band(const measure::evaluate::BandResult& result) override {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const auto truth = result.truth(i);
             const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);
@@ -39,17 +39,17 @@ TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured t
     const auto found = scene::file::find_scene("rtg-fig-7-6-far", LOSTBITS_DATA_DIR);
     const auto scene =
         scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{96, 96}}).front();
-    const measure::map::MapRequest request{
+    const measure::evaluate::EvaluationRequest request{
         .scene = &scene,
         .rows = {testing::row("sphere.schoolbook", "f32"), testing::row("sphere.schoolbook", "f64")},
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
     Recount single, wide;
-    const auto summaries = measure::map::run_map(request, {&single, &wide});
+    const auto summaries = measure::evaluate::evaluate_rows(request, {&single, &wide});
     CHECK(single.wrong > 500);
     CHECK(wide.wrong == 0);
     CHECK(single.mistaken + wide.mistaken == 0);
 
-    const MapSummary& s = summaries.front();
+    const FormSummary& s = summaries.front();
     CHECK(s.count(Outcome::wrong_object) == single.wrong);
     CHECK(s.metrics[0].count() == s.count(Outcome::agree_hit));
     CHECK(s.agreement().agreed == s.count(Outcome::agree_hit));
@@ -61,12 +61,12 @@ TEST_CASE("a hit of the wrong solid is no agreed hit, and no error is measured t
     CHECK(s.fault()->outcome == Outcome::wrong_object);
     CHECK(s.fault()->t != s.fault()->truth);
 
-    const auto columns = measure::map::summary_columns(request.metrics);
-    CHECK(measure::map::find_column(columns, "wrong_object")->value(s) == static_cast<double>(single.wrong));
-    CHECK(measure::map::find_column(columns, "wrong_object_fraction")->value(s) ==
+    const auto columns = measure::evaluate::summary_columns(request.metrics);
+    CHECK(measure::evaluate::find_column(columns, "wrong_object")->value(s) == static_cast<double>(single.wrong));
+    CHECK(measure::evaluate::find_column(columns, "wrong_object_fraction")->value(s) ==
           static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
     REQUIRE(s.count(Outcome::unresolved) == 0);
-    CHECK(measure::map::find_column(columns, "wrong_fraction")->value(s) ==
+    CHECK(measure::evaluate::find_column(columns, "wrong_fraction")->value(s) ==
           static_cast<double>(s.rays - s.count(Outcome::agree_hit) - s.count(Outcome::agree_miss)) /
               static_cast<double>(s.rays));
 }

@@ -1,10 +1,10 @@
-#include "measure/map/own_words.hpp"
+#include "measure/evaluate/own_words.hpp"
 
 #include <cmath>
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
-OwnWords::OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
+OwnWords::OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
                    std::size_t i, std::size_t solid, std::int32_t truly) {
     const intersect::table::Intersector& form = *row.form;
     const auto& rays = inputs.rays_for(*form.info);
@@ -36,4 +36,4 @@ void OwnWords::into(metric::Sample& sample) const {
     if (levels_) sample.levels = &*levels_;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

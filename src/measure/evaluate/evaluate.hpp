@@ -1,4 +1,4 @@
-// The map: every selected form in every selected format over every pixel of a scene, against one truth.
+// The engine: every selected form in every selected format over every ray of a scene, against one truth.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,10 @@
 #include "measure/truth/missing.hpp"
 #include "scene/rays/rays.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// One row of the work: a form in a format.
-struct MapRow {
+struct TestedForm {
     const intersect::table::Intersector* form;
     Format format;
     /// By whose convention on touching it is judged; its own where absent.
@@ -33,11 +33,11 @@ struct MapRow {
     const intersect::table::Intersector* against = nullptr;
 
     [[nodiscard]] intersect::Convention convention() const { return form->info->convention(judged); }
-    friend bool operator==(const MapRow&, const MapRow&) = default;
+    friend bool operator==(const TestedForm&, const TestedForm&) = default;
 };
 
 /// The forms of the rows, each once, in their order.
-std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows);
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows);
 
 /// A ray that a summary names, with everything it takes to ask the form again.
 struct WorstRay {
@@ -61,7 +61,7 @@ struct WorstRay {
 using answer::is_wrong, answer::wrong_decisions;
 
 /// What is known of a row when the whole picture has been seen.
-struct MapSummary {
+struct FormSummary {
     std::uint64_t rays = 0;
     std::uint64_t views =
         1;  ///< sets of rays with solids of their own: the independent samples of what rays of one set share
@@ -74,12 +74,12 @@ struct MapSummary {
     /// The first ray of each of the `wrong_decisions`; null where there is none.
     std::array<std::unique_ptr<WorstRay>, wrong_decisions.size()> faults;
 
-    MapSummary() = default;
-    explicit MapSummary(const std::vector<const metric::Metric*>& measured);
+    FormSummary() = default;
+    explicit FormSummary(const std::vector<const metric::Metric*>& measured);
     /// To the distribution of metric m, or to the counts of its categories; NaN is no value.
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
     /// What is known of further rays, all of which come after those that are known here.
-    void append(MapSummary&& after);
+    void append(FormSummary&& after);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     /// Of all the `wrong_decisions`.
     [[nodiscard]] std::uint64_t wrong_count() const;
@@ -114,17 +114,17 @@ struct BandResult {
 
 /// Where a row's results go: files, plots, tests. Called band by band from top to bottom, never concurrently for
 /// one row; different rows are served at the same time.
-class MapSink {
+class EvaluationSink {
 public:
-    virtual ~MapSink() = default;
+    virtual ~EvaluationSink() = default;
     virtual void band(const BandResult& result) = 0;
 };
 
 /// What one row is to be measured by, and who is shown it band by band (may be null).
 struct RowRequest {
-    const MapRow& row;
+    const TestedForm& row;
     const std::vector<const metric::Metric*>& metrics;
-    MapSink* sink = nullptr;
+    EvaluationSink* sink = nullptr;
     int group = 0;           ///< of a sweep or case, for the rays that the summary names
     std::int64_t first = 0;  ///< the place of the band's first ray, where rays are a list and no picture
     /// What was answered, where a file has it and no form can be asked; null: the form is asked.
@@ -134,11 +134,11 @@ struct RowRequest {
 /// Evaluates a row on a band, of which `inputs` are those of its format, and adds what it finds to `summary`, which is
 /// made for these metrics.
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
-                 MapSummary& summary);
+                 FormSummary& summary);
 
 /// Every row over all groups of rays, one summary per row, their distributions sealed.
-std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
-                                       const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
+std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
+                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit);
 
 /// What the metrics need computed first: `Needs`, or-ed.
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
@@ -146,9 +146,9 @@ unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
 /// record.
 unsigned needs_met_by(const intersect::table::Intersector& form);
 
-struct MapRequest {
+struct EvaluationRequest {
     const scene::file::Scene* scene = nullptr;
-    std::vector<MapRow> rows;
+    std::vector<TestedForm> rows;
     std::vector<const metric::Metric*> metrics;
     truth::TruthLimit limit{};
     /// Where which stages settled the truths of the rays is added up; null: nowhere.
@@ -160,7 +160,7 @@ struct MapRequest {
 
 /// Runs the map; sinks[i] (may be null) receives rows[i]. Memory does not grow with the height of the picture, and the
 /// results do not depend on the number of threads: bands are cut by the picture alone and each row is summed in order.
-std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks);
+std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<EvaluationSink*>& sinks);
 
 /// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
 int band_rows(int width);
@@ -168,4 +168,4 @@ int band_rows(int width);
 /// The first line of each band of a picture that a share has.
 std::vector<int> bands_of(int width, int height, shard::Share share);
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

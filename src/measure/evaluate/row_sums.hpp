@@ -2,9 +2,9 @@
 #pragma once
 
 #include "measure/columns/columns.hpp"
-#include "measure/map/measure_row.hpp"
+#include "measure/evaluate/measure_row.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// Looks at what is measured, and outlives none of it.
 class RowSums {
@@ -14,9 +14,9 @@ public:
         : request_(request), row_(request.row), result_(result), truth_(truth), ulps_(ulps) {}
 
     /// The first of the rays that are farthest off; `largest` is the largest |ulps|.
-    void keep_worst(MapSummary& summary, double largest) const;
+    void keep_worst(FormSummary& summary, double largest) const;
     /// The first ray of each wrong decision.
-    void keep_faults(MapSummary& summary) const;
+    void keep_faults(FormSummary& summary) const;
     /// All that a summary has, of some rays.
     void add(const BandPart& part) const;
 
@@ -26,10 +26,10 @@ private:
     [[nodiscard]] WorstRay worst(std::size_t i) const;
 
     const RowRequest& request_;
-    const MapRow& row_;
+    const TestedForm& row_;
     const BandResult& result_;
     const columns::TrueLengths& truth_;
     const double* ulps_;
 };
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

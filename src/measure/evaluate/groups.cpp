@@ -1,4 +1,4 @@
-#include "measure/map/groups.hpp"
+#include "measure/evaluate/groups.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -8,7 +8,7 @@
 
 #include "number/error.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 namespace {
 
@@ -76,4 +76,4 @@ std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size
     return all;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -7,7 +7,7 @@
 #include "measure/metric/metrics.hpp"
 #include "measure/truth/missing.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// What a row takes on a band, kept by the thread: asking for a megabyte anew each time costs more than to fill it.
 struct RowColumns {
@@ -26,4 +26,4 @@ struct RowColumns {
     }
 };
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -1,4 +1,4 @@
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/map/measure_row.hpp"
+#include "measure/evaluate/measure_row.hpp"
 #include "scene/rays/made_rows.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
 using metric::Metric;
@@ -18,16 +18,16 @@ using truth::Band;
 using truth::BandNeeds;
 using truth::FormatInputs;
 
-columns::BandColumns columns_of(const Band& band, const std::vector<MapRow>& rows) {
+columns::BandColumns columns_of(const Band& band, const std::vector<TestedForm>& rows) {
     columns::BandColumns columns(band);
-    for (const MapRow& row : rows) columns.find(row.convention(), row.form->info->direction);
+    for (const TestedForm& row : rows) columns.find(row.convention(), row.form->info->direction);
     return columns;
 }
 
-std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows,
+std::map<std::string, BandNeeds> needs_by_format(const std::vector<TestedForm>& rows,
                                                  const std::vector<const Metric*>& metrics) {
     std::map<std::string, BandNeeds> formats;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         BandNeeds& needs = formats[row.format.name];
         for (const intersect::table::Intersector* form : {row.form, row.against})
             needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
@@ -38,26 +38,26 @@ std::map<std::string, BandNeeds> needs_by_format(const std::vector<MapRow>& rows
     return formats;
 }
 
-std::vector<const intersect::table::Intersector*> forms_of(const std::vector<MapRow>& rows) {
+std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const MapRow& row : rows) {
+    for (const TestedForm& row : rows) {
         if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
     }
     return forms;
 }
 
-MapSummary::MapSummary(const std::vector<const Metric*>& measured) : metrics(measured.size()) {
+FormSummary::FormSummary(const std::vector<const Metric*>& measured) : metrics(measured.size()) {
     for (const Metric* m : measured) categories.emplace_back(m->categories.size());
 }
 
-void MapSummary::add(std::size_t m, const Metric& metric, std::span<const double> values) {
+void FormSummary::add(std::size_t m, const Metric& metric, std::span<const double> values) {
     if (metric.categories.empty()) return metrics[m].add(values);
     for (const double value : values) {
         if (!std::isnan(value)) ++categories[m][static_cast<std::size_t>(value)];
     }
 }
 
-void MapSummary::append(MapSummary&& after) {
+void FormSummary::append(FormSummary&& after) {
     rays += after.rays;
     true_hits += after.true_hits;
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
@@ -71,27 +71,27 @@ void MapSummary::append(MapSummary&& after) {
     }
 }
 
-std::uint64_t MapSummary::wrong_count() const {
+std::uint64_t FormSummary::wrong_count() const {
     std::uint64_t all = 0;
     for (const Outcome o : wrong_decisions) all += count(o);
     return all;
 }
 
-std::optional<Outcome> MapSummary::wrong() const {
+std::optional<Outcome> FormSummary::wrong() const {
     const auto most = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
     return count(*most) > 0 ? std::optional(*most) : std::nullopt;
 }
 
-const WorstRay* MapSummary::first_of(Outcome wrong) const {
+const WorstRay* FormSummary::first_of(Outcome wrong) const {
     return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, wrong) - wrong_decisions.begin())].get();
 }
 
-const WorstRay* MapSummary::fault() const {
+const WorstRay* FormSummary::fault() const {
     const auto most = wrong();
     return most ? first_of(*most) : nullptr;
 }
 
-const WorstRay* MapSummary::worst_ray() const {
+const WorstRay* FormSummary::worst_ray() const {
     if (const WorstRay* const wrong = fault()) return wrong;
     return worst.x < 0 ? nullptr : &worst;
 }
@@ -114,11 +114,11 @@ namespace {
 /// Rows whose rays are made one way, by their places in the order of the rows; null: as the scene says.
 struct RowsOfMaker {
     const scene::camera::Maker* maker;
-    std::vector<MapRow> rows;
+    std::vector<TestedForm> rows;
     std::vector<std::size_t> places;
 };
 
-std::vector<RowsOfMaker> by_maker(const std::vector<MapRow>& rows) {
+std::vector<RowsOfMaker> by_maker(const std::vector<TestedForm>& rows) {
     std::vector<RowsOfMaker> all;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const auto* const maker = scene::rays::maker_of(*rows[r].form);
@@ -171,8 +171,8 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
 }
 
 /// Rows on one band, into the summaries of the same places.
-void measure_band(Band& band, int group, const std::vector<MapRow>& rows, const std::vector<const Metric*>& metrics,
-                  const std::vector<MapSummary*>& summaries) {
+void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics,
+                  const std::vector<FormSummary*>& summaries) {
     if (needs_of(metrics) & metric::needs_condition) band.find_condition();
     std::map<std::string, FormatInputs> inputs;
     for (const auto& [name, needs] : needs_by_format(rows, metrics))
@@ -183,11 +183,11 @@ void measure_band(Band& band, int group, const std::vector<MapRow>& rows, const 
 }
 
 /// Rows on the rays of one group, into the summaries of the same places.
-void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapRow>& rows,
+void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
-                   const std::vector<MapSummary*>& summaries) {
+                   const std::vector<FormSummary*>& summaries) {
     for (const RowsOfMaker& some : by_maker(rows)) {
-        std::vector<MapSummary*> into;
+        std::vector<FormSummary*> into;
         for (const std::size_t place : some.places) into.push_back(summaries[place]);
         if (some.maker == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
@@ -209,14 +209,14 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<MapR
 
 }  // namespace
 
-std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<MapRow>& rows,
-                                       const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
-    std::vector<MapSummary> summaries;
+std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
+                                        const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
+    std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     // A field of distances is of all solids of a group, whichever ray is asked about.
     std::optional<Joined> joined = join(groups);
-    std::vector<MapRow> at_once, one_by_one;
-    std::vector<MapSummary*> of_once, of_each;
+    std::vector<TestedForm> at_once, one_by_one;
+    std::vector<FormSummary*> of_once, of_each;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const bool once = joined && is_solid(rows[r].form->shape);
         (once ? at_once : one_by_one).push_back(rows[r]);
@@ -224,7 +224,7 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
     }
     if (!at_once.empty()) {
         measure_group(std::move(joined->rays), 0, at_once, metrics, limit, of_once);
-        for (MapSummary* const s : of_once) {
+        for (FormSummary* const s : of_once) {
             joined->name(s->worst, groups);
             for (const auto& fault : s->faults)
                 if (fault) joined->name(*fault, groups);
@@ -232,7 +232,7 @@ std::vector<MapSummary> measure_groups(std::vector<scene::rays::RayGroup> groups
     }
     for (std::size_t g = 0; !one_by_one.empty() && g < groups.size(); ++g)
         measure_group(std::move(groups[g]), static_cast<int>(g), one_by_one, metrics, limit, of_each);
-    for (MapSummary& s : summaries) {
+    for (FormSummary& s : summaries) {
         s.views = groups.size();
         for (metric::Distribution& d : s.metrics) d.seal();
     }
@@ -255,8 +255,8 @@ std::vector<int> bands_of(int width, int height, shard::Share share) {
 namespace {
 
 /// Rows over the pixels of a scene whose rays are made as it says, into the summaries and sinks of their places.
-void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const MapRequest& request,
-              const std::vector<MapSink*>& sinks, std::vector<MapSummary>& summaries) {
+void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const EvaluationRequest& request,
+              const std::vector<EvaluationSink*>& sinks, std::vector<FormSummary>& summaries) {
     const auto formats = needs_by_format(some.rows, request.metrics);
     culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
@@ -267,7 +267,7 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ma
         for (const auto& [name, needs] : formats) inputs.emplace(name, band.inputs(*find_format(name), needs));
         const columns::BandColumns columns = columns_of(band, some.rows);
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
-            const MapRow& row = some.rows[k];
+            const TestedForm& row = some.rows[k];
             const std::size_t r = some.places[k];
             measure_row({row, request.metrics, r < sinks.size() ? sinks[r] : nullptr},
                         {band, inputs.at(row.format.name), columns}, summaries[r]);
@@ -278,8 +278,8 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ma
 
 }  // namespace
 
-std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<MapSink*>& sinks) {
-    std::vector<MapSummary> summaries;
+std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<EvaluationSink*>& sinks) {
+    std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
     for (const RowsOfMaker& some : by_maker(request.rows)) {
         if (some.maker) map_rows(with_rays(*request.scene, *some.maker), some, request, sinks, summaries);
@@ -288,4 +288,4 @@ std::vector<MapSummary> run_map(const MapRequest& request, const std::vector<Map
     return summaries;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

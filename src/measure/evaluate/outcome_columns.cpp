@@ -1,11 +1,11 @@
-#include "measure/map/outcome_columns.hpp"
+#include "measure/evaluate/outcome_columns.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include "measure/truth/missing.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
 using truth::missing;
@@ -37,7 +37,7 @@ private:
 }  // namespace
 
 void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
-                   const OutcomeColumns& out, MapSummary& summary) {
+                   const OutcomeColumns& out, FormSummary& summary) {
     const answer::Answers& answers = of.answers;
     const std::size_t n = truth.decision.size();
     const Cases cases(tells_t);
@@ -62,4 +62,4 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
     summary.rays += n;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

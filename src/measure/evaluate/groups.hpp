@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// What is known of the rays that have a value, a summary a row.
 struct Group {
     std::string value;
-    std::vector<MapSummary> summaries;
+    std::vector<FormSummary> summaries;
 };
 
 /// The groups of a run, in their order: numbers by size, then words.
@@ -54,4 +54,4 @@ struct RaysOfValue {
 /// Each value once; value i is at `values[i * step]`.
 std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step);
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

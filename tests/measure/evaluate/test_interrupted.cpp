@@ -6,8 +6,8 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/claim/claim.hpp"
 #include "measure/consistency/consistency.hpp"
+#include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
-#include "measure/map/needed.hpp"
 #include "measure/offset/offsets.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
@@ -25,7 +25,7 @@
 namespace lostbits::test::test_interrupted {
 
 using intersect::process::StopToken;
-using measure::map::MapSummary;
+using measure::evaluate::FormSummary;
 using measure::metric::Metric;
 using measure::metric::Sample;
 
@@ -37,12 +37,12 @@ scene::file::Scene scene_named(const std::string& name, StopToken stop = {}) {
         .front();
 }
 
-std::vector<MapSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
-    return measure::map::run_map({.scene = &scene,
-                                  .rows = {testing::row("sphere.schoolbook", "f32")},
-                                  .metrics = {&metric},
-                                  .limit = {.stop = stop}},
-                                 {});
+std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
+    return measure::evaluate::evaluate_rows({.scene = &scene,
+                                             .rows = {testing::row("sphere.schoolbook", "f32")},
+                                             .metrics = {&metric},
+                                             .limit = {.stop = stop}},
+                                            {});
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ TEST_CASE("of two maps under way in one process one is stopped at the ray where 
     static int measured, others;
     static const scene::file::Scene* scene;
     static std::atomic<bool> second_asked;
-    static std::vector<MapSummary> other;
+    static std::vector<FormSummary> other;
     first_asked = second_asked = false;
     measured = others = 0;
     const auto loaded = scene_named("near-benign");
@@ -82,8 +82,8 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     const measure::truth::TruthLimit limit{.stop = stop};
     const std::filesystem::path data = LOSTBITS_DATA_DIR, sweeps = data / "sweeps";
     const auto scene = scene_named("raycast-acne");
-    const measure::map::MapRow row = testing::row("sphere.half_b", "f32");
-    const std::vector<measure::map::MapRow> rows{row};
+    const measure::evaluate::TestedForm row = testing::row("sphere.half_b", "f32");
+    const std::vector<measure::evaluate::TestedForm> rows{row};
     const auto& metrics = testing::case_metrics;
     const scene::sweep::SweepFile sweep(sweeps / "sphere-distance.toml", data);
     const scene::sweep::CaseFile cases(sweeps / "extremes/contact.toml");
@@ -100,7 +100,8 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warm = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
-        {"map", [&] { m::map::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
+        {"map",
+         [&] { m::map::evaluate_rows({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
         {"needed", [&] { m::map::run_needed({.scene = &scene, .forms = {row.form}, .limit = limit}, {}); }},
         {"render",
          [&] {

@@ -1,4 +1,4 @@
-#include "measure/map/needed.hpp"
+#include "measure/evaluate/needed.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/missing.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using intersect::Direction;
 using truth::FormatInputs;
@@ -196,4 +196,4 @@ std::vector<NeededSummary> run_needed(const NeededRequest& request, const std::v
     return summaries;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -1,5 +1,5 @@
 // One row on one band: outcomes first, then errors over columns, then what has to be measured ray by ray.
-#include "measure/map/measure_row.hpp"
+#include "measure/evaluate/measure_row.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/answer/self.hpp"
-#include "measure/map/outcome_columns.hpp"
-#include "measure/map/own_words.hpp"
-#include "measure/map/row_columns.hpp"
-#include "measure/map/row_sums.hpp"
+#include "measure/evaluate/outcome_columns.hpp"
+#include "measure/evaluate/own_words.hpp"
+#include "measure/evaluate/row_columns.hpp"
+#include "measure/evaluate/row_sums.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
 using blame::Blame;
@@ -49,7 +49,7 @@ public:
           measured_(room.measured),
           own_ulps_(room.own_ulps) {}
 
-    void measure(MapSummary& summary, std::span<const BandPart> parts) {
+    void measure(FormSummary& summary, std::span<const BandPart> parts) {
         find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
                       {result_.outcomes, measured_}, summary);
         measure_columns();
@@ -258,7 +258,7 @@ private:
     }
 
     const std::vector<const Metric*>& metrics_;
-    const MapRow& row_;
+    const TestedForm& row_;
     const RowRequest& request_;
     BandResult& result_;
     const TrueLengths& truth_;
@@ -272,8 +272,8 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary, std::span<const BandPart> parts) {
-    const MapRow& row = request.row;
+void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary, std::span<const BandPart> parts) {
+    const TestedForm& row = request.row;
     const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;
     // Taken, not used in place: a thread that waits in here may begin another row.
@@ -298,10 +298,10 @@ void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summa
 }
 
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
-                 MapSummary& summary) {
+                 FormSummary& summary) {
     columns::BandColumns columns(band);
     columns.find(request.row.convention(), request.row.form->info->direction);
     measure_row(request, {band, inputs, columns}, summary);
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -3,15 +3,15 @@
 
 #include <optional>
 
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// Of ray i and one solid; of the levels of a hierarchy, of the one that is truly met, nothing where `truly` is below
 /// 0. Empty of what `needs` does not name or the form cannot tell.
 class OwnWords {
 public:
-    OwnWords(const MapRow& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
+    OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
              std::size_t i, std::size_t solid, std::int32_t truly);
     /// Points the sample to this, which must outlive it.
     void into(metric::Sample& sample) const;
@@ -24,4 +24,4 @@ private:
     double end_margin_ = truth::missing;
 };
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "measure/columns/columns.hpp"
-#include "measure/map/map.hpp"
+#include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 /// A band as rows are measured on it.
 struct RowBand {
@@ -20,20 +20,20 @@ struct RowBand {
 };
 
 /// The truth of a band in the units and by the conventions of the rows.
-columns::BandColumns columns_of(const truth::Band& band, const std::vector<MapRow>& rows);
+columns::BandColumns columns_of(const truth::Band& band, const std::vector<TestedForm>& rows);
 
 /// What the rows and metrics need of a band's inputs, by the names of the formats.
-std::map<std::string, truth::BandNeeds> needs_by_format(const std::vector<MapRow>& rows,
+std::map<std::string, truth::BandNeeds> needs_by_format(const std::vector<TestedForm>& rows,
                                                         const std::vector<const metric::Metric*>& metrics);
 
 /// Some rays of a band, by their places and rising, that are summed up by themselves too.
 struct BandPart {
     std::span<const std::uint32_t> rays;
-    MapSummary* summary;
+    FormSummary* summary;
 };
 
 /// As the function of map.hpp, which finds the columns for one row alone.
-void measure_row(const RowRequest& request, const RowBand& on, MapSummary& summary,
+void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary,
                  std::span<const BandPart> parts = {});
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate

@@ -1,10 +1,10 @@
-#include "measure/map/culprit_order.hpp"
+#include "measure/evaluate/culprit_order.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <numeric>
 
-namespace lostbits::measure::map {
+namespace lostbits::measure::evaluate {
 
 using metric::Metric;
 using scene::file::Scene;
@@ -18,15 +18,15 @@ Scene small_picture_of(const Scene& scene, int most_across) {
     return small;
 }
 
-std::vector<const Metric*> order_culprits(const MapRequest& request, metric::MetricSet& made) {
+std::vector<const Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& made) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return request.metrics;
     const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =
-        run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
+        evaluate_rows({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
     const auto categories = (*culprit)->categories;
     std::vector<std::uint64_t> total(categories.size());
-    for (const MapSummary& s : summaries)
+    for (const FormSummary& s : summaries)
         std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
     std::vector<std::size_t> order(total.size() - 1);  // without `none`, which stays in front
     std::iota(order.begin(), order.end(), std::size_t{1});
@@ -38,4 +38,4 @@ std::vector<const Metric*> order_culprits(const MapRequest& request, metric::Met
     return metrics;
 }
 
-}  // namespace lostbits::measure::map
+}  // namespace lostbits::measure::evaluate
