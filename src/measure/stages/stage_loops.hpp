@@ -38,8 +38,8 @@ struct Lanes<double> {
     static void store(bool x, std::uint8_t* to) { *to = x; }
 };
 
-/// The pack of problems at `i`. What is `plain` has no second words and no matrix: its numbers are exact, which the
-/// compiler sees then.
+/// The pack of problems at `i`. What is `plain` has no second words, no matrix and no range: its numbers are exact,
+/// which the compiler sees then.
 template <bool plain, class S, class W>
 struct PackOfProblems {
     using E = Running<W>;
@@ -81,7 +81,7 @@ template <template <class> class Of, bool plain, class S, class W>
     using Shape = Of<E>;
     constexpr auto numbers = std::make_index_sequence<numbers_of<Shape>>();
     const RawProblems<S> p = raw;  // a copy: the stores below could reach it, and everything would be read again
-    const Asked asked{p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
+    const Asked asked{!plain && p.ranged, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     bool one_solid = true;
     for (const RawColumn<S>& column : p.solid) one_solid = one_solid && column.step == 0;
     Entrance<Shape, E> entrance;
@@ -113,10 +113,14 @@ template <template <class> class Of, bool plain, class S, class W>
         store(found.distance, p.out.distance);
     }
 }
+/// Plain problems, which most are, have a loop of their own, twice as fast; not in the narrowest registers, which
+/// processors of today do not use: a loop is ten seconds of compiling a shape.
 template <template <class> class Of, class S, class W>
 void settle_all(const RawProblems<S>& raw) {
-    if (raw.two_words || raw.matrix.placed) settle_some<Of, false, S, W>(raw);
-    else settle_some<Of, true, S, W>(raw);
+    if constexpr (Lanes<typename Running<W>::P>::count > 2) {
+        if (!raw.two_words && !raw.matrix.placed && !raw.ranged) return settle_some<Of, true, S, W>(raw);
+    }
+    settle_some<Of, false, S, W>(raw);
 }
 
 template <class P>
