@@ -101,8 +101,8 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map",
-         [&] { m::map::evaluate_rows({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
-        {"needed", [&] { m::map::run_needed({.scene = &scene, .forms = {row.form}, .limit = limit}, {}); }},
+         [&] { m::evaluate::evaluate_rows({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
+        {"needed", [&] { m::evaluate::run_needed({.scene = &scene, .forms = {row.form}, .limit = limit}, {}); }},
         {"render",
          [&] {
              m::picture::run_render(
