@@ -1,6 +1,7 @@
 // The real roots of a polynomial of degree four at most: near them in any arithmetic, and enclosed with a proof.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -101,7 +102,8 @@ struct EnclosedRoots {
 
 namespace detail {
 
-/// f as the numbers are looked for in: of balls in double, which is enough of a start for most.
+/// f as the numbers are looked for in: of balls in double, which is enough of a start for most; of numbers of a
+/// precision that can be chosen in 192 bits, of which each of Newton's steps makes twice as many.
 template <class E>
 NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
     if constexpr (requires { bound.hi(); }) {
@@ -110,6 +112,25 @@ NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
         const NearRoots<double> near = near_roots(quick, bound.hi());
         NearRoots<E> roots;
         for (int i = 0; i < near.count; ++i) roots.add(E(near.x[static_cast<std::size_t>(i)]));
+        return roots;
+    } else if constexpr (requires { typename E::Precision; }) {
+        NearRoots<E> roots;
+        long bits = 192;
+        {
+            const typename E::Precision few(bits);
+            Polynomial<E> short_f{{}, f.degree};
+            for (int i = 0; i <= f.degree; ++i) short_f.of(i) = middle(f.of(i));
+            roots = near_roots(short_f, E(middle(bound)));
+        }
+        const Polynomial<E> slope = f.slope();
+        for (const long all = precision_of(E(0)); bits < all; bits *= 2) {
+            const typename E::Precision more(std::min(2 * bits, all));
+            for (int i = 0; i < roots.count; ++i) {
+                E& x = roots.x[static_cast<std::size_t>(i)];
+                const E step = middle(f.at(x)) / middle(slope.at(x));
+                if (step.is_bounded()) x = middle(x - step);
+            }
+        }
         return roots;
     } else {
         return near_roots(f, bound);
@@ -132,6 +153,35 @@ EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, 
     return {low, high, exact ? x : between(low, high), true, 1};
 }
 
+/// The roots from numbers near them, where each is proved to be between two points.
+template <class E>
+std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, EnclosedRoots<E> roots, bool are_simple,
+                                              const E& bound) {
+    if (near.count != roots.count) return std::nullopt;
+    const Polynomial<E> slope = roots.simple.slope();
+    for (int i = 0; i < roots.count; ++i) {
+        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
+        root = around(roots.simple, slope, near.x[static_cast<std::size_t>(i)], bound);
+        const auto before = known_sign(roots.simple.at(root.low)), behind = known_sign(roots.simple.at(root.high));
+        if (!before || !behind || *before * *behind >= 0) return std::nullopt;
+        if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
+    }
+    // The sign behind the last is that of the leading coefficient, and half way to the next root it is known where that
+    // of f beside a double root, the square of a small number, is not.
+    for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
+        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
+        root.behind = sign;
+        const bool first = i == 0;
+        const auto before = are_simple ? std::optional(-sign)
+                            : first    ? known_sign(roots.f.at(middle(-bound)))
+                                       : known_sign(roots.f.at(middle((roots[i - 1].high + root.low) / E(2))));
+        if (!before) return std::nullopt;
+        sign = *before;
+        root.crosses = sign != root.behind;
+    }
+    return roots;
+}
+
 }  // namespace detail
 
 /// Of a polynomial all of whose real roots lie within ±bound. There are as many as Sturm's theorem says, and each is
@@ -148,30 +198,12 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         roots.simple = divide(f, counted->repeated).quotient;
         if (!trim(roots.simple)) return std::nullopt;
     }
-    const NearRoots<E> near = detail::started(roots.simple, middle(bound));
-    if (near.count != roots.count) return std::nullopt;
-    const Polynomial<E> slope = roots.simple.slope();
-    for (int i = 0; i < roots.count; ++i) {
-        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
-        root = detail::around(roots.simple, slope, near.x[static_cast<std::size_t>(i)], bound);
-        const auto before = known_sign(roots.simple.at(root.low)), behind = known_sign(roots.simple.at(root.high));
-        if (!before || !behind || *before * *behind >= 0) return std::nullopt;
-        if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
+    const E end = middle(bound);
+    const auto found = detail::enclosed_from(detail::started(roots.simple, end), roots, are_simple, bound);
+    if constexpr (requires { typename E::Precision; }) {
+        if (!found) return detail::enclosed_from(near_roots(roots.simple, end), roots, are_simple, bound);
     }
-    // The sign behind the last is that of the leading coefficient, and half way to the next root it is known where that
-    // of f beside a double root, the square of a small number, is not.
-    for (int i = roots.count - 1, sign = known_sign(f.leading()).value_or(1); i >= 0; --i) {
-        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
-        root.behind = sign;
-        const bool first = i == 0;
-        const auto before = are_simple ? std::optional(-sign)
-                            : first    ? known_sign(f.at(middle(-bound)))
-                                       : known_sign(f.at(middle((roots[i - 1].high + root.low) / E(2))));
-        if (!before) return std::nullopt;
-        sign = *before;
-        root.crosses = sign != root.behind;
-    }
-    return roots;
+    return found;
 }
 
 }  // namespace lostbits
