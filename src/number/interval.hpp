@@ -16,9 +16,9 @@ namespace lostbits {
 /// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. The precision of every
 /// result is the thread's current one (`Interval::Precision`); operands may have any.
 ///
-/// A point of two words stays one while sums and products of it are, exactly: nothing is allocated, and the signs of
-/// dyadic polynomials that are zero, of rays through edges and along tangents, are known in a tenth of the time. MPFI
-/// has the same ends for it, which are made when they are asked for.
+/// A point of two words stays one while sums and products of it are, exactly, and allocates nothing. Its ends are those
+/// that MPFI has, made when they are asked for. Signs that are zero, of rays through edges and along tangents, are
+/// known so: of a triangle in floats, with t, in a sixth of the time that MPFI took.
 class Interval {
 public:
     /// Sets the working precision of this thread, in bits, for the lifetime of the scope.
