@@ -2,48 +2,108 @@
 
 #include <mpfi_io.h>
 
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace lostbits {
 
 thread_local long Interval::working_ = 128;
 
-Interval::Interval() {
-    mpfi_init2(value_, working_);
-    mpfi_set_ui(value_, 0);
+namespace {
+
+/// Of a precision with room for whatever is a point: two words from the highest bit of one to the last of the other.
+constexpr long least_bits = 192;
+constexpr double widest_gap = 0x1p-128;
+
+/// The sum where it is two words, exactly: nothing is left over where their second words are added up. 128 bits and the
+/// 53 of the second word come to less than `least_bits`, so that MPFI loses nothing of it either.
+std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble& b) {
+    const DoubleDouble s = two_sum(a.hi, b.hi);
+    DoubleDouble sum = s;
+    if (a.lo != 0 || b.lo != 0) {
+        const DoubleDouble t = two_sum(a.lo, b.lo), second = two_sum(s.lo, t.hi);
+        const DoubleDouble v = two_sum(s.hi, second.hi), rest = two_sum(t.lo, v.lo);
+        if (second.lo != 0 || rest.lo != 0) return std::nullopt;
+        sum = two_sum(v.hi, rest.hi);
+    }
+    if (!(std::fabs(sum.hi) <= error_free_high)) return std::nullopt;
+    if (sum.lo != 0 && !(std::fabs(sum.lo) >= widest_gap * std::fabs(sum.hi))) return std::nullopt;
+    return sum;
 }
-Interval::Interval(int x) {
-    mpfi_init2(value_, working_);
-    mpfi_set_si(value_, x);
+DoubleDouble negative(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
+/// The first words are rounded, and so in the order of the sums where they differ.
+bool is_less(const DoubleDouble& a, const DoubleDouble& b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
+
+/// The product where it is two words, exactly. Of two that both have a second one none is tried: without their trailing
+/// zeros these have 54 bits and more each, and the product 107.
+std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDouble& b) {
+    if (a.hi == 0 || b.hi == 0) return DoubleDouble{0, 0};
+    if (a.lo != 0) return b.lo != 0 ? std::nullopt : exact_product(b, a);
+    const DoubleDouble first = two_product(a.hi, b.hi);
+    if (!residuals_are_exact(first.hi)) return std::nullopt;
+    if (b.lo == 0) return first;
+    const DoubleDouble second = two_product(a.hi, b.lo);
+    return residuals_are_exact(second.hi) ? exact_sum(first, second) : std::nullopt;
 }
-Interval::Interval(double x) {
-    mpfi_init2(value_, working_);
-    mpfi_set_d(value_, x);
+
+}  // namespace
+
+Interval::Interval(Ends) : bits_(working_), has_ends_(true) { mpfi_init2(value_, working_); }
+Interval::Interval() : Interval(0) {}
+Interval::Interval(int x) : Interval(static_cast<double>(x)) {}
+Interval::Interval(double x) : point_{x, 0}, bits_(working_) {
+    is_point_ = working_ >= least_bits && std::fabs(x) <= error_free_high;
+    if (is_point_) return;
+    make_ends();
     settle(Undefined::never);
 }
-Interval::Interval(const Real& x) {
-    mpfi_init2(value_, working_);
+Interval::Interval(const Real& x) : Interval(Ends()) {
     mpfi_set_fr(value_, x.backend().data());
     settle(Undefined::never);
 }
-Interval::Interval(const Interval& other) : undefined_(other.undefined_) {
-    mpfi_init2(value_, mpfi_get_prec(other.value_));
+Interval::Interval(const Interval& other)
+    : point_(other.point_), bits_(other.bits_), is_point_(other.is_point_), undefined_(other.undefined_) {
+    if (is_point_) return;
+    mpfi_init2(value_, bits_);
     mpfi_set(value_, other.value_);
+    has_ends_ = true;
 }
-Interval::Interval(Interval&& other) noexcept : undefined_(other.undefined_) {
-    mpfi_init2(value_, MPFR_PREC_MIN);
-    mpfi_swap(value_, other.value_);
+/// What is left behind is a point.
+Interval::Interval(Interval&& other) noexcept
+    : point_(other.point_),
+      bits_(other.bits_),
+      is_point_(std::exchange(other.is_point_, true)),
+      has_ends_(std::exchange(other.has_ends_, false)),
+      undefined_(std::exchange(other.undefined_, Undefined::never)) {
+    *value_ = *other.value_;
 }
 Interval& Interval::operator=(const Interval& other) { return *this = Interval(other); }
 Interval& Interval::operator=(Interval&& other) noexcept {
-    mpfi_swap(value_, other.value_);
+    std::swap(*value_, *other.value_);
+    std::swap(point_, other.point_);
+    std::swap(bits_, other.bits_);
+    std::swap(is_point_, other.is_point_);
+    std::swap(has_ends_, other.has_ends_);
     std::swap(undefined_, other.undefined_);
     return *this;
 }
-Interval::~Interval() { mpfi_clear(value_); }
+Interval::~Interval() {
+    if (has_ends_) mpfi_clear(value_);
+}
+
+bool Interval::are_points(const Interval& a, const Interval& b) {
+    return a.is_point_ && b.is_point_ && working_ >= least_bits;
+}
+void Interval::make_ends() const {
+    mpfi_init2(value_, bits_);
+    mpfi_set_d(value_, point_.hi);
+    if (point_.lo != 0) mpfi_add_d(value_, value_, point_.lo);
+    has_ends_ = true;
+}
 
 Interval Interval::unknown(Undefined u) {
-    Interval r;
+    Interval r{Interval::Ends()};
     mpfr_set_inf(&r.value_->left, -1);
     mpfr_set_inf(&r.value_->right, +1);
     r.undefined_ = u;
@@ -51,7 +111,7 @@ Interval Interval::unknown(Undefined u) {
 }
 
 Interval Interval::between(double lower, double upper) {
-    Interval r;
+    Interval r{Interval::Ends()};
     mpfi_interv_d(r.value_, lower, upper);
     return r;
 }
@@ -64,45 +124,54 @@ void Interval::settle(Undefined u) {
 }
 
 Interval operator+(const Interval& a, const Interval& b) {
-    Interval r;
-    mpfi_add(r.value_, a.value_, b.value_);
+    if (Interval::are_points(a, b))
+        if (const auto sum = exact_sum(a.point_, b.point_)) return Interval(*sum);
+    Interval r{Interval::Ends()};
+    mpfi_add(r.value_, a.ends(), b.ends());
     r.settle(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator-(const Interval& a, const Interval& b) {
-    Interval r;
-    mpfi_sub(r.value_, a.value_, b.value_);
+    if (Interval::are_points(a, b))
+        if (const auto difference = exact_sum(a.point_, negative(b.point_))) return Interval(*difference);
+    Interval r{Interval::Ends()};
+    mpfi_sub(r.value_, a.ends(), b.ends());
     r.settle(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator*(const Interval& a, const Interval& b) {
-    Interval r;
-    mpfi_mul(r.value_, a.value_, b.value_);
+    if (Interval::are_points(a, b))
+        if (const auto product = exact_product(a.point_, b.point_)) return Interval(*product);
+    Interval r{Interval::Ends()};
+    mpfi_mul(r.value_, a.ends(), b.ends());
     r.settle(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator/(const Interval& a, const Interval& b) {
     const Undefined u = spread(a.undefined_, b.undefined_);
-    if (mpfi_has_zero(b.value_) > 0) return Interval::unknown(u == Undefined::always ? u : Undefined::maybe);
-    Interval r;
-    mpfi_div(r.value_, a.value_, b.value_);
+    if (mpfi_has_zero(b.ends()) > 0) return Interval::unknown(u == Undefined::always ? u : Undefined::maybe);
+    Interval r{Interval::Ends()};
+    mpfi_div(r.value_, a.ends(), b.ends());
     r.settle(u);
     return r;
 }
 Interval operator-(const Interval& a) {
-    Interval r;
-    mpfi_neg(r.value_, a.value_);
+    if (Interval::are_points(a, a)) return Interval(negative(a.point_));
+    Interval r{Interval::Ends()};
+    mpfi_neg(r.value_, a.ends());
     r.settle(a.undefined_);
     return r;
 }
 
 Tri operator<(const Interval& a, const Interval& b) {
+    if (a.is_point_ && b.is_point_) return Tri(is_less(a.point_, b.point_));
     const Tri verdict = mpfr_less_p(a.upper(), b.lower()) != 0           ? Tri::yes
                         : mpfr_greaterequal_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                          : Tri::unknown;
     return guarded(verdict, spread(a.undefined_, b.undefined_));
 }
 Tri operator<=(const Interval& a, const Interval& b) {
+    if (a.is_point_ && b.is_point_) return Tri(!is_less(b.point_, a.point_));
     const Tri verdict = mpfr_lessequal_p(a.upper(), b.lower()) != 0 ? Tri::yes
                         : mpfr_greater_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                     : Tri::unknown;
@@ -113,13 +182,13 @@ Interval sqrt(const Interval& a) {
     if (mpfr_sgn(a.upper()) < 0)
         return Interval::unknown(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
     if (mpfr_sgn(a.lower()) >= 0) {
-        Interval r;
-        mpfi_sqrt(r.value_, a.value_);
+        Interval r{Interval::Ends()};
+        mpfi_sqrt(r.value_, a.ends());
         r.settle(a.undefined_);
         return r;
     }
     // The part of the operand where a root exists, and the warning that there may be none.
-    Interval r;
+    Interval r{Interval::Ends()};
     mpfr_set_zero(&r.value_->left, +1);
     mpfr_sqrt(&r.value_->right, a.upper(), MPFR_RNDU);
     r.settle(spread(a.undefined_, Undefined::maybe));
@@ -129,36 +198,39 @@ Interval sqrt(const Interval& a) {
 Interval fma(const Interval& a, const Interval& b, const Interval& c) { return a * b + c; }
 
 Interval square(const Interval& a) {
-    Interval r;
-    mpfi_sqr(r.value_, a.value_);
+    if (Interval::are_points(a, a))
+        if (const auto product = exact_product(a.point_, a.point_)) return Interval(*product);
+    Interval r{Interval::Ends()};
+    mpfi_sqr(r.value_, a.ends());
     r.settle(a.undefined_);
     return r;
 }
 
 Interval abs(const Interval& a) {
-    Interval r;
-    mpfi_abs(r.value_, a.value_);
+    if (Interval::are_points(a, a)) return Interval(a.point_.hi < 0 ? negative(a.point_) : a.point_);
+    Interval r{Interval::Ends()};
+    mpfi_abs(r.value_, a.ends());
     r.settle(a.undefined_);
     return r;
 }
 
 Interval middle(const Interval& a) {
-    Interval r;
-    mpfi_mid(&r.value_->left, a.value_);
+    Interval r{Interval::Ends()};
+    mpfi_mid(&r.value_->left, a.ends());
     mpfr_set(&r.value_->right, &r.value_->left, MPFR_RNDN);
     r.settle(a.undefined_);
     return r;
 }
 Interval between(const Interval& low, const Interval& high) {
-    Interval r;
+    Interval r{Interval::Ends()};
     mpfr_set(&r.value_->left, low.lower(), MPFR_RNDD);
     mpfr_set(&r.value_->right, high.upper(), MPFR_RNDU);
     r.settle(spread(low.undefined_, high.undefined_));
     return r;
 }
 Interval largest(const Interval& a) {
-    Interval r;
-    mpfi_mag(&r.value_->right, a.value_);
+    Interval r{Interval::Ends()};
+    mpfi_mag(&r.value_->right, a.ends());
     mpfr_set(&r.value_->left, &r.value_->right, MPFR_RNDN);
     r.settle(a.undefined_);
     return r;
@@ -166,14 +238,14 @@ Interval largest(const Interval& a) {
 
 // The sign of an exact zero is not a real number's business: a formula that asks for it gets no answer.
 Interval copysign(const Interval& a, const Interval& b) {
-    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.value_) > 0) return Interval::unknown();
-    return mpfi_is_neg(b.value_) > 0 ? -abs(a) : abs(a);
+    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::unknown();
+    return mpfi_is_neg(b.ends()) > 0 ? -abs(a) : abs(a);
 }
 
 Interval select(Tri mask, const Interval& a, const Interval& b) {
     if (!mask.is_unknown()) return mask.is_yes() ? a : b;
-    Interval r;
-    mpfi_union(r.value_, a.value_, b.value_);
+    Interval r{Interval::Ends()};
+    mpfi_union(r.value_, a.ends(), b.ends());
     const bool both = a.undefined_ == Undefined::always && b.undefined_ == Undefined::always;
     const bool neither = a.undefined_ == Undefined::never && b.undefined_ == Undefined::never;
     r.settle(both ? Undefined::always : neither ? Undefined::never : Undefined::maybe);

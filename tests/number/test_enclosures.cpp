@@ -1,4 +1,6 @@
 // Ball, Interval and their three-valued masks beyond the generic test: tightness, refinement, Kleene's tables.
+#include <vector>
+
 #include "catch.hpp"
 #include "geometry/vec.hpp"
 #include "number/kind.hpp"
@@ -17,6 +19,42 @@ bool inside(const Interval& fine, const Interval& coarse) {
     if (coarse.undefined() == Undefined::never && fine.undefined() != Undefined::never) return false;
     return mpfr_lessequal_p(coarse.lower(), fine.lower()) != 0 && mpfr_lessequal_p(fine.upper(), coarse.upper()) != 0;
 }
+
+/// An interval in MPFI alone, at the working precision.
+struct Ends {
+    mpfi_t value;
+
+    explicit Ends(const Interval& x) : Ends(precision_of(x)) { mpfi_interv_fr(value, x.lower(), x.upper()); }
+    Ends(Op op, const Ends& a, const Ends& b) : Ends(mpfi_get_prec(a.value)) {
+        switch (op) {
+            case Op::add: mpfi_add(value, a.value, b.value); break;
+            case Op::subtract: mpfi_sub(value, a.value, b.value); break;
+            case Op::multiply: mpfi_mul(value, a.value, b.value); break;
+            case Op::square: mpfi_sqr(value, a.value); break;
+            case Op::negate: mpfi_neg(value, a.value); break;
+            default: mpfi_abs(value, a.value); break;
+        }
+    }
+    Ends(Ends&& other) noexcept : Ends(mpfi_get_prec(other.value)) { mpfi_swap(value, other.value); }
+    Ends& operator=(Ends&& other) noexcept {
+        mpfi_swap(value, other.value);
+        return *this;
+    }
+    ~Ends() { mpfi_clear(value); }
+
+    [[nodiscard]] bool are_those_of(const Interval& x) const {
+        return mpfr_equal_p(&value->left, x.lower()) != 0 && mpfr_equal_p(&value->right, x.upper()) != 0 &&
+               mpfi_get_prec(value) == precision_of(x) && mpfr_get_prec(x.upper()) == precision_of(x);
+    }
+    [[nodiscard]] Tri is_below(const Ends& b, bool or_equal) const {
+        const int least = mpfr_cmp(&value->left, &b.value->right), most = mpfr_cmp(&value->right, &b.value->left);
+        if (or_equal) return most <= 0 ? Tri::yes : least > 0 ? Tri::no : Tri::unknown;
+        return most < 0 ? Tri::yes : least >= 0 ? Tri::no : Tri::unknown;
+    }
+
+private:
+    explicit Ends(mpfr_prec_t bits) { mpfi_init2(value, bits); }
+};
 
 }  // namespace
 
@@ -64,6 +102,45 @@ TEST_CASE("an interval's ends are the exact result rounded down and up", "[numbe
     }
     CHECK(wrong == 0);
     CHECK(seen > 40000);
+}
+
+/// The ends that MPFI has, of all that an interval of two words may keep to itself.
+TEST_CASE("an interval that is a point has the ends that MPFI gives it", "[number][interval]") {
+    Random random(9);
+    int wrong = 0, zeros = 0, wide = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Interval::Precision scope(192 * random.between(1, 2));
+        std::vector<Interval> all;
+        std::vector<Ends> ends;
+        const int reach = random.one_in(8) ? 960 : 20;
+        const long digits = random.one_in(2) ? 53 : random.between(1, 30);
+        for (int k = 0; k < 4; ++k) {
+            const double x = random.one_in(9) ? 0 : random.sign() * draw_significand(random, static_cast<int>(digits));
+            all.emplace_back(std::ldexp(x, static_cast<int>(random.between(-reach, reach))));
+            ends.emplace_back(all.back());
+        }
+        for (int step = 0; step < 12; ++step) {
+            const auto any = [&] { return static_cast<std::size_t>(random.between(0, 3)); };
+            const std::size_t a = any(), b = any(), to = any();
+            constexpr Op of_points[] = {Op::add, Op::subtract, Op::multiply, Op::square, Op::negate, Op::absolute};
+            const Op op = of_points[random.between(0, 5)];
+            wrong += (all[a] < all[b]) != ends[a].is_below(ends[b], false);
+            wrong += (all[a] <= all[b]) != ends[a].is_below(ends[b], true);
+            ends[to] = Ends(op, ends[a], ends[b]);
+            all[to] = apply(op, all[a], all[b], all[b]);
+            wrong += !ends[to].are_those_of(all[to]) || all[to].undefined() != Undefined::never;
+            zeros += all[to].is_exact() && mpfr_zero_p(all[to].lower()) != 0, wide += !all[to].is_exact();
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(zeros > 10000);
+    CHECK(wide > 10000);
+
+    // A product of the second word of which no double holds what is left.
+    const Interval::Precision scope(192);
+    const Interval first(std::ldexp(0x1p30 - 1, -470)), second(std::ldexp(0x1p53 - 1, -610));
+    const Interval both = Interval(0x1p-440) + second;
+    CHECK(Ends(Op::multiply, Ends(first), Ends(both)).are_those_of(first * both));
 }
 
 TEST_CASE("more precision never widens an interval", "[number][interval]") {
