@@ -89,11 +89,31 @@ TEST_CASE("three runs of a sum promise what Student's factor says, and the mean 
         const double off = std::fabs(ups / 3.0 - k / 128.0);
         const double bits = off <= 0.5 ? 24 : 24 - std::log2(2 * off);
         CHECK(sum.metric("cestac_error") == Approx(sum.metric("cestac_bits") - bits).margin(1e-6));
+        CHECK(sum.metric("cestac_digit") == 0);
         // Of all three up it promises 24 bits, and has less.
         if (ups == 3) CHECK(sum.metric("cestac_error") > 0);
     }
     for (const int count : seen) CHECK(count > 0);
     CHECK(Explained(sum_of(1, ulp), floats).metric("cestac_error") == 0);
+}
+
+TEST_CASE("a digit is overrated where all runs lose it alike", "[metric]") {
+    // (1 + k/128 ulp) - 1 is 0 or an ulp in all three runs, 24 bits are promised, and none or one is there; where the
+    // runs differ less than two bits are.
+    int overrated = 0;
+    for (int k = 1; k < 64; ++k) {
+        Tape tape = sum_of(1, k * ulp / 128, -1);
+        const NodeId one = tape.add_input(binary32, 1);
+        tape.outputs.t = tape.add(TapeOp::sub, binary32, 0, {tape.outputs.t, one});
+        const Explained sum(std::move(tape), floats);
+        const auto t = RandomRuns(sum.tape).t;
+        const bool alike = t[0] == t[1] && t[1] == t[2];
+        INFO(k << ": " << t[0] / ulp << ' ' << t[1] / ulp << ' ' << t[2] / ulp);
+        CHECK(sum.metric("cestac_digit") == (alike ? 1 : 0));
+        overrated += alike;
+    }
+    CHECK(overrated > 5);
+    CHECK(overrated < 40);
 }
 
 TEST_CASE("whether three runs decide alike and whether that is right are told apart", "[metric]") {
