@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -77,10 +78,11 @@ void refuse_ray(const choice::RayWords& ray) {
 /// `d.x=-0.5..0.5`, in the place of the scene's range.
 GivenRange range_named(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
-    if (equals == std::string::npos || dots == std::string::npos)
+    if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
         throw InputError("--range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
+    const std::string option = "--range " + text;
     const auto end = [&](const std::string& number) {
-        const auto x = choice::numbers_of(number, {"--range", "an end of a range; write a number", 1}, {});
+        const auto x = choice::numbers_of(number, {option.c_str(), "an end of a range; write a number", 1}, {});
         return scene::toml::round_to_format(x.front(), binary64);
     };
     const GivenRange asked{text.substr(0, equals),
@@ -130,7 +132,11 @@ Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const 
                     bool json, const Common& common) {
     refuse_ray(ray);
     RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
-    for (const std::string& text : words.ranges) request.asked.push_back(range_named(text));
+    for (const std::string& text : words.ranges) {
+        const GivenRange& asked = request.asked.emplace_back(range_named(text));
+        if (std::ranges::count(request.asked, asked.name, &GivenRange::name) > 1)
+            throw InputError("--range " + text + ": " + asked.name + " has a range already; leave out one of the two");
+    }
     const auto data = choice::data_folder(common.data);
     std::optional<scene::file::Scene> scene;
     std::optional<StepRays> step;

@@ -1,4 +1,6 @@
 // Every way to be wrong: the place, the remedy, the exit code, and nothing written.
+#include <utility>
+
 #include "catch.hpp"
 #include "program.hpp"
 
@@ -97,6 +99,12 @@ TEST_CASE("bad words on the command line: exit code and what was meant") {
         {"map " + scene, 2, "--out"},
         {"map " + scene + " -j 0" + out, 2, "threads"},
         {"map " + scene + " --pixels exr" + out, 2, "csv"},
+        {"explain " + scene + " --ranges -i sphere.press --range d.x=0..1 --range d.x=0..2", 2, "has a range already"},
+        {"explain " + scene + " --ranges -i sphere.press --range =0..1", 2, "NAME=LOW..HIGH"},
+        {"explain " + scene + " --ranges -i sphere.press --range d.x=nan..1", 2, "--range d.x=nan..1: \"nan\""},
+        {"explain " + scene + " --ranges -i sphere.press --range d.q=0..1", 2, "d.x"},
+        {"explain " + scene + " --ranges -i sphere.press --at 4", 2, "is a step of a sweep"},
+        {"explain sphere-distance --ranges -i sphere.press", 2, "--at distance_radii"},
         {"mpa", 2, "map"},
         {"list intersector", 2, "intersectors"},
         {"", 2, ""},
@@ -177,6 +185,23 @@ TEST_CASE("an axis that is named like a column of the results is refused before 
         CHECK(r.code == 2);
         CHECK(has(r.err,
                   "s.toml:11:8: an axis that is named \"" + std::string(name) + "\" gives the results two columns"));
+        CHECK(scratch.files().size() == 1);
+    }
+}
+
+TEST_CASE("a scene that a sweep or a search names and that is not there is told with its place") {
+    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\nnote = \"-\"\n";
+    const std::string search = head + "[edge_search]\nscene = \"near-bening\"\n";
+    const std::string axis =
+        head + "scene = \"near-bening\"\n[[axis]]\nname = \"a\"\nfrom = 1\nto = 2\nset = [\"sphere[0].radius\"]\n";
+    for (const auto& [text, place] : {std::pair(search, ":6:9: edge_search.scene"), std::pair(axis, ":5:9: scene")}) {
+        const Scratch scratch;
+        const auto r = run("sweep " + scratch.write("s.toml", text) + (text == search ? " --worst" : "") + " -o out",
+                           scratch.path());
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, "s.toml" + std::string(place) + " cannot be found: no scene \"near-bening\""));
+        CHECK(has(r.err, "near-benign"));
         CHECK(scratch.files().size() == 1);
     }
 }

@@ -59,6 +59,12 @@ double cestac_error(const Sample& s) {
     return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.blame->ulp, precision));
 }
 
+double cestac_digit(const Sample& s) {
+    const double error = cestac_error(s);
+    if (std::isnan(error)) return missing;
+    return error >= std::log2(10.0) ? 1 : 0;
+}
+
 double cestac_decision(const Sample& s) {
     if (!s.blame || s.march) return missing;
     const bool is_stable = stability::RandomRuns(*s.blame->tape).agree();

@@ -49,11 +49,14 @@ inline constexpr Metric metrics_of_stability[] = {
 
 double cestac_bits(const Sample& s);
 double cestac_error(const Sample& s);
+double cestac_digit(const Sample& s);
 double cestac_decision(const Sample& s);
 double statistical_ratio(const Sample& s);
 
 inline constexpr std::string_view cestac_decision_names[] = {"stable_right", "stable_wrong", "unstable_right",
                                                              "unstable_wrong"};
+
+inline constexpr std::string_view cestac_digit_names[] = {"kept", "overrated"};
 
 inline constexpr Metric metrics_of_predictions[] = {
     {.name = "cestac_bits",
@@ -74,6 +77,14 @@ inline constexpr Metric metrics_of_predictions[] = {
      .low = 0x1p-4,
      .high = 0x1p+6,
      .value = cestac_error},
+    {.name = "cestac_digit",
+     .layer = "prediction.cestac_digit",
+     .meaning = "whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of "
+                "cestac_error are of its size, and promises that are too modest are among them",
+     .needs = needs_attribution,
+     .ramp = Ramp::categories,
+     .value = cestac_digit,
+     .categories = cestac_digit_names},
     {.name = "cestac_decision",
      .layer = "prediction.cestac_decision",
      .meaning = "whether three runs with random rounding all hit or all miss (stable), and whether the form's decision "

@@ -242,7 +242,7 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     }
     const measure::metric::Distribution& d = s.metrics[m];
     const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
-    if (metric_->over == Over::marches || metric_->over == Over::pairs) {
+    if (metric_->over != Over::agreed_hits) {
         if (d.count() == 0) return is_distance() ? "no ray that both hit" : "no value";
         return fmt::format("median {}{}\nlargest {}{}\nof {} rays{}", short_number(d.quantile(0.5)), unit,
                            short_number(d.quantile(1)), unit, d.count(), is_distance() ? " that both hit" : "");

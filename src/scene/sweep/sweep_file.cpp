@@ -8,12 +8,12 @@
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"
-#include "scene/file/beside.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/solid_list.hpp"
 #include "scene/sweep/convention.hpp"
 #include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
+#include "scene/sweep/mesh_scene.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/round.hpp"
 
@@ -226,7 +226,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
                    "a sweep is over either scene = \"…\", " + tables_of_families() + "; write one of them");
     const FamilyRow* const family = family_of(root_);
     if (scene) {
-        const file::SceneName name = file::find_scene(file::beside(file.where().source, *scene), data_dir);
+        const file::SceneName name = find_scene_of(file, *scene, data_dir);
         scene_.emplace(name.path);
         variant_ = name.variant;
         if (!variant_ && scene_->variants().size() > 1)

@@ -1,0 +1,190 @@
+// The metrics of predictions by their definitions: what three runs promise, and an error over the root of a sum of
+// squares.
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "catch.hpp"
+#include "measure/blame/recorded_rays.hpp"
+#include "measure/metric/metrics.hpp"
+#include "measure/stability/prediction.hpp"
+#include "measure/truth/lost_bits.hpp"
+
+namespace lostbits::test::test_predictions {
+
+using measure::answer::Outcome;
+using measure::blame::Attribution;
+using measure::blame::Blame;
+using measure::stability::RandomRuns;
+
+namespace {
+
+/// A tape and what is known of it, as metrics are given it.
+struct Explained {
+    Tape tape;
+    Format format;
+    Attribution attribution;
+    Blame blame;
+    Outcome outcome = Outcome::agree_hit;
+
+    Explained(Tape of, const Format& in)
+        : tape(std::move(of)), format(in), attribution(measure::blame::attribute(tape)) {
+        const double exact = attribution.of[static_cast<std::size_t>(tape.outputs.t)].exact;
+        blame = {.tape = &tape,
+                 .attribution = &attribution,
+                 .ulp = std::ldexp(1.0, std::ilogb(exact) - in.shape.precision + 1)};
+    }
+    Explained(const Explained&) = delete;
+    Explained& operator=(const Explained&) = delete;
+
+    [[nodiscard]] double metric(std::string_view name) const {
+        return measure::metric::find_metric(name)->value(
+            {.t = tape[tape.outputs.t].value, .format = &format, .blame = &blame, .outcome = outcome});
+    }
+    [[nodiscard]] std::string_view decision(Outcome of) {
+        outcome = of;
+        const auto names = measure::metric::find_metric("cestac_decision")->categories;
+        return names[static_cast<std::size_t>(metric("cestac_decision"))];
+    }
+};
+
+/// t = a + b in floats, and a hit where that is above `threshold`.
+Tape sum_of(double a, double b, double threshold = 0) {
+    Tape tape;
+    const NodeId x = tape.add_input(binary32, a), y = tape.add_input(binary32, b),
+                 z = tape.add_input(binary32, threshold);
+    const double t = static_cast<float>(a + b);
+    tape.outputs.t = tape.add(TapeOp::add, binary32, t, {x, y});
+    tape.outputs.hit = tape.add(TapeOp::less, binary32, threshold < t ? 1 : 0, {z, tape.outputs.t});
+    return tape;
+}
+
+const Format floats = *find_format("f32");
+constexpr double ulp = 0x1p-23;
+
+/// How many of the runs are above 1.
+int ups_of(const Tape& tape) {
+    int ups = 0;
+    for (const double t : RandomRuns(tape).t) ups += t > 1;
+    return ups;
+}
+
+}  // namespace
+
+TEST_CASE("three runs of a sum promise what Student's factor says, and the mean has what it has", "[metric]") {
+    int seen[4] = {};
+    for (int k = 1; k < 64; ++k) {
+        // 1 + k/128 ulp: 1, or 1 + ulp where the coin falls so.
+        const Explained sum(sum_of(1, k * ulp / 128), floats);
+        const int ups = ups_of(sum.tape);
+        ++seen[ups];
+        INFO(k << ": " << ups << " of three runs went up");
+        if (ups == 0 || ups == 3) {
+            CHECK(sum.metric("cestac_bits") == 24);
+        } else {
+            // s = ulp/√3 of one among two: log2(√3 mean/(4.303 s)) = log2(3/4.303) + 23, and mean = 1 to 2^-24.
+            CHECK(sum.metric("cestac_bits") == Approx(std::log2(3 / 4.303) + 23).margin(1e-6));
+        }
+        // The mean is off by ups/3 − k/128 ulp; up to half of one it has all 24 bits.
+        const double off = std::fabs(ups / 3.0 - k / 128.0);
+        const double bits = off <= 0.5 ? 24 : 24 - std::log2(2 * off);
+        CHECK(sum.metric("cestac_error") == Approx(sum.metric("cestac_bits") - bits).margin(1e-6));
+        CHECK(sum.metric("cestac_digit") == 0);
+        // Of all three up it promises 24 bits, and has less.
+        if (ups == 3) CHECK(sum.metric("cestac_error") > 0);
+    }
+    for (const int count : seen) CHECK(count > 0);
+    CHECK(Explained(sum_of(1, ulp), floats).metric("cestac_error") == 0);
+}
+
+TEST_CASE("a digit is overrated where all runs lose it alike", "[metric]") {
+    // (1 + k/128 ulp) - 1 is 0 or an ulp in all three runs, 24 bits are promised, and none or one is there; where the
+    // runs differ less than two bits are.
+    int overrated = 0;
+    for (int k = 1; k < 64; ++k) {
+        Tape tape = sum_of(1, k * ulp / 128, -1);
+        const NodeId one = tape.add_input(binary32, 1);
+        tape.outputs.t = tape.add(TapeOp::sub, binary32, 0, {tape.outputs.t, one});
+        const Explained sum(std::move(tape), floats);
+        const auto t = RandomRuns(sum.tape).t;
+        const bool alike = t[0] == t[1] && t[1] == t[2];
+        INFO(k << ": " << t[0] / ulp << ' ' << t[1] / ulp << ' ' << t[2] / ulp);
+        CHECK(sum.metric("cestac_digit") == (alike ? 1 : 0));
+        overrated += alike;
+    }
+    CHECK(overrated > 5);
+    CHECK(overrated < 40);
+}
+
+TEST_CASE("whether three runs decide alike and whether that is right are told apart", "[metric]") {
+    int split = 0, together = 0;
+    for (int k = 65; k < 128; ++k) {
+        // It rounds up to 1 + ulp, a hit above 1, as is right; a run that goes down misses.
+        Explained sum(sum_of(1, k * ulp / 128, 1), floats);
+        const int ups = ups_of(sum.tape);
+        const bool is_split = ups == 1 || ups == 2;
+        split += is_split, together += !is_split;
+        CHECK(sum.decision(Outcome::agree_hit) == (is_split ? "unstable_right" : "stable_right"));
+        CHECK(sum.decision(Outcome::false_hit) == (is_split ? "unstable_wrong" : "stable_wrong"));
+        // No bits are promised where a run misses.
+        CHECK(std::isnan(sum.metric("cestac_bits")) == (ups != 3));
+    }
+    CHECK(split > 10);
+    CHECK(together > 5);
+    // It rounds down to 1 and misses, and is truly a hit: the decision is explained, and t has no prediction.
+    Explained miss(sum_of(1, ulp / 128, 1), floats);
+    CHECK(std::isnan(miss.metric("cestac_bits")));
+    CHECK(std::isnan(miss.metric("cestac_error")));
+    CHECK(std::isnan(miss.metric("statistical_ratio")));
+    CHECK(miss.decision(Outcome::false_miss).ends_with("_wrong"));
+}
+
+TEST_CASE("an error is held against the root of the sum of squares", "[metric]") {
+    for (const int k : {1, 7, 63}) {
+        // One operation: k/128 ulp over half an ulp.
+        CHECK(Explained(sum_of(1, k * ulp / 128), floats).metric("statistical_ratio") == Approx(k / 64.0));
+        // Two: (1 + k/128 ulp) + 1, half an ulp of 1 and one of 2, though the second rounds nothing.
+        Tape tape = sum_of(1, k * ulp / 128);
+        const NodeId one = tape.add_input(binary32, 1);
+        tape.outputs.t = tape.add(TapeOp::add, binary32, 2, {tape.outputs.t, one});
+        CHECK(Explained(std::move(tape), floats).metric("statistical_ratio") == Approx(k / 64.0 / std::sqrt(5)));
+    }
+    CHECK(Explained(sum_of(1, ulp), floats).metric("statistical_ratio") == 0);
+}
+
+TEST_CASE("predictions are of what is recorded, and no more than three runs and one error say", "[metric]") {
+    CHECK(std::isnan(measure::metric::find_metric("cestac_decision")->value({.format = &floats})));
+    CHECK(std::isnan(measure::metric::find_metric("statistical_ratio")->value({.format = &floats})));
+    int told = 0, beyond = 0;
+    for (const auto& form : intersect::table::catalogue()) {
+        if (!form.exists_in(floats) || form.shape == Shape::sdf) continue;
+        Random random(2028);
+        for (int i = 0; i < 8; ++i) {
+            const Setting s = draw_setting(random, form, floats, 4);
+            Tape recorded;
+            form.record(floats, s.ray, s.target(form), HUGE_VAL, recorded);
+            if (recorded[recorded.outputs.hit].value == 0) continue;
+            const Explained ray(std::move(recorded), floats);
+            if (ray.attribution.subject != ray.tape.outputs.t || !(ray.blame.ulp > 0)) continue;
+            INFO(form.info->name << ", ray " << i);
+            const RandomRuns runs(ray.tape);
+            const double bits = ray.metric("cestac_bits");
+            if (runs.hit != std::array{true, true, true}) {
+                CHECK(std::isnan(bits));
+                continue;
+            }
+            ++told;
+            CHECK((bits >= 0 && bits <= 24));
+            const double exact = ray.attribution.of[static_cast<std::size_t>(ray.tape.outputs.t)].exact;
+            const double has = 24 - measure::truth::lost_bits((runs.mean() - exact) / ray.blame.ulp, 24);
+            CHECK(ray.metric("cestac_error") == Approx(bits - has).margin(1e-3));
+            beyond += ray.metric("cestac_error") > 1;
+            const double ratio = ray.metric("statistical_ratio"), error = std::fabs(ray.attribution.error);
+            CHECK(ratio * measure::stability::statistical_bound(ray.tape, ray.attribution) == Approx(error));
+        }
+    }
+    CHECK(told > 200);
+    CHECK(beyond > 0);
+}
+
+}  // namespace lostbits::test::test_predictions
