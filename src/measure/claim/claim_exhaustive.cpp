@@ -117,7 +117,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
     return witness;
 }
 
-TestedForm row_of(const Claim& claim, const ExhaustiveFile& file) {
+TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
     TestedForm row = row_for(claim, file);
     if (row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
@@ -127,8 +127,8 @@ TestedForm row_of(const Claim& claim, const ExhaustiveFile& file) {
 }
 
 /// What a row comes to, of whose ranges these are the findings.
-ClaimResult judge_row(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
-                      const std::vector<RangeFinding>& findings) {
+ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
+                        const std::vector<RangeFinding>& findings) {
     FloatTally all;
     std::optional<float> onset;
     // Where there are two ranges, all floats from each zero outwards, an onset is that of the first that has one.
@@ -162,12 +162,12 @@ void measure_range(const OfRange& of, truth::TruthLimit limit) {
     request.sweep = &of.file;
     request.limit = limit;
     std::vector<std::size_t> rows;
-    for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, row_of(asked.claim, of.file)));
+    for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, float_row(asked.claim, of.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     const auto findings = sweep::findings_of(request, state);
     for (std::size_t k = 0; k < rows.size(); ++k)
-        of.claims[k].result = judge_row(of.claims[k].claim, rows[k], request, findings);
+        of.claims[k].result = judge_tally(of.claims[k].claim, rows[k], request, findings);
 }
 
 }  // namespace

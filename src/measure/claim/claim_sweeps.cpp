@@ -109,9 +109,9 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
 }
 
 /// The claims about a place of a sweep along axes, or without one about its onsets.
-using Place = std::optional<std::vector<double>>;
+using AxesPlace = std::optional<std::vector<double>>;
 
-void measure_axes(const ClaimsOn<SweepSubject>& claims, const Place& place, const scene::sweep::SweepFile& sweep,
+void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, const scene::sweep::SweepFile& sweep,
                   truth::TruthLimit limit) {
     sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
@@ -149,9 +149,9 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
                                   called + "\" is none; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir);
-    std::map<Place, ClaimsOn<SweepSubject>> together;
+    std::map<AxesPlace, ClaimsOn<SweepSubject>> together;
     for (const auto& asked : claims)
-        together[asked.claim.onset.empty() ? Place(place_on(asked, sweep)) : std::nullopt].push_back(asked);
+        together[asked.claim.onset.empty() ? AxesPlace(place_on(asked, sweep)) : std::nullopt].push_back(asked);
     for (const auto& part : together) {
         measure_draws(part.second, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
             measure_axes(some, part.first, sweep.drawn_again(draw), {.stop = run.stop});
