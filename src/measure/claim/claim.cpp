@@ -182,16 +182,32 @@ metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
     return s;
 }
 
+namespace {
+
+/// What a claim about rays asks for beyond the default metrics; empty: nothing. Claims that ask for the same are
+/// measured together, so that all other forms of their scene or sweep are spared it: a metric of one row may cost a
+/// hundred times all default ones.
+std::string dear_work(const Claim& claim) {
+    if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
+        return "";
+    if (asks_for_attribution(claim) && !claim.metric.starts_with("culprit_alone")) return "the tape of every ray";
+    std::string_view longest;  // of worst_step_origin_fraction both worst and worst_step may be metrics
+    for (const metric::Metric& m : metric::metrics()) {
+        if (!m.by_default && m.name.size() > longest.size() && claim.metric.starts_with(std::string(m.name) + "_"))
+            longest = m.name;
+    }
+    return std::string(longest);
+}
+
+}  // namespace
+
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
-    // By the kind of subject and its name. Apart from the others those that need the tape of every ray: it costs more
-    // than all the rest of a map.
-    std::map<std::tuple<std::size_t, std::string, bool>, std::vector<std::size_t>> together;
+    std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> together;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         results[i].trouble = missing_for(c);
-        if (results[i].trouble.empty())
-            together[{c.subject.index(), c.subject_name(), asks_for_attribution(c)}].push_back(i);
+        if (results[i].trouble.empty()) together[{c.subject.index(), c.subject_name(), dear_work(c)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
     for (const auto& [subject, places] : together) {

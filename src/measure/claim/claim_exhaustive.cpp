@@ -10,6 +10,7 @@
 namespace lostbits::measure::claim {
 
 using answer::Outcome;
+using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::SweepSubject;
 using scene::sweep::ExhaustiveFile;
@@ -34,9 +35,7 @@ std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveF
 }
 
 /// The range of a claim, as a file with that range alone and with its one ray.
-ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, const std::filesystem::path& path,
-                        const std::filesystem::path& data_dir) {
-    ExhaustiveFile file(path, data_dir);
+ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, ExhaustiveFile file) {
     const std::size_t ray = ray_of(claim, on.ray, file);
     file.rays = {file.rays[ray]};
     if (on.from.has_value() != on.to.has_value())
@@ -50,7 +49,7 @@ struct Number {
     std::string name;
     double value;
 };
-std::vector<Number> numbers_of(const evaluate::TestedForm& row, const FloatTally& tally) {
+std::vector<Number> numbers_of(const TestedForm& row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<Number> all{
         {"wrong", static_cast<double>(tally.wrong())},
@@ -65,7 +64,7 @@ std::vector<Number> numbers_of(const evaluate::TestedForm& row, const FloatTally
     return all;
 }
 
-double metric_of(const Claim& claim, const evaluate::TestedForm& row, const FloatTally& tally) {
+double metric_of(const Claim& claim, const TestedForm& row, const FloatTally& tally) {
     const auto all = numbers_of(row, tally);
     const auto found = std::ranges::find(all, claim.metric, &Number::name);
     if (found != all.end()) return found->value;
@@ -103,8 +102,8 @@ std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t place) {
-    const auto there = sweep::answer_at(request, 0, 0, place);
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t place) {
+    const auto there = sweep::answer_at(request, 0, row, place);
     evaluate::WorstRay witness;
     witness.x = witness.y = 0;
     witness.given = std::make_shared<scene::rays::RayGroup>(request.sweep->group_at(0, float_at(place)));
@@ -114,30 +113,32 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::uint32_t pl
     witness.outcome = there.outcome;
     witness.ulps = there.ulps;
     witness.truth = there.truth;
-    witness.judged = request.rows.front().judged;
+    witness.judged = request.rows[row].judged;
     return witness;
 }
 
-ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::TruthLimit limit) {
-    ExhaustiveRequest request;
-    request.sweep = &file;
-    request.limit = limit;
-    request.rows = {row_for(claim, file)};
-    if (request.rows.front().format.engine != Format::Engine::native32)
+TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
+    TestedForm row = row_for(claim, file);
+    if (row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 alone; write format = \"f32\"");
-    if (!request.rows.front().judged) request.rows.front().judged = file.convention;
-    sweep::ExhaustiveState state;
-    sweep::run_exhaustive(request, state);
+    if (!row.judged) row.judged = file.convention;
+    return row;
+}
+
+/// What a row comes to, of whose ranges these are the findings.
+ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
+                        const std::vector<RangeFinding>& findings) {
     FloatTally all;
     std::optional<float> onset;
     // Where there are two ranges, all floats from each zero outwards, an onset is that of the first that has one.
-    for (const RangeFinding& finding : sweep::findings_of(request, state)) {
+    for (const RangeFinding& finding : findings) {
+        if (finding.row != row) continue;
         all.append(finding.tally);
         if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
             onset = float_at(*finding.tally.first[event_of(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, request.rows.front(), all)
+    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row], all)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
@@ -145,21 +146,49 @@ ClaimResult measure_one(const Claim& claim, const ExhaustiveFile& file, truth::T
     if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
     require_proof(result, all.count(Outcome::unresolved), "floats have no proved truth");
     // What names a ray by its numbers names its solids so, and a mesh has too many.
-    if (const auto place = witness_place(claim, all); place && !file.mesh) result.witness = witness_at(request, *place);
+    if (const auto place = witness_place(claim, all); place && !request.sweep->mesh)
+        result.witness = witness_at(request, row, *place);
     return result;
+}
+
+/// Claims about one range of one ray: the truth of a float is found once for all of them.
+struct OfRange {
+    ExhaustiveFile file;
+    ClaimsOn<SweepSubject> claims = {};
+};
+
+void measure_range(const OfRange& of, truth::TruthLimit limit) {
+    ExhaustiveRequest request;
+    request.sweep = &of.file;
+    request.limit = limit;
+    std::vector<std::size_t> rows;
+    for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, float_row(asked.claim, of.file)));
+    sweep::ExhaustiveState state;
+    sweep::run_exhaustive(request, state);
+    const auto findings = sweep::findings_of(request, state);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        of.claims[k].result = judge_tally(of.claims[k].claim, rows[k], request, findings);
 }
 
 }  // namespace
 
 void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run) {
-    for (const auto& [claim, on, result] : claims) {
+    const ExhaustiveFile whole(path, run.data_dir);
+    std::vector<OfRange> together;
+    for (const auto& asked : claims) {
+        const auto& [claim, on, result] = asked;
         const auto* const range = on.part_if<SweepSubject::EveryFloat>();
         if (!range)
             scene::toml::fail(claim.where,
                               "sweep \"" + on.name + "\" tries every float; write `exhaustive = true` in claim.given");
-        result = measure_one(claim, narrowed(claim, *range, path, run.data_dir), {.stop = run.stop});
+        ExhaustiveFile file = narrowed(claim, *range, whole);
+        const auto same = std::ranges::find_if(together, [&file](const OfRange& of) {
+            return of.file.rays.front().name == file.rays.front().name && of.file.ranges() == file.ranges();
+        });
+        (same != together.end() ? *same : together.emplace_back(OfRange{std::move(file)})).claims.push_back(asked);
     }
+    for (const OfRange& of : together) measure_range(of, {.stop = run.stop});
 }
 
 }  // namespace lostbits::measure::claim

@@ -1,5 +1,7 @@
 // Claims about sweeps: along axes, or over named cases.
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
@@ -63,36 +65,36 @@ std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sw
     return at;
 }
 
-/// The claims about a sweep along axes.
-void measure_axes(const ClaimsOn<SweepSubject>& claims, const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
-    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = limit};
-    std::vector<std::size_t> rows;
-    bool onsets_wanted = false;
-    for (const auto& [claim, on, result] : claims) {
-        TestedForm row = row_for(claim, sweep);
-        if (!row.judged) row.judged = sweep.convention;
-        rows.push_back(place_or_added(request.rows, row));
-        onsets_wanted |= !claim.onset.empty();
+/// Claims about one place of a sweep, or about onsets of it.
+struct OnAxes {
+    const ClaimsOn<SweepSubject>& claims;
+    const ClaimColumns& columns;
+    const std::vector<std::size_t>& rows;  ///< of each claim, among those of the request
+};
+
+void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
+    const auto summaries = sweep::run_place(request, place);
+    for (std::size_t k = 0; k < on.claims.size(); ++k) {
+        const auto& [claim, subject, result] = on.claims[k];
+        const evaluate::FormSummary& summary = summaries[on.rows[k]];
+        result = judge(claim, on.columns.value(claim, summary), &summary);
+        if (!request.sweep->is_drawn()) continue;
+        result.samples = summary.views;
+        if (summary.rays == summary.views) result.bounds = bounds_of(claim, on.columns, summary);
     }
-    const SettingOf setting(sweep.first_rays());
-    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
-    request.metrics = columns.metrics();
-    std::vector<sweep::Onset> onsets;
-    if (onsets_wanted) onsets = sweep::find_onsets(request, sweep::run_sweep(request));
-    for (std::size_t k = 0; k < claims.size(); ++k) {
-        const Claim& claim = claims[k].claim;
-        ClaimResult& result = claims[k].result;
-        if (claim.onset.empty()) {
-            const auto summary = sweep::run_place(request, rows[k], place_on(claims[k], sweep));
-            result = judge(claim, columns.value(claim, summary), &summary);
-            if (sweep.is_drawn()) result.samples = summary.views;
-            if (sweep.is_drawn() && summary.rays == summary.views) result.bounds = bounds_of(claim, columns, summary);
-            continue;
-        }
-        const auto found = std::ranges::find_if(onsets, [&](const sweep::Onset& o) {
-            return o.row == rows[k] && o.event == claim.onset && o.statistic == claim.statistic &&
-                   o.threshold == claim.threshold;
-        });
+}
+
+void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
+    for (std::size_t k = 0; k < on.claims.size(); ++k) {
+        const Claim& claim = on.claims[k].claim;
+        request.only.push_back({on.rows[k], claim.onset, claim.statistic, claim.threshold});
+    }
+    const auto onsets = sweep::find_onsets(request, sweep::run_sweep(request));
+    for (std::size_t k = 0; k < on.claims.size(); ++k) {
+        const Claim& claim = on.claims[k].claim;
+        ClaimResult& result = on.claims[k].result;
+        const auto found =
+            std::ranges::find_if(onsets, [&](const sweep::Onset& o) { return o.is_of_event(request.only[k]); });
         if (found == onsets.end()) {
             scene::toml::fail(
                 claim.where,
@@ -101,9 +103,28 @@ void measure_axes(const ClaimsOn<SweepSubject>& claims, const scene::sweep::Swee
                     "false_miss, not_a_number and, of marches, max_dist, max_steps, stagnated (count; 1)");
         }
         result = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (sweep.is_drawn()) result.samples = found->views;
+        if (request.sweep->is_drawn()) result.samples = found->views;
         if (!found->found) result.trouble = "it does not happen within the sweep";
     }
+}
+
+/// The claims about a place of a sweep along axes, or without one about its onsets.
+using AxesPlace = std::optional<std::vector<double>>;
+
+void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, const scene::sweep::SweepFile& sweep,
+                  truth::TruthLimit limit) {
+    sweep::SweepRequest request{.sweep = &sweep, .rows = {}, .metrics = {}, .limit = limit};
+    std::vector<std::size_t> rows;
+    for (const auto& [claim, on, result] : claims) {
+        TestedForm row = row_for(claim, sweep);
+        if (!row.judged) row.judged = sweep.convention;
+        rows.push_back(place_or_added(request.rows, row));
+    }
+    const SettingOf setting(sweep.first_rays());
+    const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
+    request.metrics = columns.metrics();
+    if (place) measure_place({claims, columns, rows}, request, *place);
+    else measure_onsets({claims, columns, rows}, std::move(request));
 }
 
 }  // namespace
@@ -128,9 +149,14 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
                                   called + "\" is none; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir);
-    measure_draws(claims, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
-        measure_axes(some, sweep.drawn_again(draw), {.stop = run.stop});
-    });
+    std::map<AxesPlace, ClaimsOn<SweepSubject>> together;
+    for (const auto& asked : claims)
+        together[asked.claim.onset.empty() ? AxesPlace(place_on(asked, sweep)) : std::nullopt].push_back(asked);
+    for (const auto& part : together) {
+        measure_draws(part.second, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
+            measure_axes(some, part.first, sweep.drawn_again(draw), {.stop = run.stop});
+        });
+    }
 }
 
 }  // namespace lostbits::measure::claim

@@ -167,6 +167,7 @@ std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector
     intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
         StepsBetween between(request, row);
         for (const Event& event : events_of(request.rows[row], request.metrics)) {
+            if (!request.asks_for({row, event.name, event.statistic, event.threshold})) continue;
             found[row].push_back(locate(request, forwards, row, event, between));
             if (!request.both_ends) continue;
             found[row].push_back(locate(request, backwards, row, event, between));
@@ -201,8 +202,8 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
     return steps;
 }
 
-FormSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values) {
-    return std::move(run_step(request, {request.rows[row]}, values).front());
+std::vector<FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values) {
+    return run_step(request, request.rows, values);
 }
 
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {

@@ -1,6 +1,7 @@
 // The sweep: a map's numbers along a parameter, and the places where they first go wrong.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <string>
@@ -64,16 +65,22 @@ struct SweepRequest {
     shard::Share share = {};  ///< of the steps, and of the rows whose onsets are found
     bool recoveries = false;  ///< find where a form is good again after its first trouble, too
     bool both_ends = false;   ///< find onsets from the last step backwards, too: where small values are the trouble
+    std::vector<Onset> only = {};  ///< where there are any, onsets of other events are not looked for
     truth::TruthLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    [[nodiscard]] bool asks_for(const Onset& onset) const {
+        return only.empty() ||
+               std::ranges::any_of(only, [&onset](const Onset& each) { return each.is_of_event(onset); });
+    }
 };
 
 /// Every step of one axis, or of the product of two (the second running fastest), in order; in parallel over steps.
 /// Those of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
-/// One row at any place of the sweep, on its steps or between them.
-evaluate::FormSummary run_place(const SweepRequest& request, std::size_t row, const std::vector<double>& values);
+/// The rows at any place of the sweep, on its steps or between them.
+std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values);
 
 /// The first crossings, along the first axis of a sweep with one axis, of 1, 4, 8, p/2 and p lost bits by the median,
 /// the 99th percentile and the largest, of one ulp by the median of each measured step of a space, of the first of each

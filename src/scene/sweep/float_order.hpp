@@ -36,6 +36,8 @@ Binade binade_of(float x);
 struct FloatRange {
     std::uint32_t first = 0, last = 0;  ///< places
 
+    bool operator==(const FloatRange&) const = default;
+
     [[nodiscard]] bool falls() const { return last < first; }
     [[nodiscard]] std::uint64_t size() const { return std::uint64_t{1} + (falls() ? first - last : last - first); }
     /// The place after so many steps.
