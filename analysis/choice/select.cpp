@@ -4,7 +4,6 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 
 #include "analysis/choice/ray_numbers.hpp"

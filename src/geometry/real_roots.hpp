@@ -1,9 +1,6 @@
 // The real roots of a polynomial of degree four at most: near them in any arithmetic, and enclosed with a proof.
 #pragma once
 
-#include <cmath>
-#include <limits>
-
 #include "geometry/polynomial.hpp"
 
 namespace lostbits {

@@ -1,7 +1,6 @@
 // What a run reads it does not write, and what is somebody else's stays: whatever it is called, linked or forced.
 #include <filesystem>
 #include <fstream>
-#include <set>
 
 #include "catch.hpp"
 #include "program.hpp"

@@ -1,11 +1,9 @@
 // `lostbits judge`: files of rays from the outside, as a user has them.
 #include <array>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "catch.hpp"
 #include "program.hpp"

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <set>
 #include <span>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 

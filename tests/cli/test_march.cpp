@@ -1,5 +1,4 @@
 // Marches from the outside: explain, the maps of iterations and stops, sweeps of the constants.
-#include <algorithm>
 
 #include "catch.hpp"
 #include "program.hpp"

@@ -1,5 +1,4 @@
 // The words of a contract: what fits real code is not accused, what does not is not acquitted, by any command.
-#include <sstream>
 #include <string>
 
 #include "catch.hpp"

@@ -1,7 +1,6 @@
 // The same solid under a matrix and directly.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"

@@ -3,7 +3,6 @@
 // span and no form asks so.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <optional>
 

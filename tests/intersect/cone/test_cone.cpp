@@ -1,6 +1,5 @@
 // The truth of cones against fractions, alone and in packs; every form when nothing is rounded; and what a cone says of
 // itself.
-#include <string>
 #include <vector>
 
 #include "catch.hpp"

@@ -1,6 +1,5 @@
 // The truth of cylinders against fractions, alone and in packs; every form when nothing is rounded; and what a
 // cylinder says of itself.
-#include <string>
 #include <vector>
 
 #include "catch.hpp"

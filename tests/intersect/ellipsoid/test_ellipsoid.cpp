@@ -1,7 +1,6 @@
 // The truth of ellipsoids against fractions, alone and in packs; every form when nothing is rounded; and what an
 // ellipsoid says of itself.
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // Truths of many rays at once are those of the same rays alone: the same decisions, and the same two words.
 #include <algorithm>
-#include <numeric>
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"

@@ -4,7 +4,6 @@
 #include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 #include <random>
-#include <sstream>
 
 #include "catch.hpp"
 #include "output/blame/explain_command.hpp"

@@ -2,8 +2,6 @@
 #include "scene/dump/dump.hpp"
 
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "catch.hpp"
 #include "measure/seeded.hpp"

@@ -1,7 +1,6 @@
 // Files of named cases, and the searches that are their cousins.
 #include "scene/sweep/case_file.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
