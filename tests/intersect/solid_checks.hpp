@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/certified_root.hpp"
 #include "intersect/sampled_rays.hpp"
@@ -105,6 +106,17 @@ private:
     std::array<Tally, Forms::size> tallies_{};
 };
 
+/// Of all forms of a shape whose answer also says whether a ray begins inside (`is_within`).
+template <class Forms, class ForEach>
+void check_unrounded(const ForEach& for_each) {
+    UnroundedForms<Forms> forms;
+    for_each(static_cast<int>(draws(1000)), [&](const auto& family, const auto& s) {
+        const auto right = answer_of(s);
+        forms.ask(family.name, s, right, right.is_within(0));
+    });
+    forms.check(150);
+}
+
 /// The nearest point of the surface: on it, as far away as `distance` says, with a normal of length one.
 template <template <class> class S>
 void check_nearest_point(const S<double>& plain, const Vec<double>& q) {
@@ -154,6 +166,22 @@ double share_of_bound(const S<double>& solid, const Vec<double>& at) {
     double allowed = 0;
     for (int i = 0; i < 3; ++i) allowed += static_cast<double>(b.delta[i]) * static_cast<double>(b.delta[i]);
     return static_cast<double>(abs(same.distance(exact(b.p)))) / std::sqrt(allowed);
+}
+
+/// The largest of so many solids of all sizes, near the origin and far: `make(from, to, size)` draws one along an axis.
+template <class Make>
+double largest_share_of_bound(Seeded& rng, int count, const Make& make) {
+    double largest = 0;
+    for (int i = 0; i < count; ++i) {
+        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
+        const Vec<double> from = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
+        const Vec<double> to = from + v;
+        const auto solid = make(from, to, scale);
+        const Vec<double> at = from + rng.unit() * v + w;
+        if (testing::stored(from, binary32) == testing::stored(to, binary32)) continue;
+        largest = std::max(largest, share_of_bound(solid, at));
+    }
+    return largest;
 }
 
 }  // namespace lostbits::test

@@ -58,11 +58,7 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
 }
 
 TEST_CASE("packs say of ellipsoids what the truth of each ray says", "[truth][ellipsoid]") {
-    std::vector<RayAndSolid> asked;
-    for_each_ellipsoid(static_cast<int>(draws(1500)), [&](const SampledRays<Ellipsoid>&, const Sample<Ellipsoid>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
+    check_packs(for_each_ellipsoid);
 }
 
 TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[intersect][ellipsoid][formula]") {
