@@ -30,6 +30,11 @@ struct Outcome {
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
+/// The option that takes results into a folder of the scratch folder, or into itself (`""`).
+inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
+    return " -o '" + (folder.empty() ? scratch.path() : scratch.path() / folder).string() + "'";
+}
+
 /// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
 void draw_pictures();
 

@@ -21,10 +21,6 @@ const std::string far_raw =
     "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
 const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n", good = "0,0,-5,0,0,1,1,4\n";
 
-std::string into(const Scratch& scratch, const std::string& folder = "out") {
-    return " -o '" + (scratch.path() / folder).string() + "'";
-}
-
 }  // namespace
 
 TEST_CASE("the program of the page on judging writes the file that it judges") {
