@@ -13,7 +13,6 @@ using namespace lostbits;
 using intersect::AtOrigin;
 using intersect::Convention;
 using intersect::Inside;
-using intersect::Touching;
 using measure::truth::find_truth;
 
 namespace {

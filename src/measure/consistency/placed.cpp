@@ -6,7 +6,6 @@
 #include "intersect/table/sets.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/other_place.hpp"
-#include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::consistency {
 

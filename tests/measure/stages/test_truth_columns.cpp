@@ -12,7 +12,6 @@ namespace test_truth_columns {
 
 using namespace lostbits;
 using namespace lostbits::testing;
-using measure::truth::ColumnTerms;
 using measure::truth::find_truth;
 using measure::truth::Length;
 using measure::truth::ProblemColumns;

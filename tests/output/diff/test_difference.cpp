@@ -12,7 +12,6 @@
 #include "output/diff/difference.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
-#include "output/helpers.hpp"
 
 namespace test_difference {
 
@@ -20,7 +19,6 @@ using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::diff;
 using namespace lostbits::output::file;
-using namespace lostbits::output::test;
 
 namespace {
 

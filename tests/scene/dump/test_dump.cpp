@@ -5,7 +5,6 @@
 
 #include "catch.hpp"
 #include "measure/seeded.hpp"
-#include "number/error.hpp"
 #include "scene/dump/dump_writer.hpp"
 #include "scene/dump/number_words.hpp"
 #include "shapes/number_names.hpp"
