@@ -13,7 +13,7 @@ namespace lostbits {
 
 /// The solid whose numbers are `number(0)`, `number(1)`, …
 template <template <class> class S, class T, class Numbers>
-constexpr S<T> solid_of(const Numbers& number) {
+constexpr S<T> solid_from(const Numbers& number) {
     const auto part = [&number]<std::size_t key>(std::integral_constant<std::size_t, key>) {
         constexpr std::size_t first = [] {
             std::size_t before = 0;

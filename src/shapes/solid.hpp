@@ -45,7 +45,7 @@ struct Solid {
     /// The shape itself; ask for the one that `shape` names.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
-        return solid_of<Of, S>([this](std::size_t k) { return numbers[k]; });
+        return solid_from<Of, S>([this](std::size_t k) { return numbers[k]; });
     }
     /// The point whose first coordinate is number `k`.
     [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }

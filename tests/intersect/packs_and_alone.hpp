@@ -51,7 +51,7 @@ inline void check_packs_against_each_alone(const std::vector<RayAndSolid>& asked
 
 /// The same of samples (`ForEachSample`), of what `made` makes of the solid of each.
 template <class ForEach, class Made = std::identity>
-void check_packs(const ForEach& for_each, const Made& made = {}) {
+void check_packs_of(const ForEach& for_each, const Made& made = {}) {
     std::vector<RayAndSolid> asked;
     for_each(static_cast<int>(draws(1500)), [&](const auto&, const auto& s) {
         asked.push_back({s.ray, made(s.solid)});

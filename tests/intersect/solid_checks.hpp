@@ -156,8 +156,8 @@ double share_of_bound(const S<double>& solid, const Vec<double>& at) {
     std::array<float, most_numbers> numbers;
     std::size_t k = 0;
     each_number(solid, [&](double x) { numbers[k++] = static_cast<float>(x); });
-    const S<float> s = solid_of<S, float>([&](std::size_t i) { return numbers[i]; });
-    const S<Real> same = solid_of<S, Real>([&](std::size_t i) { return Real(numbers[i]); });
+    const S<float> s = solid_from<S, float>([&](std::size_t i) { return numbers[i]; });
+    const S<Real> same = solid_from<S, Real>([&](std::size_t i) { return Real(numbers[i]); });
     const auto exact = [](const Vec<float>& x) { return Vec<Real>(Real(x.x), Real(x.y), Real(x.z)); };
     // Put back by what rounding moved it: a point near the surface, as hits are.
     const Vec<Real> p = lifted<Real>(at), on = same.projected(Ray<Real>{p, p}, p);

@@ -27,7 +27,7 @@ template <template <class> class S, class T, class P>
     using E = number::wide::Proving<T>;
     const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    const auto met = first_met(solid_of<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray));
+    const auto met = first_met(solid_from<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray));
     const P u = number::wide::roundoff_of<P>(), t = number::wide::untold(met.t.word());
     const mask_t<P> fine = P(1024) * u <= P(1) / P(1024), kept = met.t.radius() <= P(62) * u * t;
     return {fine && (met.hit.no() || (met.hit.yes() && kept)), met.hit.yes(), named("t", met.t.word())};

@@ -23,7 +23,7 @@ TEST_CASE("the truth of a capsule is what fractions say", "[truth][capsule]") {
 }
 
 TEST_CASE("packs say of capsules what the truth of each ray says", "[truth][capsule]") {
-    check_packs(for_each_capsule);
+    check_packs_of(for_each_capsule);
 }
 
 TEST_CASE("every capsule form solves the problem when nothing is rounded", "[intersect][capsule][formula]") {

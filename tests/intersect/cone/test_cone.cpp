@@ -27,7 +27,7 @@ TEST_CASE("the truth of a cone is what fractions say", "[truth][cone]") {
     CHECK(truth.exact["random"] == 0);
 }
 
-TEST_CASE("packs say of cones what the truth of each ray says", "[truth][cone]") { check_packs(for_each_cone); }
+TEST_CASE("packs say of cones what the truth of each ray says", "[truth][cone]") { check_packs_of(for_each_cone); }
 
 TEST_CASE("every cone form solves the problem when nothing is rounded", "[intersect][cone][formula]") {
     check_unrounded<intersect::cone::ConeForms>(for_each_cone);

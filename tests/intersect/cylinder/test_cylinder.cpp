@@ -25,7 +25,7 @@ TEST_CASE("the truth of a cylinder is what fractions say", "[truth][cylinder]") 
 }
 
 TEST_CASE("packs say of cylinders what the truth of each ray says", "[truth][cylinder]") {
-    check_packs(for_each_cylinder);
+    check_packs_of(for_each_cylinder);
 }
 
 TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[intersect][cylinder][formula]") {

@@ -159,8 +159,8 @@ TEST_CASE("the truth of a disc and of its plane is what fractions say", "[truth]
 }
 
 TEST_CASE("packs say of discs and planes what the truth of each ray says", "[truth][disc]") {
-    check_packs(for_each_disc);
-    check_packs(for_each_disc, plane_of);
+    check_packs_of(for_each_disc);
+    check_packs_of(for_each_disc, plane_of);
 }
 
 TEST_CASE("every disc and plane form solves the problem when nothing is rounded", "[intersect][disc][formula]") {

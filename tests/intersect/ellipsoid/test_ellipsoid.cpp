@@ -58,7 +58,7 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
 }
 
 TEST_CASE("packs say of ellipsoids what the truth of each ray says", "[truth][ellipsoid]") {
-    check_packs(for_each_ellipsoid);
+    check_packs_of(for_each_ellipsoid);
 }
 
 TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[intersect][ellipsoid][formula]") {

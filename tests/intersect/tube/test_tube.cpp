@@ -92,7 +92,7 @@ TEST_CASE("the truth of a tube is what fractions say", "[truth][tube]") {
 }
 
 TEST_CASE("packs say of tubes what the truth of each ray says", "[truth][tube]") {
-    check_packs(for_each_cylinder, opened);
+    check_packs_of(for_each_cylinder, opened);
 }
 
 TEST_CASE("every tube form solves the problem when nothing is rounded", "[intersect][tube][formula]") {
