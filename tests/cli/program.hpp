@@ -51,6 +51,10 @@ inline double number_in(const std::string& cell) {
 
 /// A sweep of a family along one axis, to be spoilt or changed.
 extern const std::string small_sweep;
+/// One over a constant of a march.
+extern const std::string march_sweep;
+/// A file of one claim, about a scene `mine.toml` beside it.
+extern const std::string one_claim;
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.

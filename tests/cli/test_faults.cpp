@@ -19,21 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string one_claim = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "mine"
-statement = "It is so"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "mine.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 1]
-)";
-
 /// How to run something as process 1 of a container of its own; empty where this machine forbids it.
 std::string in_container() {
     for (const char* words : {"unshare -p -f --mount-proc", "unshare -U -r -p -f --mount-proc"}) {

@@ -12,21 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* one_claim = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "a"
-statement = "-"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "mine.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 1]
-)";
-
 constexpr const char* one_ray = "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n";
 
 /// A folder with a scene, a claim about it, a ray and a baseline, none of which a run may change.
