@@ -2,7 +2,6 @@
 // these shapes say of themselves.
 #include <map>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"

@@ -2,7 +2,6 @@
 // ellipsoid says of itself.
 #include <map>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
