@@ -13,7 +13,6 @@
 #include "analysis/shell/different_files.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/claim/claim_history.hpp"
 #include "output/claim/claim_report.hpp"

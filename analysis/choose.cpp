@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <deque>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -31,7 +30,6 @@ using measure::choice::ChoiceRequest;
 using measure::evaluate::TestedForm;
 using measure::mend::Mended;
 using measure::mend::MendRequest;
-using measure::mend::Worth;
 using output::mend::MendResult;
 using output::mend::Proposal;
 

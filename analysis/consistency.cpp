@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "analysis/choice/doors.hpp"
 #include "analysis/choice/lost_numbers.hpp"
 #include "analysis/choice/options.hpp"
 #include "analysis/choice/select.hpp"

@@ -4,7 +4,6 @@
 #include <memory>
 #include <set>
 
-#include "analysis/choice/options.hpp"
 #include "analysis/diff/diff_files.hpp"
 #include "analysis/diff/diff_maps.hpp"
 #include "analysis/diff/made_by.hpp"

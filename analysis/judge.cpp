@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <map>
 #include <memory>
 
 #include "analysis/choice/doors.hpp"

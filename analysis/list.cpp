@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <concepts>
 #include <memory>
 #include <nlohmann/json.hpp>
 

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <exception>
 #include <iterator>
-#include <map>
 #include <new>
 #include <system_error>
 

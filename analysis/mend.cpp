@@ -15,7 +15,6 @@
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/mend/form_code.hpp"
 #include "output/mend/mend_files.hpp"
 
 namespace lostbits::analysis {

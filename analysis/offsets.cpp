@@ -23,8 +23,6 @@ namespace lostbits::analysis {
 using measure::offset::Along;
 using measure::offset::HitPoint;
 using measure::offset::OffsetRequest;
-using measure::offset::OffsetSummary;
-using measure::offset::Side;
 using scene::file::Scene;
 
 namespace {

@@ -11,7 +11,6 @@
 #include "analysis/shell/supervisor.hpp"
 #include "commands.hpp"
 #include "intersect/doors/formulas.hpp"
-#include "intersect/doors/guard.hpp"
 #include "intersect/doors/pipe.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "intersect/process/own_state.hpp"

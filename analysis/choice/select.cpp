@@ -4,11 +4,8 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 
-#include "analysis/choice/ray_numbers.hpp"
-#include "intersect/process/own_state.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
@@ -19,7 +16,6 @@ namespace lostbits::analysis::choice {
 using intersect::table::Intersector;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
-using scene::file::Scene;
 
 namespace {
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
 
 #include "analysis/choice/select.hpp"
 #include "intersect/hull/behind.hpp"

@@ -4,7 +4,6 @@
 
 #include "analysis/library/handles.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/toml/toml_tree.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 

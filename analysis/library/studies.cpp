@@ -17,7 +17,6 @@
 #include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
-#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::library {
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"

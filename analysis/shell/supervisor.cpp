@@ -19,7 +19,6 @@
 #include <cstring>
 #include <optional>
 #include <set>
-#include <string_view>
 #include <thread>
 #include <vector>
 

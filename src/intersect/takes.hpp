@@ -2,8 +2,6 @@
 // packed_batch.hpp).
 #pragma once
 
-#include <type_traits>
-
 #include "shapes/solid.hpp"
 
 namespace lostbits::intersect {
@@ -43,7 +41,7 @@ Hit<T> intersect_solid(const Ray<T>& ray, const S<T>& solid, const T& tmax, Watc
 template <class Form, class T, class Numbers>
 Hit<T> intersect_numbers(const Ray<T>& ray, const Numbers& number, const T& tmax) {
     return Solids::of_shape<shape_of<Form>>(
-        [&]<template <class> class S>() { return intersect_solid<Form>(ray, S<T>::of(number), tmax); });
+        [&]<template <class> class S>() { return intersect_solid<Form>(ray, solid_from<S, T>(number), tmax); });
 }
 
 }  // namespace lostbits::intersect

@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 
 #include "geometry/flat_span.hpp"
@@ -19,6 +18,7 @@
 #define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/folder.hpp)
 // clang-format on
 #include "shapes/list.hpp"
+#include "shapes/numbers_of.hpp"
 
 namespace lostbits {
 

@@ -31,7 +31,7 @@ struct Solid {
     template <template <class> class Of>
     requires(shape_as<Of> != Shape::sdf) Solid(const Of<S>& solid) : shape(shape_as<Of>) {
         std::size_t k = 0;
-        solid.each([&](const S& x) { numbers[k++] = x; });
+        each_number(solid, [&](const S& x) { numbers[k++] = x; });
     }
 
     /// The numbers of the shape, without those of its matrix.
@@ -45,7 +45,7 @@ struct Solid {
     /// The shape itself; ask for the one that `shape` names.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
-        return Of<S>::of([this](std::size_t k) { return numbers[k]; });
+        return solid_from<Of, S>([this](std::size_t k) { return numbers[k]; });
     }
     /// The point whose first coordinate is number `k`.
     [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }

@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -67,6 +66,40 @@ from = 2
 to = 1048576
 steps = 20
 set = ["distance"]
+)";
+
+const std::string march_sweep = R"(schema = "lostbits-sweep/1"
+title = "A test"
+source = "-"
+[march]
+max_steps = 100
+[family]
+distance = 4
+impact_to = 0.9
+views = 1
+rays = 8
+[[axis]]
+name = "hit_eps"
+spacing = "log2"
+from = 1e-3
+to = "0x1p-26"
+steps = 6
+set = ["march.hit_eps"]
+)";
+
+const std::string one_claim = R"(schema = "lostbits-claims/1"
+[[claim]]
+id = "mine"
+statement = "It is so"
+source = "-"
+verdict = "holds"
+[claim.given]
+scene = "mine.toml"
+form = "sphere.press"
+format = "f32"
+[claim.expect]
+metric = "false_miss_fraction"
+in = [0, 1]
 )";
 
 const std::string good_scene = R"(schema = "lostbits-scene/1"

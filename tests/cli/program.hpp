@@ -30,6 +30,11 @@ struct Outcome {
 /// Runs `lostbits ARGUMENTS` through a shell in `folder`; `before` goes in front of the program (`ulimit -f 8;`).
 Outcome run(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
+/// The option that takes results into a folder of the scratch folder, or into itself (`""`).
+inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
+    return " -o '" + (folder.empty() ? scratch.path() : scratch.path() / folder).string() + "'";
+}
+
 /// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
 void draw_pictures();
 
@@ -46,6 +51,10 @@ inline double number_in(const std::string& cell) {
 
 /// A sweep of a family along one axis, to be spoilt or changed.
 extern const std::string small_sweep;
+/// One over a constant of a march.
+extern const std::string march_sweep;
+/// A file of one claim, about a scene `mine.toml` beside it.
+extern const std::string one_claim;
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.

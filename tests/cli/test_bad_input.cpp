@@ -48,7 +48,7 @@ TEST_CASE("a bad scene is refused with its place and a remedy, and nothing is wr
         INFO(bad.what);
         const Scratch scratch;
         const std::string file = scratch.write("scene.toml", bad.text);
-        const auto r = run("map '" + file + "' -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("map '" + file + "'" + into(scratch));
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.out.empty());
@@ -68,7 +68,7 @@ TEST_CASE("the scene that the bad ones were made from is right") {
 TEST_CASE("bad words on the command line: exit code and what was meant") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const std::string out = " -o '" + (scratch.path() / "out").string() + "'";
+    const std::string out = into(scratch);
     struct Case {
         std::string arguments;
         int code;
@@ -136,8 +136,7 @@ TEST_CASE("a folder that cannot be written ends the run before the work, with 3"
 TEST_CASE("a missing image module is named, with 3, and nothing is written") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const auto r = run("map " + scene + " -o '" + (scratch.path() / "out").string() + "'", ".",
-                       "LOSTBITS_IMAGE_MODULE=/nowhere.so");
+    const auto r = run("map " + scene + into(scratch), ".", "LOSTBITS_IMAGE_MODULE=/nowhere.so");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(r.err.find("/nowhere.so") != std::string::npos);
@@ -148,9 +147,7 @@ TEST_CASE("a disk that fills up leaves no half-written file") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
     // The limit on a file's size stands in for the full disk: 8 blocks of 1024 bytes in bash, 512 in others.
-    const auto r =
-        run("map " + scene + " --size 400x400 -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'",
-            ".", "ulimit -f 8;");
+    const auto r = run("map " + scene + " --size 400x400 -i sphere.press -f f32" + into(scratch), ".", "ulimit -f 8;");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(r.err.find("cannot write") != std::string::npos);
@@ -159,7 +156,7 @@ TEST_CASE("a disk that fills up leaves no half-written file") {
 
 TEST_CASE("what once broke it: endless keys, ids that leave the folder, closed streams, an end from outside") {
     const Scratch scratch;
-    const std::string out = " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'";
+    const std::string out = " -i sphere.press -f f32" + into(scratch);
     std::string endless = "schema = \"lostbits-scene/1\"\nx";
     for (int i = 0; i < 60000; ++i) endless += ".a";
     const auto deep = run("map '" + scratch.write("deep.toml", endless + " = 1\n") + "'" + out);

@@ -134,7 +134,7 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         // A good file in front of it is not begun.
         const std::string good = c.options.empty() ? "extremes/contact" : "worst/near";
         const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options +
-                           " -i sphere.press -f f32 -o '" + (scratch.path() / "out").string() + "'");
+                           " -i sphere.press -f f32" + into(scratch));
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.err.find("s.toml" + std::string(c.place)) != std::string::npos);
@@ -142,15 +142,14 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
     }
     const Scratch scratch;
-    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32 -o '" +
-                           (scratch.path() / "out").string() + "'");
+    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32" + into(scratch));
     CHECK(boxes.code == 4);
     CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
 }
 
 TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
     const Scratch scratch;
-    const std::string out = " -q -o '" + (scratch.path() / "out").string() + "'", loud = out.substr(3);
+    const std::string out = " -q" + into(scratch), loud = out.substr(3);
     const auto said = [&](const std::string& command) { return run(command + loud).err; };
     const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
     const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";

@@ -14,8 +14,6 @@ const std::string far_rays = "'" LOSTBITS_DATA_DIR
                              "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
                              "-i sphere.schoolbook";
 
-std::string into(const Scratch& scratch) { return " -o '" + scratch.path().string() + "'"; }
-
 /// A file of rays with this text.
 std::string file_with(const Scratch& scratch, const std::string& name, const std::string& text) {
     const auto path = scratch.path() / name;
@@ -29,7 +27,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
 
 TEST_CASE("choose takes a file of rays, and says what its own answers are worth") {
     const Scratch scratch;
-    const auto r = run("choose " + far_rays + " --bits 16" + into(scratch));
+    const auto r = run("choose " + far_rays + " --bits 16" + into(scratch, ""));
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "no wrong decision in 1536 rays"));
@@ -57,7 +55,8 @@ TEST_CASE("choose takes a file of rays, and says what its own answers are worth"
 
 TEST_CASE("choose takes raw rays, a pipe and several files") {
     const Scratch scratch;
-    const std::string rest = " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch);
+    const std::string rest =
+        " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch, "");
     const std::string raw = LOSTBITS_DATA_DIR "/dumps/far-sphere.f32";
     const auto by_columns = run("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
     CHECK(by_columns.code == 0);
@@ -79,7 +78,7 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
     const std::string file = file_with(scratch, "near.csv", text);
-    const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch));
+    const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch, ""));
     INFO(r.err);
     CHECK(r.code == 1);
     CHECK(
@@ -95,7 +94,7 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
 
 TEST_CASE("choose refuses files that are none, and words for the other subject") {
     const Scratch scratch;
-    const std::string rest = " --bits 16 --quick" + into(scratch);
+    const std::string rest = " --bits 16 --quick" + into(scratch, "");
     struct Bad {
         std::string words, says;
     };

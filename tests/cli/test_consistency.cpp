@@ -13,8 +13,6 @@ using lostbits::output::file::CsvTable;
 
 namespace {
 
-std::string into(const Scratch& scratch) { return " -o '" + scratch.path().string() + "'"; }
-
 std::string cell_of(const CsvTable& table, const std::string& column, std::size_t row) {
     const auto* const found = table.find(column);
     INFO(column);
@@ -34,7 +32,7 @@ std::size_t place_of(const CsvTable& table, const std::string& check) {
 
 TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     const Scratch scratch;
-    const auto r = run("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv" + into(scratch));
+    const auto r = run("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv" + into(scratch, ""));
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "near-benign";
@@ -86,7 +84,7 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
         return nlohmann::json::parse(r.out);
     };
     const auto made = [&scratch](const std::string& words, const std::string& scene) {
-        REQUIRE(run("consistency " + scene + " " + words + " -q" + into(scratch)).code == 0);
+        REQUIRE(run("consistency " + scene + " " + words + " -q" + into(scratch, "")).code == 0);
         return lostbits::output::file::read_csv(scratch.path() / scene / "summary.csv");
     };
     int pasted = 0;
@@ -138,7 +136,7 @@ TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
         {"", 2, "SCENE"},
     };
     for (const Case& c : cases) {
-        const auto r = run("consistency " + c.words + " -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("consistency " + c.words + into(scratch));
         INFO(c.words << "\n" << r.err);
         CHECK(r.code == c.code);
         CHECK(has(r.err, c.says));
@@ -155,7 +153,7 @@ TEST_CASE("consistency: one table on standard output, and a scene in which nothi
     CHECK(table.out.starts_with("check,form,format,rays,"));
     CHECK(std::ranges::count(table.out, '\n') == 2);
     const auto empty =
-        run("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]'" + into(scratch));
+        run("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]'" + into(scratch, ""));
     CHECK(empty.code == 0);
     const auto rows = lostbits::output::file::read_csv(scratch.path() / "near-benign/summary.csv");
     const std::size_t beyond = place_of(rows, "beyond");

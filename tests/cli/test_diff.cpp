@@ -1,5 +1,4 @@
 // `lostbits diff` from the outside: what counts, what is printed, how it exits.
-#include <algorithm>
 #include <cstdlib>
 #include <limits>
 

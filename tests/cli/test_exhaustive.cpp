@@ -204,7 +204,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
 
 TEST_CASE("an axis of every float is of one format, and bad input leaves nothing behind") {
     const Scratch scratch;
-    const std::string file = scratch.write("s.toml", small), out = " -o '" + (scratch.path() / "out").string() + "'";
+    const std::string file = scratch.write("s.toml", small), out = into(scratch);
     const auto refused = [&](const std::string& arguments, const std::string& says) {
         const auto r = run("sweep " + arguments + out);
         INFO(r.err);

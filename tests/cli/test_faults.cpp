@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
@@ -19,21 +18,6 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
-
-const std::string one_claim = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "mine"
-statement = "It is so"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "mine.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 1]
-)";
 
 /// How to run something as process 1 of a container of its own; empty where this machine forbids it.
 std::string in_container() {

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/image/image.hpp"
 #include "program.hpp"
 
 namespace test_folders {

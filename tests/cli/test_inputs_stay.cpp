@@ -1,7 +1,6 @@
 // What a run reads it does not write, and what is somebody else's stays: whatever it is called, linked or forced.
 #include <filesystem>
 #include <fstream>
-#include <set>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -12,21 +11,6 @@ using namespace lostbits::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr const char* one_claim = R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "a"
-statement = "-"
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "mine.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 1]
-)";
 
 constexpr const char* one_ray = "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n";
 

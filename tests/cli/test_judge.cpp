@@ -1,11 +1,9 @@
 // `lostbits judge`: files of rays from the outside, as a user has them.
 #include <array>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -22,10 +20,6 @@ const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --for
 const std::string far_raw =
     "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
 const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n", good = "0,0,-5,0,0,1,1,4\n";
-
-std::string into(const Scratch& scratch, const std::string& folder = "out") {
-    return " -o '" + (scratch.path() / folder).string() + "'";
-}
 
 }  // namespace
 

@@ -17,8 +17,7 @@ std::vector<std::map<std::string, std::string>> judged(const std::string& text, 
                                                        const std::string& row) {
     const Scratch scratch;
     const std::string file = scratch.write("rays.csv", text);
-    REQUIRE(run("judge '" + file + "' " + options + " --rows -q -o '" + (scratch.path() / "out").string() + "'").code ==
-            0);
+    REQUIRE(run("judge '" + file + "' " + options + " --rows -q" + into(scratch)).code == 0);
     return read_csv(scratch.path() / "out/rays" / (row + ".csv"));
 }
 

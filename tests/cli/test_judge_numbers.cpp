@@ -16,8 +16,6 @@ namespace {
 
 const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
 
-std::string into(const Scratch& scratch) { return " -o '" + (scratch.path() / "out").string() + "'"; }
-
 /// A number with its most significant byte first.
 template <class N>
 std::string reversed_bytes(N x) {

@@ -1,6 +1,5 @@
 // Input that claims more than it holds, costs more than it should, or leads elsewhere; and machines with little room.
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <random>
 

@@ -16,8 +16,6 @@ namespace {
 /// Without $LOSTBITS_DATA: as from a fresh shell.
 constexpr const char* fresh = "unset LOSTBITS_DATA;";
 
-std::string out_of(const Scratch& scratch) { return " -o '" + (scratch.path() / "out").string() + "'"; }
-
 }  // namespace
 
 TEST_CASE("an option takes one value, and the scene may stand behind it") {
@@ -26,14 +24,14 @@ TEST_CASE("an option takes one value, and the scene may stand behind it") {
     for (const char* options : {"-i sphere.unified", "-i sphere.unified -f f32", "-f f32", "--set sphere[0].radius=0.5",
                                 "--metric lost_bits"}) {
         INFO(options);
-        const auto r = run("map " + std::string(options) + " " + scene + " --size 8x8" + out_of(scratch));
+        const auto r = run("map " + std::string(options) + " " + scene + " --size 8x8" + into(scratch));
         INFO(r.err);
         CHECK(r.code == 0);
     }
-    CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + out_of(scratch)).code == 0);
-    CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0" + out_of(scratch)).code == 0);
-    CHECK(run("report --claims 'rtg7.*' -i sphere.press -f f32 near-benign --size 8x8" + out_of(scratch)).code == 0);
-    const auto none = run("report --claims nothing near-benign" + out_of(scratch));
+    CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + into(scratch)).code == 0);
+    CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0" + into(scratch)).code == 0);
+    CHECK(run("report --claims 'rtg7.*' -i sphere.press -f f32 near-benign --size 8x8" + into(scratch)).code == 0);
+    const auto none = run("report --claims nothing near-benign" + into(scratch));
     CHECK(none.code == 2);
     CHECK(has(none.err, "no claim of the results has such an id"));
 }
@@ -42,7 +40,7 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
     const auto rows = [&](const std::string& options) {
-        const auto r = run("map " + scene + " --size 8x8 " + options + out_of(scratch));
+        const auto r = run("map " + scene + " --size 8x8 " + options + into(scratch));
         INFO(options << r.err);
         REQUIRE(r.code == 0);
         std::string text;
@@ -54,10 +52,10 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     CHECK(both == "sphere.press f32\nsphere.press f64\nsphere.unified f32\nsphere.unified f64\n");
     CHECK(rows("-i sphere.press,sphere.unified -f f32,f64") == both);
     CHECK(rows("-i 'sphere.press, sphere.unified ' -f 'f32, f64'") == both);
-    CHECK(run("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + out_of(scratch)).code == 0);
+    CHECK(run("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + into(scratch)).code == 0);
     // A comma inside brackets is the vector's own.
     const auto title = [&](const std::string& set) {
-        REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + out_of(scratch)).code == 0);
+        REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + into(scratch)).code == 0);
         return contents(scratch.path() / "out/mine/datapackage.json");
     };
     const std::string changed = title("--set 'sphere[0].centre=[0.1,0.2,0],sphere[0].radius=0.5'");
@@ -241,7 +239,7 @@ TEST_CASE("an option that would do nothing is refused, or it is said") {
     const Scratch scratch;
     const std::string march = good_scene + "\n[march]\nhit_eps = 1e-4\n";
     const auto mapped = run("map '" + scratch.write("m.toml", march) +
-                            "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + out_of(scratch));
+                            "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + into(scratch));
     INFO(mapped.err);
     CHECK(mapped.code == 0);
     CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
@@ -251,11 +249,11 @@ TEST_CASE("a camera that sees nothing says so") {
     const Scratch scratch;
     const std::string away =
         "'" + scratch.write("away.toml", spoilt("look_at = [0, 0, 0]", "look_at = [0, 0, 90]")) + "'";
-    const auto r = run("map " + away + " -i sphere.press -f f32" + out_of(scratch));
+    const auto r = run("map " + away + " -i sphere.press -f f32" + into(scratch));
     CHECK(r.code == 0);
     CHECK(has(r.err, "scene away: no ray of its camera meets a solid"));
     const std::string there = "'" + scratch.write("there.toml", good_scene) + "'";
-    CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + out_of(scratch)).err, "meets a solid"));
+    CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + into(scratch)).err, "meets a solid"));
 }
 
 TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal") {

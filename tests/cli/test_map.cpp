@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <set>
 #include <span>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -269,9 +268,8 @@ TEST_CASE("a run that is asked to stop does so within a band, however many spher
     // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. 137 would be the kill
     // that follows.
     const Scratch scratch;
-    const auto r =
-        run("map sphereflake-far -f bf16 -i sphere.schoolbook -q -o '" + (scratch.path() / "out").string() + "'", ".",
-            "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
+    const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q" + into(scratch), ".",
+                       "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
     INFO(r.err);
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());

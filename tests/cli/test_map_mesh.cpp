@@ -1,5 +1,4 @@
 // A mesh from a file: its outcomes in every file of a map, and what is wrong with it told before anything is written.
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <string>

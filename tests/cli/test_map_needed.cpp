@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/image/canvas.hpp"
 #include "output/image/image.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
@@ -172,7 +171,7 @@ TEST_CASE("bits needed: the map beside them is as without") {
 TEST_CASE("bits needed: forms of one format are left out with a note") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const std::string out = " --bits-needed 12 --exr -o '" + (scratch.path() / "out").string() + "'";
+    const std::string out = " --bits-needed 12 --exr" + into(scratch);
     const auto both = run("map " + scene + " -i sphere.double_inside -i sphere.unified" + out);
     CHECK(both.code == 0);
     CHECK(both.err.find("sphere.double_inside") != std::string::npos);
@@ -193,7 +192,7 @@ TEST_CASE("bits needed: forms of one format are left out with a note") {
 TEST_CASE("bits needed and the envelope refuse what makes no sense, and write nothing") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
-    const std::string out = " -i sphere.unified -f f32 -o '" + (scratch.path() / "out").string() + "'";
+    const std::string out = " -i sphere.unified -f f32" + into(scratch);
     for (const char* option : {"--bits-needed 0", "--bits-needed 53", "--bits-needed=-1", "--bits-needed 12.5",
                                "--bits-needed all", "--envelope --metric residual"}) {
         INFO(option);

@@ -1,5 +1,4 @@
 // Marches from the outside: explain, the maps of iterations and stops, sweeps of the constants.
-#include <algorithm>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -135,24 +134,7 @@ max_steps = )" + std::to_string(cap) + "\n[[sphere]]\ncentre = [0, 0, 0]\nradius
 
 TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error") {
     const Scratch scratch;
-    const std::string sweep = scratch.write("s.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[march]
-max_steps = 100
-[family]
-distance = 4
-impact_to = 0.9
-views = 1
-rays = 8
-[[axis]]
-name = "hit_eps"
-spacing = "log2"
-from = 1e-3
-to = "0x1p-26"
-steps = 6
-set = ["march.hit_eps"]
-)");
+    const std::string sweep = scratch.write("s.toml", march_sweep);
     REQUIRE(run("sweep '" + sweep + "' -i 'sdf.*' -f f32 -o one", scratch.path()).code == 0);
     bool found = false;
     for (const auto& row : read_csv(scratch.path() / "one/s/onsets.csv")) {

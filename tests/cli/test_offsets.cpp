@@ -10,17 +10,11 @@ namespace test_offsets {
 
 using namespace lostbits::test;
 
-namespace {
-
-std::string into(const Scratch& scratch) { return " -o '" + scratch.path().string() + "'"; }
-
-}  // namespace
-
 TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {
     const Scratch scratch;
     const auto r =
         run("offsets near-benign --size 24x18 --strategy offset.bound,offset.none --pixels csv --along world" +
-            into(scratch));
+            into(scratch, ""));
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "near-benign";
@@ -92,7 +86,7 @@ TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
         {"", 2, "SCENE"},
     };
     for (const Case& c : cases) {
-        const auto r = run("offsets " + c.words + " -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("offsets " + c.words + into(scratch));
         INFO(c.words << "\n" << r.err);
         CHECK(r.code == c.code);
         CHECK(has(r.err, c.says));
@@ -109,11 +103,12 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
     CHECK(table.out.starts_with("strategy,side,point,form,format,operations,points,"));
     CHECK(std::ranges::count(table.out, '\n') == 3);
     // `none` is the name of a strategy, so it cannot say that there is none.
-    const auto bad = run("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch));
+    const auto bad =
+        run("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch, ""));
     REQUIRE(bad.code == 0);
     CHECK(has(bad.out, "rays: no strategy\n"));
     const Scratch elsewhere;
-    const auto empty = run("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere));
+    const auto empty = run("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere, ""));
     CHECK(empty.code == 0);
     CHECK(has(empty.err, "no point to leave"));
     for (const auto& row : read_csv(elsewhere.path() / "near-benign/summary.csv")) {

@@ -1,6 +1,5 @@
 // The README and docs/sweep.md show what the tool makes now: the committed pictures and the
 // table are made again and compared.
-#include <cstdlib>
 
 #include "catch.hpp"
 #include "output/image/image.hpp"

@@ -184,7 +184,7 @@ TEST_CASE("what render refuses: the place or the word, the exit code, and nothin
     for (const Case& c : cases) {
         const Scratch scratch;
         const std::string file = scratch.write("scene.toml", c.scene);
-        const auto r = run("render '" + file + "' " + c.arguments + " -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run("render '" + file + "' " + c.arguments + into(scratch));
         INFO(c.says << "\n" << r.err);
         CHECK(r.code == c.code);
         CHECK(r.out.empty());

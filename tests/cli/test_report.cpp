@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <regex>
-#include <set>
 
 #include "catch.hpp"
 #include "number/error.hpp"

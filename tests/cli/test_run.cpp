@@ -2,7 +2,6 @@
 // that write down how they were called.
 #include <sys/wait.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 

@@ -110,24 +110,6 @@ seed = 1
 starts = 40
 generations = 6
 )";
-const std::string march = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[march]
-max_steps = 100
-[family]
-distance = 4
-impact_to = 0.9
-views = 1
-rays = 8
-[[axis]]
-name = "hit_eps"
-spacing = "log2"
-from = 1e-3
-to = "0x1p-26"
-steps = 6
-set = ["march.hit_eps"]
-)";
 
 /// Every file that a command leaves, by name, what it prints, and its exit code.
 std::map<std::string, std::string> made_by(const std::string& words) {
@@ -137,7 +119,7 @@ std::map<std::string, std::string> made_by(const std::string& words) {
         {"distance.toml", small_sweep},
         {"few.toml", few},
         {"search.toml", search},
-        {"march.toml", march},
+        {"march.toml", march_sweep},
         {"every.toml", every_float_to("0x1.6bp10")},
         {"far-sphere.csv", contents(fs::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv")}};
     for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));

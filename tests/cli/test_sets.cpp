@@ -12,10 +12,6 @@ namespace {
 
 const std::string floor_map = "map spheres-on-floor --size 16x8 -f f32";
 
-std::string into(const Scratch& scratch, const std::string& folder = "out") {
-    return " -o '" + (scratch.path() / folder).string() + "'";
-}
-
 }  // namespace
 
 TEST_CASE("every combination of one form a shape is a set, and two hundred are the most") {

@@ -1,5 +1,4 @@
 // What the shell sees: completion that really completes, a manual page that man reads, tables on standard output.
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>

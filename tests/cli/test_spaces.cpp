@@ -1,7 +1,5 @@
 // Solids under matrices from the command line: which spaces there are, what is measured through them, and what is said
 // of mistakes.
-#include <cmath>
-#include <fstream>
 #include <string>
 
 #include <nlohmann/json.hpp>

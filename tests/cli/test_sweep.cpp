@@ -88,8 +88,8 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
         CHECK_FALSE(row.at("contribution_c_p50").empty());
         CHECK_FALSE(number_in(row.at("cancellation_c_max")) > number_in(row.at("cancellation_max")));
     }
-    const auto refused = run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk -o '" +
-                             (scratch.path() / "no").string() + "'");
+    const auto refused =
+        run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk" + into(scratch, "no"));
     CHECK(refused.code == 2);
     CHECK(refused.err.find("did you mean \"disc\"") != std::string::npos);
     const std::string search = R"(schema = "lostbits-sweep/1"
@@ -105,8 +105,8 @@ seed = 1
 starts = 2
 generations = 2
 )";
-    const auto worst = run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook -o '" +
-                           (scratch.path() / "no").string() + "'");
+    const auto worst =
+        run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook" + into(scratch, "no"));
     CHECK(worst.code == 2);
     CHECK(worst.err.find("names an operation and has no largest value") != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
@@ -176,8 +176,7 @@ TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is wr
     for (const Case& c : cases) {
         const Scratch scratch;
         INFO(c.text);
-        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press -o '" +
-                           (scratch.path() / "out").string() + "'");
+        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press" + into(scratch));
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.err.find(c.says) != std::string::npos);

@@ -1,5 +1,4 @@
 // `lostbits sweep`: what a run changes of its file, where forms recover, and what an interrupt leaves.
-#include <cmath>
 #include <cstdlib>
 
 #include "catch.hpp"

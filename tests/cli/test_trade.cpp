@@ -185,8 +185,7 @@ TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
     for (const Case& c : cases) {
         const Scratch scratch;
         INFO(c.options);
-        const auto r =
-            run(std::string("trade --quick ") + c.options + " -o '" + (scratch.path() / "out").string() + "'");
+        const auto r = run(std::string("trade --quick ") + c.options + into(scratch));
         INFO(r.err);
         CHECK(r.code == c.code);
         CHECK(r.err.find(c.says) != std::string::npos);

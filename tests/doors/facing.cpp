@@ -1,5 +1,4 @@
 // Triangles and discs that are met from one side or from both, each with a word that fits it or does not.
-#include <cstddef>
 
 #include <lostbits_plugin.hpp>
 

@@ -1,7 +1,6 @@
 // Libraries of intersectors, from the outside: the same bits as the forms they copy, and an end with a name for every
 // way in which foreign code can go wrong.
 #include <array>
-#include <filesystem>
 #include <string>
 
 #include "catch.hpp"

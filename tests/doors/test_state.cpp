@@ -1,6 +1,5 @@
 // A library that changes how the processor computes (its rounding, whether subnormal numbers are kept) changes what it
 // answers itself, and nothing else.
-#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <utility>

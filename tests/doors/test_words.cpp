@@ -1,5 +1,4 @@
 // The words of a contract: what fits real code is not accused, what does not is not acquitted, by any command.
-#include <sstream>
 #include <string>
 
 #include "catch.hpp"
@@ -14,7 +13,6 @@ using namespace lostbits;
 using intersect::AtOrigin;
 using intersect::Convention;
 using intersect::Inside;
-using intersect::Touching;
 using measure::truth::find_truth;
 
 namespace {

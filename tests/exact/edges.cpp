@@ -5,7 +5,6 @@
 #include <climits>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "exact/fixed.hpp"
 

@@ -1,7 +1,6 @@
 // Rays at edges and vertices of triangles, hundreds of millions of them: how each passes, by signs of whole numbers.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "exact/draw.hpp"

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <random>
 #include <sstream>
-#include <string>
 
 #include "catch.hpp"
 #include "exact/ask.hpp"

@@ -56,7 +56,7 @@ template <class Form, class T, class Number, class... Watch>
 Hit<T> ask(const Number& number, Watch&... watch) {
     const Ray<T> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     return Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
-        return Form::intersect(ray, S<T>::of([&](std::size_t k) { return number(6 + k); }), watch...);
+        return Form::intersect(ray, solid_from<S, T>([&](std::size_t k) { return number(6 + k); }), watch...);
     });
 }
 
@@ -254,7 +254,7 @@ TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtere
             const auto number = [&p](std::size_t k) { return static_cast<float>(number_of(p, k)); };
             const Ray<float> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
             const auto met = Solids::of_shape<intersect::shape_of<Form>>([&]<template <class> class S>() {
-                const auto solid = S<float>::of([&](std::size_t k) { return number(6 + k); });
+                const auto solid = solid_from<S, float>([&](std::size_t k) { return number(6 + k); });
                 return intersect::filter::first_met(solid.span(ray));
             });
             answers.push_back(answer_of(Hit<float>{met.hit, met.t, met.t, met.t}));

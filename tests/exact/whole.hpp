@@ -3,7 +3,6 @@
 
 #include <gmp.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "scene/file/scene.hpp"
 
 #include "fuzz/fuzz.hpp"
-#include "scene/rays/rays.hpp"
 
 namespace lostbits::fuzz {
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/truth/truth.hpp"
 #include "measure/truth/truth_columns.hpp"
@@ -45,6 +47,16 @@ inline void check_packs_against_each_alone(const std::vector<RayAndSolid>& asked
         CHECK(found.stages.binary64 > asked.size() / 3);
     }
     intersect::simd::set_isa(before);
+}
+
+/// The same of samples (`ForEachSample`), of what `made` makes of the solid of each.
+template <class ForEach, class Made = std::identity>
+void check_packs_of(const ForEach& for_each, const Made& made = {}) {
+    std::vector<RayAndSolid> asked;
+    for_each(static_cast<int>(draws(1500)), [&](const auto&, const auto& s) {
+        asked.push_back({s.ray, made(s.solid)});
+    });
+    check_packs_against_each_alone(asked);
 }
 
 }  // namespace lostbits::test

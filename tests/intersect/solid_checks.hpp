@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/certified_root.hpp"
 #include "intersect/sampled_rays.hpp"
@@ -105,6 +106,17 @@ private:
     std::array<Tally, Forms::size> tallies_{};
 };
 
+/// Of all forms of a shape whose answer also says whether a ray begins inside (`is_within`).
+template <class Forms, class ForEach>
+void check_unrounded(const ForEach& for_each) {
+    UnroundedForms<Forms> forms;
+    for_each(static_cast<int>(draws(1000)), [&](const auto& family, const auto& s) {
+        const auto right = answer_of(s);
+        forms.ask(family.name, s, right, right.is_within(0));
+    });
+    forms.check(150);
+}
+
 /// The nearest point of the surface: on it, as far away as `distance` says, with a normal of length one.
 template <template <class> class S>
 void check_nearest_point(const S<double>& plain, const Vec<double>& q) {
@@ -143,9 +155,9 @@ template <template <class> class S>
 double share_of_bound(const S<double>& solid, const Vec<double>& at) {
     std::array<float, most_numbers> numbers;
     std::size_t k = 0;
-    solid.each([&](double x) { numbers[k++] = static_cast<float>(x); });
-    const S<float> s = S<float>::of([&](std::size_t i) { return numbers[i]; });
-    const S<Real> same = S<Real>::of([&](std::size_t i) { return Real(numbers[i]); });
+    each_number(solid, [&](double x) { numbers[k++] = static_cast<float>(x); });
+    const S<float> s = solid_from<S, float>([&](std::size_t i) { return numbers[i]; });
+    const S<Real> same = solid_from<S, Real>([&](std::size_t i) { return Real(numbers[i]); });
     const auto exact = [](const Vec<float>& x) { return Vec<Real>(Real(x.x), Real(x.y), Real(x.z)); };
     // Put back by what rounding moved it: a point near the surface, as hits are.
     const Vec<Real> p = lifted<Real>(at), on = same.projected(Ray<Real>{p, p}, p);
@@ -154,6 +166,22 @@ double share_of_bound(const S<double>& solid, const Vec<double>& at) {
     double allowed = 0;
     for (int i = 0; i < 3; ++i) allowed += static_cast<double>(b.delta[i]) * static_cast<double>(b.delta[i]);
     return static_cast<double>(abs(same.distance(exact(b.p)))) / std::sqrt(allowed);
+}
+
+/// The largest of so many solids of all sizes, near the origin and far: `make(from, to, size)` draws one along an axis.
+template <class Make>
+double largest_share_of_bound(Seeded& rng, int count, const Make& make) {
+    double largest = 0;
+    for (int i = 0; i < count; ++i) {
+        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
+        const Vec<double> from = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
+        const Vec<double> to = from + v;
+        const auto solid = make(from, to, scale);
+        const Vec<double> at = from + rng.unit() * v + w;
+        if (testing::stored(from, binary32) == testing::stored(to, binary32)) continue;
+        largest = std::max(largest, share_of_bound(solid, at));
+    }
+    return largest;
 }
 
 }  // namespace lostbits::test

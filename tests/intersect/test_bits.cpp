@@ -1,6 +1,5 @@
 // The rows of the table against the forms themselves, and the rounded numbers against the machine's own: to the bit,
 // on ordinary rays and on every kind of number that a format can hold.
-#include <bit>
 #include <vector>
 
 #include "catch.hpp"

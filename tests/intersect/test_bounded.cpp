@@ -17,8 +17,6 @@
 
 namespace lostbits::test {
 namespace {
-
-using intersect::BoundedAnswer;
 using intersect::table::Intersector;
 
 struct Tally {

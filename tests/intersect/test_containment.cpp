@@ -5,6 +5,7 @@
 #include "catch.hpp"
 #include "intersect/cases.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/contains.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 
@@ -16,32 +17,12 @@ namespace {
 
 constexpr long precisions[] = {12, 24, 53, 113, 250, 600};
 
-// The 2048-bit value stands for the exact one; what it may be off by, relative to its size and to that of the ray.
-const Wide slack = ldexp(Wide(1), -1500);
-
 template <class T>
 struct Answer {
     T t, near, far;
     mask_t<T> hit;
     explicit Answer(const Hit<T>& h) : t(h.t), near(h.near), far(h.far), hit(h.hit) {}
 };
-
-bool contains(const Interval& x, const Wide& v) {
-    const mpfr_srcptr p = v.backend().data();
-    if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
-    if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    const Wide room = (abs(v) + 1) * slack;
-    return x.undefined() != Undefined::always && mpfr_cmp(x.lower(), Wide(v + room).backend().data()) <= 0 &&
-           mpfr_cmp(x.upper(), Wide(v - room).backend().data()) >= 0;
-}
-
-bool contains(const Ball& x, const Wide& v) {
-    const mpfr_srcptr p = v.backend().data();
-    if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
-    if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    return x.undefined() != Undefined::always &&
-           abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
-}
 
 struct Tally {
     long wrong = 0, contradictory = 0, decided = 0, asked = 0, bounded = 0;

@@ -5,9 +5,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
-#include <string>
 
 #include "output/image/image.hpp"
 #include "scratch.hpp"

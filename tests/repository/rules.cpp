@@ -139,7 +139,7 @@ Offences catalogue_agrees(const std::vector<SourceFile>& files, const SourceFile
             offences.push_back(file.path + ": included " + std::to_string(included[header]) +
                                " times by the catalogue");
         const std::string type =
-            shape + "::" + first_match(file.text, R"(struct (\w+) \{\s*static constexpr Info info)");
+            shape + "::" + first_match(file.text, R"(struct (\w+) [^{;]*\{\s*static constexpr Info info)");
         if (listed[type] != 1)
             offences.push_back(file.path + ": " + type + " listed " + std::to_string(listed[type]) +
                                " times in the catalogue");

@@ -1,5 +1,4 @@
 // Batches and the limits of a device, on a device that is none.
-#include <cmath>
 #include <cstring>
 #include <memory>
 #include <vector>

@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "catch.hpp"
 #include "cli/program.hpp"

@@ -2,7 +2,6 @@
 // `lostbits_vulkan`, loaded at run time.
 #include <vulkan/vulkan.h>
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <optional>

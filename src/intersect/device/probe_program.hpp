@@ -1,7 +1,6 @@
 // The program that `probe` runs, and its operations by name.
 #pragma once
 
-#include <array>
 #include <string>
 
 namespace lostbits::intersect::device {

@@ -3,8 +3,6 @@
 
 #include <lostbits_build.hpp>
 
-#include <string_view>
-
 #include <glm/glm.hpp>
 
 namespace lostbits::intersect::doors {

@@ -13,7 +13,6 @@
 #include "intersect/doors/pipe_header.hpp"
 #include "intersect/process/child.hpp"
 #include "intersect/process/shared_room.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::intersect::doors {
 

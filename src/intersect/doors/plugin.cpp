@@ -3,10 +3,8 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include <array>
 #include <fstream>
 #include <map>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

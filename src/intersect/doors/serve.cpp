@@ -10,7 +10,6 @@
 #include <cstring>
 #include <optional>
 #include <sstream>
-#include <string_view>
 
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/doors/guard.hpp"

@@ -60,7 +60,7 @@ Told ask(const double* numbers, double u) {
         else return E(TwoWords<double>(numbers[i]));
     };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    return told(first_met(S<E>::of([&](int i) { return number(static_cast<std::size_t>(6 + i)); }).span(ray)), u);
+    return told(first_met(solid_from<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray)), u);
 }
 
 template <template <class> class S, class E>

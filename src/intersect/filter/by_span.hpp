@@ -27,7 +27,7 @@ template <template <class> class S, class T, class P>
     using E = number::wide::Proving<T>;
     const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    const auto met = first_met(S<E>::of([&](std::size_t i) { return number(6 + i); }).span(ray));
+    const auto met = first_met(solid_from<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray));
     const P u = number::wide::roundoff_of<P>(), t = number::wide::untold(met.t.word());
     const mask_t<P> fine = P(1024) * u <= P(1) / P(1024), kept = met.t.radius() <= P(62) * u * t;
     return {fine && (met.hit.no() || (met.hit.yes() && kept)), met.hit.yes(), named("t", met.t.word())};
@@ -100,7 +100,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
             std::array<T, 6 + sizeof...(i)> all{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
             std::size_t k = 6;
-            solid.each([&](const T& x) { all[k++] = x; });
+            each_number(solid, [&](const T& x) { all[k++] = x; });
             return all;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
@@ -110,5 +110,20 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watc
         return answered(number::wide::taken_for_granted<T>(known.hit), known.t);
     }
 }
+
+/// What such a form F of the shape S answers; its `info` names it.
+template <class F, template <class> class S>
+struct FiltersBySpan {
+    template <Number T>
+    static Hit<T> intersect(const Ray<T>& ray, const S<T>& solid) {
+        NoWatch watch;
+        return intersect(ray, solid, watch);
+    }
+    /// `watch(way)` hears of every arithmetic beyond the first that is used.
+    template <Number T, class Watch>
+    static Hit<T> intersect(const Ray<T>& ray, const S<T>& solid, Watch& watch) {
+        return by_span<S>(F::info.name, ray, solid, watch);
+    }
+};
 
 }  // namespace lostbits::intersect::filter

@@ -1,6 +1,5 @@
 #include "intersect/shader/compiler_log.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <sstream>
 

@@ -1,6 +1,5 @@
 #include "intersect/shader/kernel.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>

@@ -5,7 +5,6 @@
 #include <concepts>
 #include <deque>
 #include <string>
-#include <utility>
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"

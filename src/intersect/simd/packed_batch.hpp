@@ -4,7 +4,6 @@
 // that cannot run it. A test reads the symbols of the objects.
 #pragma once
 
-#include <cstring>
 #include <limits>
 
 #include "intersect/info.hpp"
@@ -24,7 +23,7 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
         P found(0);
         Solids::each([&]<template <class> class S>() {
             if (target.shapes[k] == static_cast<std::uint8_t>(shape_as<S>))
-                found = S<P>::of([n](int i) { return P(n[i]); }).distance(p);
+                found = solid_from<S, P>([n](std::size_t i) { return P(n[i]); }).distance(p);
         });
         return found;
     };

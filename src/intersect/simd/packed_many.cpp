@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <type_traits>
 
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <concepts>
 #include <cstring>
 #include <functional>
-#include <limits>
 #include <optional>
 
 #include "intersect/doors/contract.hpp"

@@ -17,6 +17,24 @@
 
 namespace lostbits::measure::answer {
 
+/// Some of the rays that lie in eight columns, of which the last two, ends and beginnings, may be empty.
+template <class S, class Columns>
+intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
+    const auto part = [&](std::size_t k) {
+        const std::span<const S> all(columns[k]);
+        return all.empty() ? all : all.subspan(i, end - i);
+    };
+    return {.ox = part(0),
+            .oy = part(1),
+            .oz = part(2),
+            .dx = part(3),
+            .dy = part(4),
+            .dz = part(5),
+            .tmax = part(6),
+            .tmin = part(7),
+            .open = open};
+}
+
 /// The rays of a block in pieces whose columns stay in the second-level cache, as the kernels take them, with room for
 /// their answers.
 template <class S>
@@ -56,16 +74,7 @@ public:
     [[nodiscard]] intersect::table::RayBatch<S> batch() const { return batch(0, count_); }
     [[nodiscard]] intersect::table::HitBatch<S> hits() { return hits(0, count_); }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
-        const auto part = [&](std::size_t k) { return batch_[k].empty() ? batch_[k] : batch_[k].subspan(i, end - i); };
-        return {.ox = part(0),
-                .oy = part(1),
-                .oz = part(2),
-                .dx = part(3),
-                .dy = part(4),
-                .dz = part(5),
-                .tmax = part(6),
-                .tmin = part(7),
-                .open = rays_.open};
+        return batch_of<S>(batch_, i, end, rays_.open);
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
         const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };

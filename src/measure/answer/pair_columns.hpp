@@ -71,19 +71,7 @@ private:
         return transformed(in_.solids[pairs_[k].solid], [](double x) { return static_cast<S>(x); });
     }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t k, std::size_t end) const {
-        const auto part = [&](std::size_t c) {
-            const std::span<const S> all(columns_[c]);
-            return all.empty() ? all : all.subspan(k, end - k);
-        };
-        return {.ox = part(0),
-                .oy = part(1),
-                .oz = part(2),
-                .dx = part(3),
-                .dy = part(4),
-                .dz = part(5),
-                .tmax = part(6),
-                .tmin = part(7),
-                .open = open_};
+        return batch_of<S>(columns_, k, end, open_);
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t k, std::size_t end) {
         const auto part = [&](auto& all) { return std::span(all).subspan(k, end - k); };

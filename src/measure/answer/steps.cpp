@@ -10,7 +10,6 @@ namespace lostbits::measure::answer {
 
 using intersect::space::Maps;
 using intersect::space::ObjectRay;
-using intersect::space::Space;
 using intersect::space::StepsIn;
 using intersect::table::Intersector;
 using truth::Certified;

@@ -5,7 +5,6 @@
 // Shapley and of Aumann and Shapley share out without one path, and what one operation does by itself is in rerun.hpp.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "number/tape.hpp"

@@ -1,7 +1,6 @@
 #include "measure/choice/requirement.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lostbits::measure::choice {

@@ -1,5 +1,4 @@
 // Claims about one question put in two ways: how often a form answers it differently.
-#include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/offset/offsets.hpp"

@@ -3,7 +3,6 @@
 #include <map>
 #include <optional>
 #include <tuple>
-#include <utility>
 
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/mend/mend.hpp"

@@ -1,7 +1,6 @@
 // Claims about the origin of the next ray: which strategies are safe on a scene, and by how much too large they are.
 #include <algorithm>
 
-#include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/offset/offsets.hpp"
 

@@ -2,7 +2,6 @@
 // the bits of the scalar functions; the rays that a register cannot answer for are named, and left to them.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <span>

@@ -1,7 +1,6 @@
 // Both places where a line meets a solid, over any enclosure, and by how much a chord differs from either end.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "shapes/solid.hpp"

@@ -1,7 +1,6 @@
 #include "measure/consistency/consistency.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "intersect/process/parallel.hpp"

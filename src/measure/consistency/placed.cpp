@@ -1,13 +1,11 @@
 // The same solid under a matrix and directly.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/other_place.hpp"
-#include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::consistency {
 

@@ -1,7 +1,6 @@
 // One segment from either end: p to q with the direction q − p as it rounds, and q to p with exactly its opposite.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/chord.hpp"

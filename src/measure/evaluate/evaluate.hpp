@@ -1,13 +1,11 @@
 // The engine: every selected form in every selected format over every ray of a scene, against one truth.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "measure/answer/answers.hpp"

@@ -25,7 +25,6 @@ using metric::Metric;
 using metric::Over;
 using metric::Sample;
 using truth::FormatInputs;
-using truth::missing;
 using truth::Truth;
 
 namespace {

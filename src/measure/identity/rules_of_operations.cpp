@@ -1,5 +1,4 @@
 // Rules that look at an operation and those that it takes.
-#include <algorithm>
 #include <map>
 
 #include "measure/identity/rules.hpp"

@@ -1,6 +1,5 @@
 // Rules that look for products of opposite sign in a sum that is multiplied out.
 #include <algorithm>
-#include <cmath>
 
 #include "measure/identity/rules.hpp"
 

@@ -1,7 +1,6 @@
 // A number of a formula as a sum of products, whatever brackets it was written with: what identities are found in.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>

@@ -46,7 +46,7 @@ template <class Form, template <class> class S, class T, class F>
     };
     std::array<T, Affine<T>::numbers> matrix;
     for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(all.matrix[k]);
-    const S<T> solid = S<T>::of([&all](std::size_t k) { return T(all.solid[k]); });
+    const S<T> solid = solid_from<S, T>([&all](std::size_t k) { return T(all.solid[k]); });
     for (std::size_t i = 0; i < all.size; i += sizeof(T) / sizeof(F)) {
         const auto at = [&](std::size_t k) { return load(all.ray[k] + i); };
         const Ray<T> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};

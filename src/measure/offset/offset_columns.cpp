@@ -1,5 +1,4 @@
 // The columns of the summary of offsets.
-#include <cmath>
 
 #include "measure/offset/offsets.hpp"
 

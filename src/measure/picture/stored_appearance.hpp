@@ -1,7 +1,6 @@
 // A scene's light and paint as stored numbers, rounded as its geometry is.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "measure/picture/shade.hpp"

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "intersect/simd/packed.hpp"

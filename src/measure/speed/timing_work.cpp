@@ -1,7 +1,6 @@
 #include "measure/speed/timing_work.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <random>
 

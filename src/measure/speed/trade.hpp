@@ -1,7 +1,6 @@
 // The trade: measured speed against measured accuracy, for every form, format and register width, in one run.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>

@@ -150,10 +150,10 @@ Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, mask_t<P>& hit) 
 
 /// S is the shape over `Running` words. It has a copy of the numbers: that nothing points to them keeps them in
 /// registers, and what they are known to be known. `range(proper)` is asked for where there is one.
-template <class S, class E, class Range, class P = typename E::P>
-Finding<P> settle_shape(const InSpace<S, E>& in, const Asked& asked, const Range& range) {
+template <template <class> class S, class E, class Range, class P = typename E::P>
+Finding<P> settle_shape(const InSpace<S<E>, E>& in, const Asked& asked, const Range& range) {
     const Ray<E>& ray = in.ray;
-    const auto span = S::of([solid = in.solid](std::size_t k) { return solid[k]; }).span(ray);
+    const auto span = solid_from<S, E>([solid = in.solid](std::size_t k) { return solid[k]; }).span(ray);
     auto proper = in.proper && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
     const Met<E> met = asked.ranged ? first_met(span, range(proper)) : first_met(span);

@@ -6,7 +6,6 @@
 #include "measure/sweep/box_of_row.hpp"
 #include "measure/sweep/mesh_floats.hpp"
 #include "measure/sweep/ulp_columns.hpp"
-#include "number/error.hpp"
 
 namespace lostbits::measure::sweep {
 

@@ -1,7 +1,6 @@
 // Some thousand floats of an axis, tried by every form on one ray.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"

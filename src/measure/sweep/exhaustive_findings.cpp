@@ -1,7 +1,5 @@
 #include "measure/sweep/exhaustive_findings.hpp"
 
-#include <cmath>
-
 #include "measure/sweep/axis_columns.hpp"
 #include "measure/sweep/box_of_row.hpp"
 #include "measure/sweep/exhaustive_block.hpp"

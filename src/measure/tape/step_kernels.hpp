@@ -2,7 +2,6 @@
 // pointers only (see intersect/simd/packed_batch.hpp for why).
 #pragma once
 
-#include <tuple>
 #include <utility>
 
 #include "measure/tape/steps.hpp"

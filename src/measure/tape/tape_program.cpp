@@ -6,7 +6,6 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
-#include <utility>
 
 #include "intersect/simd/packed.hpp"
 

@@ -1,7 +1,6 @@
 // The exact answer as one formula over any enclosure: what the truth proves, and what its conditioning differentiates.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>

@@ -14,8 +14,6 @@
 
 namespace lostbits::measure::truth {
 
-using scene::rays::BasicRayBlock;
-
 namespace {
 
 /// What is known of some rays, by place, that columns cannot hold, and who settled what.

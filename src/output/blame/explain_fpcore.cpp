@@ -7,7 +7,6 @@
 #include "number/error.hpp"
 #include "output/blame/explain_programs.hpp"
 #include "output/blame/tape_slice.hpp"
-#include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 

@@ -2,7 +2,6 @@
 
 #include "measure/blame/tape_text.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
 

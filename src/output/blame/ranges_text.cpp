@@ -8,8 +8,6 @@
 #include "output/blame/json_number.hpp"
 
 namespace lostbits::output::blame {
-
-using measure::apriori::Between;
 using measure::apriori::InputBox;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;

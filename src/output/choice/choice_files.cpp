@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "measure/choice/file_rays.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/plot/scatter_plot.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/choice/file_rays.hpp"
 #include "output/choice/obstacle_text.hpp"

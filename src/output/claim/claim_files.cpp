@@ -9,8 +9,6 @@
 
 #include "output/blame/explain_command.hpp"
 #include "output/claim/subject_words.hpp"
-#include "output/claim/verdict_counts.hpp"
-#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "output/table/table.hpp"
 #include "shapes/number_names.hpp"

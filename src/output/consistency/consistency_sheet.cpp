@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::consistency {

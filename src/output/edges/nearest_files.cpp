@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "output/blame/explain_command.hpp"
 #include "output/table/shared_columns.hpp"

@@ -167,11 +167,6 @@ void CsvWriter::end_row() {
     filled_ = 0;
 }
 
-void CsvWriter::row(std::span<const Cell> cells) {
-    for (const Cell& cell : cells) add(cell);
-    end_row();
-}
-
 void CsvWriter::close() {
     if (filled_ != 0) throw std::logic_error(name() + ": closed in the middle of a row");
     file_->commit();

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -84,8 +83,10 @@ public:
     void end_row();
 
     /// A whole row at once.
-    void row(std::span<const Cell> cells);
-    void row(std::initializer_list<Cell> cells) { row(std::span(cells.begin(), cells.size())); }
+    void row(std::initializer_list<Cell> cells) {
+        for (const Cell& cell : cells) add(cell);
+        end_row();
+    }
 
     /// Gives the file its final name. Throws std::logic_error in the middle of a row.
     void close();

@@ -110,12 +110,6 @@ std::string ResultFolder::unfinished_in(const fs::path& folder) {
                        folder.string(), marker_name);
 }
 
-std::set<std::string> ResultFolder::listed_in(const fs::path& folder) {
-    std::set<std::string> names;
-    for (const Made& made : made_in(folder)) names.insert(made.files.begin(), made.files.end());
-    return names;
-}
-
 ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
     : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules), exceptions_(std::uncaught_exceptions()) {
     std::error_code error, ignored;

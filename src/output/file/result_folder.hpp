@@ -53,10 +53,7 @@ public:
     ResultFolder(const ResultFolder&) = delete;
     ResultFolder& operator=(const ResultFolder&) = delete;
 
-    /// The files that the folder's list names, relative to it; nothing where there is no list, or none of ours.
-    [[nodiscard]] static std::set<std::string> listed_in(const std::filesystem::path& folder);
-
-    /// What that list says made the folder; nothing where there is no list, or none of ours.
+    /// What the folder's list says made it; nothing where there is no list, or none of ours.
     [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
 
     /// Of a folder whose results are not complete, a sentence that says so and what to do; empty otherwise.

@@ -116,10 +116,6 @@ Rgb8 distinct_colour(std::size_t place) {
     return colours[place % colours.size()];
 }
 
-Rgb8 object_colour(std::uint32_t id) noexcept {
-    return id == 0 ? outcome_colours[1] : object_colours[(id - 1) % object_colours.size()];
-}
-
 double ColourScale::spaced(double value) const {
     switch (spacing_) {
         case Spacing::root: return std::sqrt(value);

@@ -55,11 +55,7 @@ inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[3],  // other_alone_hits: lilac
 }};
 
-/// The colour of an object id in a categorical map; 0 (no object) is the colour of `agree_miss`. Twenty colours,
-/// used again from the twenty-first object on.
-[[nodiscard]] Rgb8 object_colour(std::uint32_t id) noexcept;
-
-/// The colour of the place-th of many categories, from 0: the twenty of objects, then each time the one farthest in
+/// The colour of the place-th of many categories, from 0: twenty that were chosen, then each time the one farthest in
 /// Oklab from all before it, from the outcomes' and from the page's. A thousand, no two alike; then they are used
 /// again.
 [[nodiscard]] Rgb8 distinct_colour(std::size_t place);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/machine.hpp"

@@ -8,7 +8,6 @@
 
 #include "intersect/table/recording.hpp"
 #include "measure/blame/tape_text.hpp"
-#include "measure/tape/tape_form.hpp"
 #include "output/choice/choice_text.hpp"
 #include "output/mend/form_code.hpp"
 #include "output/mend/mend_rows.hpp"

@@ -15,7 +15,6 @@
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/tapes.hpp"
-#include "output/page/text.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"

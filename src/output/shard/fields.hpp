@@ -16,45 +16,27 @@
 
 namespace lostbits::output::shard {
 
+/// The fields of a struct, one after another, in the order in which it has them.
+#define LOSTBITS_FIELDS(Struct, ...)         \
+    template <class Bits>                    \
+    void fields(Bits& bits, Struct& whole) { \
+        auto& [__VA_ARGS__] = whole;         \
+        bits(__VA_ARGS__);                   \
+    }
+
+/// What names its fields itself.
 template <class Bits, class T>
-void fields(Bits& bits, Vec<T>& v) {
-    bits(v.x, v.y, v.z);
-}
+requires requires(Bits& bits, T& whole) { whole.fields(bits); }
+void fields(Bits& bits, T& whole) { whole.fields(bits); }
 
-template <class Bits, class T>
-void fields(Bits& bits, Ray<T>& ray) {
-    auto& [origin, direction] = ray;
-    bits(origin, direction);
-}
-
-template <class Bits, class T>
-void fields(Bits& bits, Placement<T>& placed) {
-    auto& [matrix, is_inverse, orientation] = placed;
-    bits(matrix, is_inverse, orientation);
-}
-
-template <class Bits, class T>
-void fields(Bits& bits, Solid<T>& solid) {
-    auto& [shape, numbers, placed] = solid;
-    bits(shape, numbers, placed);
-}
-
-template <class Bits>
-void fields(Bits& bits, OpenEnds& open) {
-    bits(open.tmin, open.tmax);
-}
-
-template <class Bits>
-void fields(Bits& bits, scene::rays::RayBlock& block) {
-    auto& [width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open] = block;
-    bits(width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open);
-}
-
-template <class Bits, class T>
-void fields(Bits& bits, intersect::MarchConstants<T>& march) {
-    auto& [hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps, secant_steps, bisect_steps] = march;
-    bits(hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps, secant_steps, bisect_steps);
-}
+LOSTBITS_FIELDS(Vec<double>, x, y, z)
+LOSTBITS_FIELDS(Ray<double>, origin, direction)
+LOSTBITS_FIELDS(Placement<double>, matrix, is_inverse, orientation)
+LOSTBITS_FIELDS(Solid<double>, shape, numbers, placed)
+LOSTBITS_FIELDS(OpenEnds, tmin, tmax)
+LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open)
+LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps,
+                secant_steps, bisect_steps)
 
 template <class Bits>
 void fields(Bits& bits, scene::rays::RayGroup& group) {
@@ -63,28 +45,10 @@ void fields(Bits& bits, scene::rays::RayGroup& group) {
     bits(rays, solids, march, paired);
 }
 
-template <class Bits>
-void fields(Bits& bits, measure::truth::StageCounts& stages) {
-    auto& [binary64, double_double, ball, interval] = stages;
-    bits(binary64, double_double, ball, interval);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::metric::Distribution& distribution) {
-    distribution.fields(bits);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::evaluate::WorstRay& w) {
-    auto& [x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged, given] = w;
-    bits(x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged, given);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::evaluate::FormSummary& summary) {
-    auto& [rays, views, outcomes, true_hits, metrics, categories, worst, faults] = summary;
-    bits(rays, views, outcomes, true_hits, metrics, categories, worst, faults);
-}
+LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
+LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged,
+                given)
+LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
 
 template <class Bits>
 void fields(Bits& bits, measure::evaluate::NeededSummary& summary) {
@@ -94,89 +58,20 @@ void fields(Bits& bits, measure::evaluate::NeededSummary& summary) {
          unresolved);
 }
 
-template <class Bits>
-void fields(Bits& bits, measure::sweep::SweepStep& step) {
-    auto& [values, rows] = step;
-    bits(values, rows);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::sweep::Onset& o) {
-    auto& [row, event, statistic, threshold, from_last, found, from_start, last_good, first_bad, value_at_first_bad,
-           recovers, good_at_end, last_good_after, bad_again, rays, views, further] = o;
-    bits(row, event, statistic, threshold, from_last, found, from_start, last_good, first_bad, value_at_first_bad,
-         recovers, good_at_end, last_good_after, bad_again, rays, views, further);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::sweep::SweepFindings& found) {
-    auto& [steps, onsets] = found;
-    bits(steps, onsets);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::sweep::WorstFound& w) {
-    auto& [outcome, value, ray, solid, t, truth, distance, evaluations] = w;
-    bits(outcome, value, ray, solid, t, truth, distance, evaluations);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::edges::NearestRay& ray) {
-    auto& [distance, numbers, faces, t, truth] = ray;
-    bits(distance, numbers, faces, t, truth);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::edges::EdgeFinding& finding) {
-    auto& [nearest, rays] = finding;
-    bits(nearest, rays);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::contract::Judged& j) {
-    auto& [ray, solid, truly_hits, unit, true_t, other_measure, hit, t] = j;
-    bits(ray, solid, truly_hits, unit, true_t, other_measure, hit, t);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::judge::NotedRay& ray) {
-    auto& [place, outcome, ulps, given] = ray;
-    bits(place, outcome, ulps, given);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::judge::WorstRays& worst) {
-    worst.fields(bits);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::evaluate::Group& group) {
-    auto& [value, summaries] = group;
-    bits(value, summaries);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::evaluate::Groups& groups) {
-    groups.fields(bits);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::judge::JudgeResult& result) {
-    auto& [summaries, rays, rounded, answers, floats, digits, decimals, first, groups] = result;
-    bits(summaries, rays, rounded, answers, floats, digits, decimals, first, groups);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::metric::Bounds& bounds) {
-    auto& [low, high] = bounds;
-    bits(low, high);
-}
-
-template <class Bits>
-void fields(Bits& bits, measure::claim::ClaimResult& result) {
-    auto& [state, measured, trouble, witness, samples, floats, evaluations, further, bounds, seconds] = result;
-    bits(state, measured, trouble, witness, samples, floats, evaluations, further, bounds, seconds);
-}
+LOSTBITS_FIELDS(measure::sweep::SweepStep, values, rows)
+LOSTBITS_FIELDS(measure::sweep::Onset, row, event, statistic, threshold, from_last, found, from_start, last_good,
+                first_bad, value_at_first_bad, recovers, good_at_end, last_good_after, bad_again, rays, views, further)
+LOSTBITS_FIELDS(measure::sweep::SweepFindings, steps, onsets)
+LOSTBITS_FIELDS(measure::sweep::WorstFound, outcome, value, ray, solid, t, truth, distance, evaluations)
+LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, truth)
+LOSTBITS_FIELDS(measure::edges::EdgeFinding, nearest, rays)
+LOSTBITS_FIELDS(measure::contract::Judged, ray, solid, truly_hits, unit, true_t, other_measure, hit, t)
+LOSTBITS_FIELDS(measure::judge::NotedRay, place, outcome, ulps, given)
+LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
+LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
+LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
+LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, trouble, witness, samples, floats, evaluations, further,
+                bounds, seconds)
 
 /// Anything that has fields, as bits.
 template <class... T>

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <numeric>
-
 #include "output/file/atomic_file.hpp"
 #include "output/speed/trade_plot.hpp"
 

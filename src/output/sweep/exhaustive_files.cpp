@@ -1,8 +1,5 @@
 #include "output/sweep/exhaustive_files.hpp"
 
-#include <cmath>
-#include <span>
-
 #include "measure/truth/lost_bits.hpp"
 #include "output/sweep/exhaustive_plots.hpp"
 #include "output/sweep/exhaustive_text.hpp"

@@ -10,8 +10,6 @@
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
-
-using file::Cell;
 using measure::sweep::Onset;
 using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;

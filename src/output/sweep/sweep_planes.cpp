@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/missing.hpp"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/sweep/case_text.hpp"

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"

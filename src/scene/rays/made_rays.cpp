@@ -7,7 +7,6 @@
 namespace lostbits::scene::rays {
 
 using camera::CameraNumbers;
-using camera::Maker;
 using camera::Matrix4;
 using file::CameraProjection;
 using file::Scene;

@@ -1,7 +1,6 @@
 // A search: ranges of every number of a ray and a solid, in which the worst ray of a form is looked for.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "intersect/table/table.hpp"
 #include "number/error.hpp"

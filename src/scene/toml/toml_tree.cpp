@@ -9,7 +9,6 @@
 
 #include <toml++/toml.h>
 
-#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/files_of_run.hpp"
 #include "scene/toml/parse_number.hpp"
 

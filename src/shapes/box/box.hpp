@@ -27,15 +27,6 @@ struct Box {
     static constexpr std::array<Key, 2> keys{
         {{.name = "lo", .letter = "lo"}, {.name = "hi", .letter = "hi", .limit = Key::Limit::at_least_before}}};
 
-    template <class Numbers>
-    static constexpr Box of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(lo.x), take(lo.y), take(lo.z), take(hi.x), take(hi.y), take(hi.z);
-    }
-
     static Box around(const Vec<T>& point, const T& half) {
         return {{point.x - half, point.y - half, point.z - half}, {point.x + half, point.y + half, point.z + half}};
     }

@@ -31,15 +31,6 @@ struct Capsule {
          {.name = "end", .letter = "e", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    template <class Numbers>
-    static constexpr Capsule of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(start.x), take(start.y), take(start.z), take(end.x), take(end.y), take(end.z), take(radius);
-    }
-
     /// Along z, half of it round at the ends.
     static Capsule around(const Vec<T>& p, const T& half) {
         const T r = half / T(2);

@@ -34,16 +34,6 @@ struct Cone {
          {.name = "base_radius", .letter = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "top_radius", .letter = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
 
-    template <class Numbers>
-    static constexpr Cone of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(base.x), take(base.y), take(base.z), take(top.x), take(top.y), take(top.z);
-        take(base_radius), take(top_radius);
-    }
-
     static Cone around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half, half / T(2)};
     }

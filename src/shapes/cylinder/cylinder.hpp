@@ -32,15 +32,6 @@ struct Cylinder {
          {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    template <class Numbers>
-    static constexpr Cylinder of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(base.x), take(base.y), take(base.z), take(top.x), take(top.y), take(top.z), take(radius);
-    }
-
     static Cylinder around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {p.x, p.y, p.z + half}, half};
     }

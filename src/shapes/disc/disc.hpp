@@ -39,16 +39,6 @@ struct Disc {
           .limit = Key::Limit::below_before,
           .optional = true}}};
 
-    template <class Numbers>
-    static constexpr Disc of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(centre.x), take(centre.y), take(centre.z), take(normal.x), take(normal.y), take(normal.z);
-        take(outer_radius), take(inner_radius);
-    }
-
     /// Across the z axis of the point, below it by `half`: flat, it cannot reach that far on all sides.
     static Disc around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}, half, T(0)};

@@ -32,15 +32,6 @@ struct Ellipsoid {
                                                .limit = Key::Limit::positive,
                                                .aliases = {"semiaxes"}}}};
 
-    template <class Numbers>
-    static constexpr Ellipsoid of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(centre.x), take(centre.y), take(centre.z), take(radii.x), take(radii.y), take(radii.z);
-    }
-
     static Ellipsoid around(const Vec<T>& point, const T& half) { return {point, {half, half, half}}; }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }

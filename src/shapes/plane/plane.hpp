@@ -29,15 +29,6 @@ struct Plane {
         {{.name = "through", .letter = "q"},
          {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero}}};
 
-    template <class Numbers>
-    static constexpr Plane of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(through.x), take(through.y), take(through.z), take(normal.x), take(normal.y), take(normal.z);
-    }
-
     static Plane around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
 
     [[nodiscard]] Vec<T> middle() const { return through; }

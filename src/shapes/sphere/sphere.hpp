@@ -28,16 +28,6 @@ struct Sphere {
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// Of the numbers `number(0)`, `number(1)`, …, in the order of the keys.
-    template <class Numbers>
-    static constexpr Sphere of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, number(3)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(centre.x), take(centre.y), take(centre.z), take(radius);
-    }
-
     /// One around a point, as far as this from it on each axis.
     static Sphere around(const Vec<T>& point, const T& half) { return {point, half}; }
 

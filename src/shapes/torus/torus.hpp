@@ -35,16 +35,6 @@ struct Torus {
          {.name = "major_radius", .letter = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "minor_radius", .letter = "rn", .kind = Key::Kind::length, .limit = Key::Limit::within_before}}};
 
-    template <class Numbers>
-    static constexpr Torus of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(centre.x), take(centre.y), take(centre.z), take(axis.x), take(axis.y), take(axis.z);
-        take(major_radius), take(minor_radius);
-    }
-
     /// Across y: a ray along z, which is what rays at the plainest solids are, meets it four times.
     static Torus around(const Vec<T>& p, const T& half) {
         const T r = half / T(8);

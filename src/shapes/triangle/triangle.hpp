@@ -32,16 +32,6 @@ struct Triangle {
          {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
          {.name = "c", .letter = "v2", .limit = Key::Limit::off_line_before, .aliases = {"v2", "p2"}}}};
 
-    template <class Numbers>
-    static constexpr Triangle of(const Numbers& number) {
-        return {
-            {number(0), number(1), number(2)}, {number(3), number(4), number(5)}, {number(6), number(7), number(8)}};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(a.x), take(a.y), take(a.z), take(b.x), take(b.y), take(b.z), take(c.x), take(c.y), take(c.z);
-    }
-
     /// Across the z axis of the point, below it by `half`: flat, it cannot reach that far on all sides.
     static Triangle around(const Vec<T>& p, const T& half) {
         return {

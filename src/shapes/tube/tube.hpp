@@ -33,14 +33,6 @@ struct Tube {
          {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    template <class Numbers>
-    static constexpr Tube of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6)};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        solid().each(take);
-    }
     /// Along x: a ray along z, which is what rays at the plainest solids are, meets its wall.
     static Tube around(const Vec<T>& p, const T& half) {
         return {{p.x - half, p.y, p.z}, {p.x + half, p.y, p.z}, half};

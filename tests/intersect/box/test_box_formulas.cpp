@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "intersect/box/box_exact.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/contains.hpp"
 #include "measure/truth/box_families.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
@@ -184,25 +185,7 @@ struct Contained {
     long hits = 0, hits_decided = 0, misses = 0, misses_decided = 0;
 };
 
-// What a value of 2048 bits may itself be off by.
-const Wide slack = ldexp(Wide(1), -1500);
-
-bool contains(const Interval& x, const Wide& v) {
-    const mpfr_srcptr p = v.backend().data();
-    if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
-    if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    const Wide room = (abs(v) + 1) * slack;
-    return x.undefined() != Undefined::always && mpfr_cmp(x.lower(), Wide(v + room).backend().data()) <= 0 &&
-           mpfr_cmp(x.upper(), Wide(v - room).backend().data()) >= 0;
-}
-
-bool contains(const Ball& x, const Wide& v) {
-    const mpfr_srcptr p = v.backend().data();
-    if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
-    if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    return x.undefined() != Undefined::always &&
-           abs(v - Wide(x.hi()) - Wide(x.lo())) <= Wide(x.radius()) + (abs(v) + 1) * slack;
-}
+using lostbits::test::contains;
 
 bool contains(const Interval& x, double v) {
     if (std::isnan(v)) return x.undefined() != Undefined::never;

@@ -3,7 +3,6 @@
 // span and no form asks so.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -172,28 +171,10 @@ inline const SampledRays<Capsule> capsule_rays[] = {
          s.ray.origin = s.solid.start + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
-    {"tiny",
-     [](Seeded& rng) {
-         Sample<Capsule> s = upright_capsule(rng);
-         s.ray = {s.solid.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.start, &s.solid.end}) *p = 0x1p-140 * *p;
-         s.solid.radius *= 0x1p-140;
-         return s;
-     }},
-    {"huge",
-     [](Seeded& rng) {
-         Sample<Capsule> s = upright_capsule(rng);
-         s.ray = {s.solid.start + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.start, &s.solid.end}) *p = 0x1p110 * *p;
-         s.solid.radius *= 0x1p110;
-         return s;
-     }},
+    {"tiny", [](Seeded& rng) { return scaled_from_below(upright_capsule(rng), 0x1p-140); }},
+    {"huge", [](Seeded& rng) { return scaled_from_below(upright_capsule(rng), 0x1p110); }},
 };
 
-/// `visit(family, sample)` of each family so many times.
-template <class Visit>
-void for_each_capsule(int each, const Visit& visit) {
-    for_each_sample(capsule_rays, 0x7a9, each, visit);
-}
+inline const ForEachSample for_each_capsule{capsule_rays, 0x7a9};
 
 }  // namespace lostbits::test

@@ -1,7 +1,5 @@
 // The truth of capsules against fractions, alone and in packs; every form when nothing is rounded; and what a
 // capsule says of itself.
-#include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -25,20 +23,11 @@ TEST_CASE("the truth of a capsule is what fractions say", "[truth][capsule]") {
 }
 
 TEST_CASE("packs say of capsules what the truth of each ray says", "[truth][capsule]") {
-    std::vector<RayAndSolid> asked;
-    for_each_capsule(static_cast<int>(draws(1500)), [&](const SampledRays<Capsule>&, const Sample<Capsule>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
+    check_packs_of(for_each_capsule);
 }
 
 TEST_CASE("every capsule form solves the problem when nothing is rounded", "[intersect][capsule][formula]") {
-    UnroundedForms<intersect::capsule::CapsuleForms> forms;
-    for_each_capsule(static_cast<int>(draws(1000)), [&](const SampledRays<Capsule>& family, const Sample<Capsule>& s) {
-        const auto right = answer_of(s);
-        forms.ask(family.name, s, right, right.is_within(0));
-    });
-    forms.check(150);
+    check_unrounded<intersect::capsule::CapsuleForms>(for_each_capsule);
 }
 
 TEST_CASE("a capsule's distance, normal and nearest point belong together", "[capsule]") {
@@ -57,15 +46,10 @@ TEST_CASE("a capsule's distance, normal and nearest point belong together", "[ca
 
 TEST_CASE("the point of a ray put onto a capsule lies within its bound", "[capsule]") {
     Seeded rng(0x7a8);
-    double largest = 0;
-    for (int i = 0; i < 4000; ++i) {
-        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
-        const Vec<double> place = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
-        const Capsule<double> c{place, place + v, scale * rng.uniform(0.01, 1)};
-        const Vec<double> at = place + rng.unit() * v + w;
-        if (testing::stored(c.start, binary32) == testing::stored(c.end, binary32)) continue;
-        largest = std::max(largest, share_of_bound(c, at));
-    }
+    const double largest =
+        largest_share_of_bound(rng, 4000, [&](const Vec<double>& from, const Vec<double>& to, double size) {
+            return Capsule<double>{from, to, size * rng.uniform(0.01, 1)};
+        });
     CHECK(largest < 1);
     CHECK(largest > 0.01);
 }

@@ -125,28 +125,10 @@ inline const SampledRays<Cone> cone_rays[] = {
          s.ray.origin = s.solid.base + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
-    {"tiny",
-     [](Seeded& rng) {
-         Sample<Cone> s = upright_cone(rng);
-         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p-140 * *p;
-         s.solid.base_radius *= 0x1p-140, s.solid.top_radius *= 0x1p-140;
-         return s;
-     }},
-    {"huge",
-     [](Seeded& rng) {
-         Sample<Cone> s = upright_cone(rng);
-         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p110 * *p;
-         s.solid.base_radius *= 0x1p110, s.solid.top_radius *= 0x1p110;
-         return s;
-     }},
+    {"tiny", [](Seeded& rng) { return scaled_from_below(upright_cone(rng), 0x1p-140); }},
+    {"huge", [](Seeded& rng) { return scaled_from_below(upright_cone(rng), 0x1p110); }},
 };
 
-/// `visit(family, sample)` of each family so many times.
-template <class Visit>
-void for_each_cone(int each, const Visit& visit) {
-    for_each_sample(cone_rays, 0xc09e, each, visit);
-}
+inline const ForEachSample for_each_cone{cone_rays, 0xc09e};
 
 }  // namespace lostbits::test

@@ -1,7 +1,5 @@
 // The truth of cones against fractions, alone and in packs; every form when nothing is rounded; and what a cone says of
 // itself.
-#include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -29,27 +27,15 @@ TEST_CASE("the truth of a cone is what fractions say", "[truth][cone]") {
     CHECK(truth.exact["random"] == 0);
 }
 
-TEST_CASE("packs say of cones what the truth of each ray says", "[truth][cone]") {
-    std::vector<RayAndSolid> asked;
-    for_each_cone(static_cast<int>(draws(1500)), [&](const SampledRays<Cone>&, const Sample<Cone>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
-}
+TEST_CASE("packs say of cones what the truth of each ray says", "[truth][cone]") { check_packs_of(for_each_cone); }
 
 TEST_CASE("every cone form solves the problem when nothing is rounded", "[intersect][cone][formula]") {
-    UnroundedForms<intersect::cone::ConeForms> forms;
-    for_each_cone(static_cast<int>(draws(1000)), [&](const SampledRays<Cone>& family, const Sample<Cone>& s) {
-        const CappedAnswer right = answer_of(s);
-        forms.ask(family.name, s, right, right.is_within(0));
-    });
-    forms.check(150);
+    check_unrounded<intersect::cone::ConeForms>(for_each_cone);
 }
 
 TEST_CASE("a cone's distance, normal and nearest point belong together", "[cone]") {
     Seeded rng(0xc0a);
     int inside = 0;
-    double share = 0;
     for (int i = 0; i < 500; ++i) {
         const Cone<double> cone{rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1),
                                 rng.coin() ? 0 : rng.uniform(0, 1)};
@@ -68,13 +54,10 @@ TEST_CASE("a cone's distance, normal and nearest point belong together", "[cone]
             REQUIRE(length(Vec<Real>(lifted<Real>(q) - other)) >= d * (1 - ldexp(Real(1), -180)));
         }
     }
-    for (int i = 0; i < 2000; ++i) {
-        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
-        const Vec<double> place = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
-        const Cone<double> cone{place, place + v, scale * rng.uniform(0.01, 1), scale * rng.uniform(0, 1)};
-        if (testing::stored(cone.base, binary32) == testing::stored(cone.top, binary32)) continue;
-        share = std::max(share, share_of_bound(cone, place + rng.unit() * v + w));
-    }
+    const double share =
+        largest_share_of_bound(rng, 2000, [&](const Vec<double>& from, const Vec<double>& to, double size) {
+            return Cone<double>{from, to, size * rng.uniform(0.01, 1), size * rng.uniform(0, 1)};
+        });
     CHECK(inside > 5);
     CHECK(share < 1);
     CHECK(share > 0.01);

@@ -110,28 +110,10 @@ inline const SampledRays<Cylinder> cylinder_rays[] = {
          s.ray.origin = s.solid.base + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
-    {"tiny",
-     [](Seeded& rng) {
-         Sample<Cylinder> s = upright_cylinder(rng);
-         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p-140 * *p;
-         s.solid.radius *= 0x1p-140;
-         return s;
-     }},
-    {"huge",
-     [](Seeded& rng) {
-         Sample<Cylinder> s = upright_cylinder(rng);
-         s.ray = {s.solid.base + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.base, &s.solid.top}) *p = 0x1p110 * *p;
-         s.solid.radius *= 0x1p110;
-         return s;
-     }},
+    {"tiny", [](Seeded& rng) { return scaled_from_below(upright_cylinder(rng), 0x1p-140); }},
+    {"huge", [](Seeded& rng) { return scaled_from_below(upright_cylinder(rng), 0x1p110); }},
 };
 
-/// `visit(family, sample)` of each family so many times.
-template <class Visit>
-void for_each_cylinder(int each, const Visit& visit) {
-    for_each_sample(cylinder_rays, 0x7a6, each, visit);
-}
+inline const ForEachSample for_each_cylinder{cylinder_rays, 0x7a6};
 
 }  // namespace lostbits::test

@@ -1,7 +1,5 @@
 // The truth of cylinders against fractions, alone and in packs; every form when nothing is rounded; and what a
 // cylinder says of itself.
-#include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -27,21 +25,11 @@ TEST_CASE("the truth of a cylinder is what fractions say", "[truth][cylinder]") 
 }
 
 TEST_CASE("packs say of cylinders what the truth of each ray says", "[truth][cylinder]") {
-    std::vector<RayAndSolid> asked;
-    for_each_cylinder(static_cast<int>(draws(1500)), [&](const SampledRays<Cylinder>&, const Sample<Cylinder>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
+    check_packs_of(for_each_cylinder);
 }
 
 TEST_CASE("every cylinder form solves the problem when nothing is rounded", "[intersect][cylinder][formula]") {
-    UnroundedForms<intersect::cylinder::CylinderForms> forms;
-    for_each_cylinder(static_cast<int>(draws(1000)),
-                      [&](const SampledRays<Cylinder>& family, const Sample<Cylinder>& s) {
-                          const auto right = answer_of(s);
-                          forms.ask(family.name, s, right, right.is_within(0));
-                      });
-    forms.check(150);
+    check_unrounded<intersect::cylinder::CylinderForms>(for_each_cylinder);
 }
 
 TEST_CASE("a cylinder's distance, normal and nearest point belong together", "[cylinder]") {
@@ -64,15 +52,10 @@ TEST_CASE("a cylinder's distance, normal and nearest point belong together", "[c
 
 TEST_CASE("the point of a ray put onto a cylinder lies within its bound", "[cylinder]") {
     Seeded rng(0x7a8);
-    double largest = 0;
-    for (int i = 0; i < 4000; ++i) {
-        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
-        const Vec<double> place = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
-        const Cylinder<double> c{place, place + v, scale * rng.uniform(0.01, 1)};
-        const Vec<double> at = place + rng.unit() * v + w;
-        if (testing::stored(c.base, binary32) == testing::stored(c.top, binary32)) continue;
-        largest = std::max(largest, share_of_bound(c, at));
-    }
+    const double largest =
+        largest_share_of_bound(rng, 4000, [&](const Vec<double>& from, const Vec<double>& to, double size) {
+            return Cylinder<double>{from, to, size * rng.uniform(0.01, 1)};
+        });
     CHECK(largest < 1);
     CHECK(largest > 0.01);
 }

@@ -2,7 +2,6 @@
 // these shapes say of themselves.
 #include <map>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -113,28 +112,11 @@ const SampledRays<Disc> disc_rays[] = {
          s.ray.origin = s.solid.centre + aside - 0x1p20 * s.ray.direction;
          return s;
      }},
-    {"tiny",
-     [](Seeded& rng) {
-         Sample<Disc> s = level_disc(rng);
-         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p-140 * *p;
-         s.solid.outer_radius *= 0x1p-140, s.solid.inner_radius *= 0x1p-140;
-         return s;
-     }},
-    {"huge",
-     [](Seeded& rng) {
-         Sample<Disc> s = level_disc(rng);
-         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p110 * *p;
-         s.solid.outer_radius *= 0x1p110, s.solid.inner_radius *= 0x1p110;
-         return s;
-     }},
+    {"tiny", [](Seeded& rng) { return scaled_from_below(level_disc(rng), 0x1p-140); }},
+    {"huge", [](Seeded& rng) { return scaled_from_below(level_disc(rng), 0x1p110); }},
 };
 
-template <class Visit>
-void for_each_disc(int each, const Visit& visit) {
-    for_each_sample(disc_rays, 0xd15c, each, visit);
-}
+const ForEachSample for_each_disc{disc_rays, 0xd15c};
 
 FlatAnswer answer_of(const Sample<Disc>& s) {
     return flat_answer(s.ray, s.solid.centre, s.solid.normal, s.solid.outer_radius, s.solid.inner_radius);
@@ -176,12 +158,8 @@ TEST_CASE("the truth of a disc and of its plane is what fractions say", "[truth]
 }
 
 TEST_CASE("packs say of discs and planes what the truth of each ray says", "[truth][disc]") {
-    std::vector<RayAndSolid> discs, planes;
-    for_each_disc(static_cast<int>(draws(1500)), [&](const SampledRays<Disc>&, const Sample<Disc>& s) {
-        discs.push_back({s.ray, s.solid}), planes.push_back({s.ray, plane_of(s.solid)});
-    });
-    check_packs_against_each_alone(discs);
-    check_packs_against_each_alone(planes);
+    check_packs_of(for_each_disc);
+    check_packs_of(for_each_disc, plane_of);
 }
 
 TEST_CASE("every disc and plane form solves the problem when nothing is rounded", "[intersect][disc][formula]") {

@@ -104,28 +104,10 @@ inline const SampledRays<Ellipsoid> ellipsoid_rays[] = {
          s.ray.origin = s.solid.centre + rng.vec(-1, 1) * s.solid.radii - 0x1p20 * s.ray.direction;
          return s;
      }},
-    {"tiny",
-     [](Seeded& rng) {
-         Sample<Ellipsoid> s = whole_ellipsoid(rng);
-         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         s.ray.origin = 0x1p-140 * s.ray.origin;
-         s.solid = {0x1p-140 * s.solid.centre, 0x1p-140 * s.solid.radii};
-         return s;
-     }},
-    {"huge",
-     [](Seeded& rng) {
-         Sample<Ellipsoid> s = whole_ellipsoid(rng);
-         s.ray = {s.solid.centre + Vec<double>(7, 11, -300), Vec<double>(0.25, -0.5, 16)};
-         s.ray.origin = 0x1p110 * s.ray.origin;
-         s.solid = {0x1p110 * s.solid.centre, 0x1p110 * s.solid.radii};
-         return s;
-     }},
+    {"tiny", [](Seeded& rng) { return scaled_from_below(whole_ellipsoid(rng), 0x1p-140); }},
+    {"huge", [](Seeded& rng) { return scaled_from_below(whole_ellipsoid(rng), 0x1p110); }},
 };
 
-/// `visit(family, sample)` of each family so many times.
-template <class Visit>
-void for_each_ellipsoid(int each, const Visit& visit) {
-    for_each_sample(ellipsoid_rays, 0x7a2, each, visit);
-}
+inline const ForEachSample for_each_ellipsoid{ellipsoid_rays, 0x7a2};
 
 }  // namespace lostbits::test

@@ -1,9 +1,7 @@
 // The truth of ellipsoids against fractions, alone and in packs; every form when nothing is rounded; and what an
 // ellipsoid says of itself.
 #include <map>
-#include <set>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -59,11 +57,7 @@ TEST_CASE("the truth of an ellipsoid is what fractions say", "[truth][ellipsoid]
 }
 
 TEST_CASE("packs say of ellipsoids what the truth of each ray says", "[truth][ellipsoid]") {
-    std::vector<RayAndSolid> asked;
-    for_each_ellipsoid(static_cast<int>(draws(1500)), [&](const SampledRays<Ellipsoid>&, const Sample<Ellipsoid>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
+    check_packs_of(for_each_ellipsoid);
 }
 
 TEST_CASE("every ellipsoid form solves the problem when nothing is rounded", "[intersect][ellipsoid][formula]") {

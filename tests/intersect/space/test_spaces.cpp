@@ -5,13 +5,11 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "counts.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/space/spaced.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/seeded.hpp"
-#include "measure/truth/lost_bits.hpp"
 #include "shapes/lift.hpp"
 
 namespace test_spaces {

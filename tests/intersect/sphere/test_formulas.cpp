@@ -1,5 +1,4 @@
 // Every form against the exact solution, in arithmetic of 2048 bits: a slip in a formula cannot hide behind rounding.
-#include <string>
 
 #include "catch.hpp"
 #include "intersect/cases.hpp"

@@ -135,13 +135,7 @@ TEST_CASE("t of a torus is rounded as fractions say, on ties too", "[truth][toru
     CHECK(ties > 0);
 }
 
-TEST_CASE("packs say of tori what the truth of each ray says", "[truth][torus]") {
-    std::vector<RayAndSolid> asked;
-    for_each_torus(static_cast<int>(draws(1500)), [&](const SampledRays<Torus>&, const Sample<Torus>& s) {
-        asked.push_back({s.ray, s.solid});
-    });
-    check_packs_against_each_alone(asked);
-}
+TEST_CASE("packs say of tori what the truth of each ray says", "[truth][torus]") { check_packs_of(for_each_torus); }
 
 TEST_CASE("every torus form but one solves the problem when nothing is rounded", "[intersect][torus][formula]") {
     namespace torus = intersect::torus;

@@ -149,9 +149,7 @@ inline const SampledRays<Torus> torus_rays[] = {
          const double x = rng.unit(), y = rng.unit(), z = rng.unit();
          s.ray.direction = Vec<double>(0.25, -0.5, 16);
          s.ray.origin = s.solid.point_at({x, y, z}) - 100.0 * s.ray.direction;
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p-130 * *p;
-         s.solid.major_radius *= 0x1p-130, s.solid.minor_radius *= 0x1p-130;
-         return s;
+         return scaled(s, 0x1p-130);
      }},
     {"huge",
      [](Seeded& rng) {
@@ -159,16 +157,10 @@ inline const SampledRays<Torus> torus_rays[] = {
          const double x = rng.unit(), y = rng.unit(), z = rng.unit();
          s.ray.direction = Vec<double>(0.25, -0.5, 16);
          s.ray.origin = s.solid.point_at({x, y, z}) - 100.0 * s.ray.direction;
-         for (Vec<double>* const p : {&s.ray.origin, &s.solid.centre}) *p = 0x1p110 * *p;
-         s.solid.major_radius *= 0x1p110, s.solid.minor_radius *= 0x1p110;
-         return s;
+         return scaled(s, 0x1p110);
      }},
 };
 
-/// `visit(family, sample)` of each family so many times.
-template <class Visit>
-void for_each_torus(int each, const Visit& visit) {
-    for_each_sample(torus_rays, 0x7051, each, visit);
-}
+inline const ForEachSample for_each_torus{torus_rays, 0x7051};
 
 }  // namespace lostbits::test

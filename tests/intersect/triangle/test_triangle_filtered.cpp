@@ -15,8 +15,6 @@
 #include "shapes/triangle/forms/forms.hpp"
 
 namespace lostbits::test::test_triangle_filtered {
-
-using intersect::Way;
 using intersect::triangle::FilteredTriangle;
 
 namespace {

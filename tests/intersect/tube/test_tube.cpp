@@ -3,7 +3,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -15,7 +14,6 @@
 namespace lostbits::test::test_tube {
 
 using intersect::AtOrigin;
-using intersect::Touching;
 using measure::truth::find_truth;
 using measure::truth::Truth;
 
@@ -93,11 +91,7 @@ TEST_CASE("the truth of a tube is what fractions say", "[truth][tube]") {
 }
 
 TEST_CASE("packs say of tubes what the truth of each ray says", "[truth][tube]") {
-    std::vector<RayAndSolid> asked;
-    for_each_cylinder(static_cast<int>(draws(1500)), [&](const SampledRays<Cylinder>&, const Sample<Cylinder>& s) {
-        asked.push_back({s.ray, opened(s.solid)});
-    });
-    check_packs_against_each_alone(asked);
+    check_packs_of(for_each_cylinder, opened);
 }
 
 TEST_CASE("every tube form solves the problem when nothing is rounded", "[intersect][tube][formula]") {
@@ -111,7 +105,6 @@ TEST_CASE("every tube form solves the problem when nothing is rounded", "[inters
 
 TEST_CASE("a tube's distance, normal and nearest point belong together", "[tube]") {
     Seeded rng(0x70b);
-    double share = 0;
     for (int i = 0; i < 500; ++i) {
         const Tube<double> tube{rng.vec(-1, 1), rng.vec(-1, 1), rng.uniform(0.1, 1)};
         const Vec<double> q = rng.vec(-2, 2);
@@ -122,13 +115,10 @@ TEST_CASE("a tube's distance, normal and nearest point belong together", "[tube]
         REQUIRE(exact.distance(lifted<Real>(q)) <=
                 length(Vec<Real>(lifted<Real>(q) - exact.point_at(u))) + ldexp(Real(1), -180));
     }
-    for (int i = 0; i < 2000; ++i) {
-        const double scale = rng.magnitude(-6, 6), off = rng.magnitude(-6, 6);
-        const Vec<double> place = off * rng.vec(-1, 1), v = scale * rng.vec(-1, 1), w = scale * rng.vec(-1, 1);
-        const Tube<double> tube{place, place + v, scale * rng.uniform(0.01, 1)};
-        if (testing::stored(tube.bottom, binary32) == testing::stored(tube.top, binary32)) continue;
-        share = std::max(share, share_of_bound(tube, place + rng.unit() * v + w));
-    }
+    const double share =
+        largest_share_of_bound(rng, 2000, [&](const Vec<double>& from, const Vec<double>& to, double size) {
+            return Tube<double>{from, to, size * rng.uniform(0.01, 1)};
+        });
     CHECK(share < 1);
     CHECK(share > 0.01);
 }

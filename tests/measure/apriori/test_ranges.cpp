@@ -22,7 +22,6 @@ namespace test_ranges {
 
 using namespace lostbits;
 using intersect::table::Intersector;
-using measure::apriori::Asking;
 using measure::apriori::bound_over_ranges;
 using measure::apriori::InputBox;
 using measure::apriori::RangesBound;

@@ -1,7 +1,6 @@
 // A choice for rays of files is that for the scene they come from; they are stretched as a scene is; and what stands in
 // the way of a wish is found by storing the inputs otherwise.
 #include <algorithm>
-#include <cmath>
 
 #include "catch.hpp"
 #include "measure/choice/file_rays.hpp"

@@ -14,8 +14,6 @@
 namespace lostbits::test::test_columns {
 
 using measure::columns::TrueLengths;
-using measure::metric::InColumns;
-using measure::metric::Metric;
 using measure::metric::Sample;
 using measure::truth::Certified;
 using measure::truth::missing;

@@ -2,7 +2,6 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/evaluate/evaluate.hpp"
-#include "number/random.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/scene_text.hpp"
 

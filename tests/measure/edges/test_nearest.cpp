@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/answer/one_ray.hpp"
 #include "measure/rows.hpp"
 #include "number/rounded.hpp"
 #include "scratch.hpp"
@@ -18,7 +17,6 @@ using lostbits::test::Scratch;
 using measure::answer::Outcome;
 using measure::edges::EdgeFinding;
 using measure::edges::NearestRay;
-using measure::truth::Truth;
 using scene::sweep::EdgeSearchFile;
 
 namespace {

@@ -4,7 +4,6 @@
 #include "catch.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/evaluate/evaluate.hpp"
-#include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test::test_march {
 

@@ -1,5 +1,4 @@
 // A hit of another solid than the ray meets first: an outcome of its own, on which no error is measured.
-#include <algorithm>
 #include <cmath>
 
 #include "catch.hpp"

@@ -1,7 +1,6 @@
 // The errors of the weights that a form tells, against fractions.
 #include <cmath>
 #include <map>
-#include <string>
 
 #include "catch.hpp"
 #include "counts.hpp"

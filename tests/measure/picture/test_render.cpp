@@ -8,7 +8,6 @@
 #include "measure/picture/rendered.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/toml/round.hpp"
 
 namespace test_render {
 

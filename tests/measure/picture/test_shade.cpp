@@ -7,7 +7,6 @@
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/picture/shade.hpp"
-#include "measure/truth/enclose.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 

@@ -6,8 +6,6 @@
 #include "measure/stages/stage_loops.hpp"
 
 namespace lostbits::testing {
-
-using measure::stages::RawColumn;
 using measure::stages::RawProblems;
 
 namespace {

@@ -1,6 +1,5 @@
 // Truths of many rays at once are those of the same rays alone: the same decisions, and the same two words.
 #include <algorithm>
-#include <numeric>
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
@@ -13,7 +12,6 @@ namespace test_truth_columns {
 
 using namespace lostbits;
 using namespace lostbits::testing;
-using measure::truth::ColumnTerms;
 using measure::truth::find_truth;
 using measure::truth::Length;
 using measure::truth::ProblemColumns;

@@ -1,7 +1,6 @@
 // Named cases: verdicts that follow by hand, rays that are none, and the files under data/sweeps/extremes.
 #include "measure/sweep/cases.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "catch.hpp"
 #include "measure/rows.hpp"

@@ -2,7 +2,6 @@
 #include "measure/tape/tape_program.hpp"
 
 #include <cmath>
-#include <set>
 
 #include "catch.hpp"
 #include "intersect/hull/behind.hpp"

@@ -1,9 +1,6 @@
 // Rays chosen to break a reference: each family aims at one way of being wrong.
 #pragma once
 
-#include <array>
-#include <span>
-
 #include "measure/seeded.hpp"
 
 namespace lostbits::testing {

@@ -12,7 +12,6 @@
 namespace lostbits::test::test_at_origin {
 
 using intersect::AtOrigin;
-using intersect::Convention;
 using intersect::Touching;
 using measure::answer::Outcome;
 using measure::truth::find_truth;

@@ -13,7 +13,6 @@ namespace lostbits::test::test_forms_in_range {
 using intersect::Roots;
 using intersect::Touching;
 using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
 using scene::rays::RayGroup;
 
 namespace {

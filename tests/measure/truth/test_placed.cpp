@@ -1,9 +1,5 @@
 // Truth of solids under matrices: against fractions, in packs, of every shape.
 #include <array>
-#include <map>
-#include <optional>
-#include <string_view>
-#include <utility>
 
 #include "catch.hpp"
 #include "counts.hpp"

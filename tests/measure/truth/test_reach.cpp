@@ -18,7 +18,6 @@
 namespace test_reach {
 
 using namespace lostbits;
-using measure::truth::exactly;
 using measure::truth::Perturbed;
 using measure::truth::reach;
 using testing::Seeded;

@@ -1,5 +1,4 @@
 // Truth of several spheres, of inputs beyond double, and at its limit.
-#include <span>
 #include <vector>
 
 #include "catch.hpp"

@@ -4,7 +4,6 @@
 #include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
@@ -13,7 +12,6 @@
 #include "output/diff/difference.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/number_text.hpp"
-#include "output/helpers.hpp"
 
 namespace test_difference {
 
@@ -21,7 +19,6 @@ using namespace lostbits;
 using namespace lostbits::output;
 using namespace lostbits::output::diff;
 using namespace lostbits::output::file;
-using namespace lostbits::output::test;
 
 namespace {
 

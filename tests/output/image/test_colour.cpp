@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -102,17 +101,6 @@ TEST_CASE("what no width suffices for looks like no value and like no outcome", 
     check(deuteranope, 0.10);
 }
 
-TEST_CASE("objects differ and repeat only after twenty", "[colour]") {
-    CHECK(lostbits::output::image::object_colour(0) == lostbits::output::image::outcome_colours[1]);
-    for (std::uint32_t i = 0; i <= 20; ++i) {
-        for (std::uint32_t j = 0; j < i; ++j) {
-            INFO(i << " against " << j);
-            CHECK(distance(oklab(linear(object_colour(i))), oklab(linear(object_colour(j)))) > 0.06);
-        }
-    }
-    CHECK(object_colour(21) == object_colour(1));
-}
-
 TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
     std::vector<Vector> seen;
     for (const lostbits::output::image::Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
@@ -126,8 +114,6 @@ TEST_CASE("a thousand categories have a colour each, the first of them the clear
         }
         seen.push_back(mine);
     }
-    for (std::uint32_t i = 0; i < 20; ++i)
-        CHECK(lostbits::output::image::distinct_colour(i) == lostbits::output::image::object_colour(i + 1));
     CHECK(lostbits::output::image::distinct_colour(1000) == distinct_colour(0));
 }
 

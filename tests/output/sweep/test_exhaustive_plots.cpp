@@ -2,7 +2,6 @@
 #include "output/sweep/exhaustive_plots.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 
 #include "catch.hpp"

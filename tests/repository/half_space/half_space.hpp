@@ -20,14 +20,6 @@ struct HalfSpace {
     static constexpr std::array<Key, 2> keys{
         {{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
 
-    template <class Numbers>
-    static constexpr HalfSpace of(const Numbers& number) {
-        return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    }
-    template <class Take>
-    constexpr void each(const Take& take) const {
-        take(point.x), take(point.y), take(point.z), take(normal.x), take(normal.y), take(normal.z);
-    }
     static HalfSpace around(const Vec<T>& p, const T& half) { return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}}; }
 
     [[nodiscard]] Vec<T> middle() const { return point; }

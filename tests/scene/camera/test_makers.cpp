@@ -1,7 +1,6 @@
 // Ways to make rays, against fractions: a camera whose axes are (2, 3, 6)/7 and so on, and whose tangent is 1.
 #include <array>
 #include <cmath>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>

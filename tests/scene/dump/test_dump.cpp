@@ -2,12 +2,9 @@
 #include "scene/dump/dump.hpp"
 
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "catch.hpp"
 #include "measure/seeded.hpp"
-#include "number/error.hpp"
 #include "scene/dump/dump_writer.hpp"
 #include "scene/dump/number_words.hpp"
 #include "shapes/number_names.hpp"

@@ -1,6 +1,5 @@
 // Meshes that are made, how their edges are shared, and what a [[mesh]] may say.
 #include <cmath>
-#include <set>
 
 #include "catch.hpp"
 #include "scene/rays/rays.hpp"

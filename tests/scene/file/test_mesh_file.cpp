@@ -1,9 +1,6 @@
 // Files of meshes: vertices arrive with the bits of the file, and what is no mesh is told by its place.
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 

@@ -6,7 +6,6 @@ namespace test_scene_errors {
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
-using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {

@@ -8,7 +8,6 @@ namespace test_scene_file {
 using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::file;
-using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {

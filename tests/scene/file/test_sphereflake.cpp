@@ -13,7 +13,6 @@ using namespace lostbits::scene;
 using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using namespace lostbits::scene::sphere;
-using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {

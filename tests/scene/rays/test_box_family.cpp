@@ -10,10 +10,8 @@ namespace test_box_family {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using lostbits::scene::box::BoxFamily;
-using namespace lostbits::scene::toml;
 
 namespace {
 

@@ -13,7 +13,6 @@ namespace test_family {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using lostbits::scene::sphere::SphereFamily;
 using namespace lostbits::scene::toml;

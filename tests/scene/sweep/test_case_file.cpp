@@ -1,7 +1,6 @@
 // Files of named cases, and the searches that are their cousins.
 #include "scene/sweep/case_file.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -14,10 +13,8 @@ namespace test_case_file {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using namespace lostbits::scene::sweep;
-using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {

@@ -8,10 +8,8 @@ namespace test_search_file {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using namespace lostbits::scene::sweep;
-using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"

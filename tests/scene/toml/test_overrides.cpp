@@ -1,6 +1,5 @@
 #include "catch.hpp"
 #include "scene/scene_text.hpp"
-#include "scene/toml/toml_reader.hpp"
 
 namespace test_overrides {
 

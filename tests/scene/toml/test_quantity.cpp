@@ -11,7 +11,6 @@ namespace test_quantity {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 

@@ -13,7 +13,6 @@ namespace test_round {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::toml;
 using scene::test::real;
 

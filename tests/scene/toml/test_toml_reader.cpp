@@ -7,7 +7,6 @@ namespace test_toml_reader {
 
 using namespace lostbits;
 using namespace lostbits::scene;
-using namespace lostbits::scene::file;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
 

@@ -1,7 +1,6 @@
 #include "shapes/box/family/family.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 

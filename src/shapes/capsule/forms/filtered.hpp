@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::capsule {
 
-struct FilteredCapsule {
+struct FilteredCapsule : filter::FiltersBySpan<FilteredCapsule, Capsule> {
     static constexpr Info info{
         .name = "capsule.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Capsule<T>& capsule) {
-        NoWatch watch;
-        return intersect(ray, capsule, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Capsule<T>& capsule, Watch& watch) {
-        return filter::by_span<Capsule>(info.name, ray, capsule, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::capsule

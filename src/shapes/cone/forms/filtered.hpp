@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::cone {
 
-struct FilteredCone {
+struct FilteredCone : filter::FiltersBySpan<FilteredCone, Cone> {
     static constexpr Info info{
         .name = "cone.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
-        NoWatch watch;
-        return intersect(ray, cone, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone, Watch& watch) {
-        return filter::by_span<Cone>(info.name, ray, cone, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::cone

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct FilteredCylinder {
+struct FilteredCylinder : filter::FiltersBySpan<FilteredCylinder, Cylinder> {
     static constexpr Info info{
         .name = "cylinder.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder) {
-        NoWatch watch;
-        return intersect(ray, cylinder, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder, Watch& watch) {
-        return filter::by_span<Cylinder>(info.name, ray, cylinder, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::cylinder

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::disc {
 
-struct FilteredDisc {
+struct FilteredDisc : filter::FiltersBySpan<FilteredDisc, Disc> {
     static constexpr Info info{
         .name = "disc.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc) {
-        NoWatch watch;
-        return intersect(ray, disc, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc, Watch& watch) {
-        return filter::by_span<Disc>(info.name, ray, disc, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::disc

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-struct FilteredEllipsoid {
+struct FilteredEllipsoid : filter::FiltersBySpan<FilteredEllipsoid, Ellipsoid> {
     static constexpr Info info{
         .name = "ellipsoid.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
-        NoWatch watch;
-        return intersect(ray, ellipsoid, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid, Watch& watch) {
-        return filter::by_span<Ellipsoid>(info.name, ray, ellipsoid, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::ellipsoid

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::plane {
 
-struct FilteredPlane {
+struct FilteredPlane : filter::FiltersBySpan<FilteredPlane, Plane> {
     static constexpr Info info{
         .name = "plane.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        NoWatch watch;
-        return intersect(ray, plane, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane, Watch& watch) {
-        return filter::by_span<Plane>(info.name, ray, plane, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::plane

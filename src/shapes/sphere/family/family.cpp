@@ -6,7 +6,6 @@
 #include <numeric>
 #include <vector>
 
-#include "number/error.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sphere {

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::torus {
 
-struct FilteredTorus {
+struct FilteredTorus : filter::FiltersBySpan<FilteredTorus, Torus> {
     static constexpr Info info{
         .name = "torus.filtered",
         .title = "Sturm's chain where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        NoWatch watch;
-        return intersect(ray, torus, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus, Watch& watch) {
-        return filter::by_span<Torus>(info.name, ray, torus, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::torus

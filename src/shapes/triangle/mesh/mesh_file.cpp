@@ -3,7 +3,6 @@
 #include <fstream>
 
 #include "number/error.hpp"
-#include "scene/toml/did_you_mean.hpp"
 #include "shapes/triangle/mesh/mesh_readers.hpp"
 
 namespace lostbits::scene::triangle {

@@ -10,25 +10,13 @@
 
 namespace lostbits::intersect::tube {
 
-struct FilteredTube {
+struct FilteredTube : filter::FiltersBySpan<FilteredTube, Tube> {
     static constexpr Info info{
         .name = "tube.filtered",
         .title = "where the line is inside, where a bound proves it, wider where not",
         .source = "a running bound after Higham, Accuracy and Stability, 3.3, as a filter after Shewchuk 1997",
         .roots = Roots::first_only,
     };
-
-    template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
-        NoWatch watch;
-        return intersect(ray, tube, watch);
-    }
-
-    /// `watch(way)` hears of every arithmetic beyond the first that is used.
-    template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube, Watch& watch) {
-        return filter::by_span<Tube>(info.name, ray, tube, watch);
-    }
 };
 
 }  // namespace lostbits::intersect::tube

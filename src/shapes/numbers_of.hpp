@@ -1,0 +1,56 @@
+// The numbers of a shape in the order of its keys: the solid of them, and they of a solid.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include "geometry/key.hpp"
+#include "geometry/vec.hpp"
+
+namespace lostbits {
+
+/// The solid whose numbers are `number(0)`, `number(1)`, …
+template <template <class> class S, class T, class Numbers>
+constexpr S<T> solid_from(const Numbers& number) {
+    const auto part = [&number]<std::size_t key>(std::integral_constant<std::size_t, key>) {
+        constexpr std::size_t first = [] {
+            std::size_t before = 0;
+            for (std::size_t k = 0; k < key; ++k) before += S<T>::keys[k].count();
+            return before;
+        }();
+        if constexpr (S<T>::keys[key].count() == 1) return T(number(first));
+        else return Vec<T>{number(first), number(first + 1), number(first + 2)};
+    };
+    return [&part]<std::size_t... key>(std::index_sequence<key...>) {
+        return S<T>{part(std::integral_constant<std::size_t, key>())...};
+    }
+    (std::make_index_sequence<S<T>::keys.size()>());
+}
+
+/// `take(number)` of each.
+template <template <class> class S, class T, class Take>
+constexpr void each_number(const S<T>& solid, const Take& take) {
+    const auto part = [&take](const auto&... parts) {
+        const auto one = [&take](const auto& x) {
+            if constexpr (std::same_as<decltype(x), const Vec<T>&>) take(x.x), take(x.y), take(x.z);
+            else take(x);
+        };
+        (one(parts), ...);
+    };
+    constexpr std::size_t keys = S<T>::keys.size();
+    static_assert(keys >= 2 && keys <= 4);
+    if constexpr (keys == 2) {
+        const auto& [a, b] = solid;
+        part(a, b);
+    } else if constexpr (keys == 3) {
+        const auto& [a, b, c] = solid;
+        part(a, b, c);
+    } else {
+        const auto& [a, b, c, d] = solid;
+        part(a, b, c, d);
+    }
+}
+
+}  // namespace lostbits
