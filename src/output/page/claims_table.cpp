@@ -13,6 +13,7 @@
 #include "output/claim/claim_report.hpp"
 #include "output/claim/subject_words.hpp"
 #include "output/file/number_text.hpp"
+#include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
 
