@@ -10,8 +10,11 @@
 #include "catch.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/csv.hpp"
+#include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"
+#include "output/page/json.hpp"
+#include "output/page/text.hpp"
 
 namespace test_escape {
 
