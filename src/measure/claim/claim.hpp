@@ -55,7 +55,8 @@ struct ClaimRequest {
 };
 
 /// Measures every claim; scenes and sweeps that several claims share are run once for the default metrics, and once for
-/// each other metric, with the forms that a claim names for it. A claim agrees if each of its draws does. InputError, with the claim's position, for names that do not exist.
+/// each other metric, with the forms that a claim names for it. A claim agrees if each of its draws does. InputError,
+/// with the claim's position, for names that do not exist.
 std::vector<ClaimResult> measure_claims(const std::vector<scene::claim::Claim>& claims, const ClaimRequest& request);
 
 }  // namespace lostbits::measure::claim
