@@ -50,7 +50,8 @@ mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
 }
 
 /// By the signs along Sturm's chain. Newton's step from near the root, and its bound, say how far the root can be: a
-/// sixteenth more, and f has other signs to both sides.
+/// sixteenth more, and f has other signs to both sides. Of a miss nothing is looked for, but where a tape is written,
+/// which has the same operations for every ray.
 template <class T>
 FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Proving<T>>& s) {
     using E = number::wide::Proving<T>;
@@ -64,7 +65,8 @@ FirstMet<number::wide::Proving<T>> first_met(const QuarticSpan<number::wide::Pro
     const auto ahead = roots_between(from, changes_in(f.at_infinity()), f.last);
     const auto none = ahead.none || is_above(f);
     const E missed(-1);
-    if (!any_of(!none)) return {typename E::Mask(!none, none), missed};
+    if constexpr (!tells_of_operations<T>)
+        if (!any_of(!none)) return {typename E::Mask(!none, none), missed};
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
     const P at = number::wide::untold(x);
