@@ -84,6 +84,7 @@ inline constexpr Metric metrics_of_predictions[] = {
      .needs = needs_attribution,
      .ramp = Ramp::categories,
      .value = cestac_digit,
+     .over = Over::blamed,
      .categories = cestac_digit_names},
     {.name = "cestac_decision",
      .layer = "prediction.cestac_decision",
