@@ -73,6 +73,9 @@ void require_folder(const std::string& out);
 /// `--shard` of a command.
 void add_shard(const shell::Command& command, std::string& word);
 
+/// Of these files and of the libraries: what decides what a run measures.
+[[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
+
 /// Where a run's shard, if it is one, keeps what it found, and what belongs to it while it lives.
 struct Divided {
     shard::Division division;

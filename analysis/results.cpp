@@ -63,10 +63,7 @@ void add_shard(const shell::Command& command, std::string& word) {
                  ""});
 }
 
-Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
-               const Common& common, bool resumed) {
-    if (word.empty() && !common.joined) return {.division = {}, .out = out};
-    const auto share = word.empty() ? measure::shard::Share{} : shard::share_named(word);
+std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common) {
     output::shard::InputHash inputs;
     for (const auto& file : files) inputs.add_file(file);
     for (const std::string& plugin : common.doors.plugins) {
@@ -74,20 +71,23 @@ Divided divide(const std::string& word, const std::string& out, const std::vecto
         const std::string file = plugin.substr(intersect::doors::prefix_of_plugin(plugin).size());
         if (std::filesystem::is_regular_file(file, ignored)) inputs.add_file(file);
     }
+    return inputs.value();
+}
+
+Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
+               const Common& common, bool resumed) {
+    if (word.empty() && !common.joined) return {.division = {}, .out = out};
+    const auto share = word.empty() ? measure::shard::Share{} : shard::share_named(word);
+    const output::shard::StateHead head{program_and_version, common.typed.text(), hash_of_inputs(files, common), share};
     if (common.joined) {
-        common.joined->check_inputs(inputs.value());
+        common.joined->check_inputs(head.inputs);
         return {.division = shard::Division(common.joined), .out = out};
     }
     const auto folder = std::filesystem::path(out) / shard::folder_name(share);
     auto owner = std::make_unique<output::file::ResultFolder>(
         folder, output::file::MadeBy{fmt::format("{} --shard {}", common.typed.text(), word), program_and_version},
         output::file::ResultFolder::Rules{.force = common.force, .keep = resumed});
-    return {
-        .division = shard::Division(
-            folder,
-            {.program = program_and_version, .command = common.typed.text(), .inputs = inputs.value(), .share = share}),
-        .folder = std::move(owner),
-        .out = folder};
+    return {.division = shard::Division(folder, head), .folder = std::move(owner), .out = folder};
 }
 
 void finish(Divided& divided, const Common& common) {

@@ -200,8 +200,7 @@ Exit run(SweepOptions o, const Common& common) {
                 throw InputError(word + ": sweep \"" + path.stem().string() +
                                  "\" is given twice; both would write to the same folder");
         }
-        if (kind == SweepKind::every_float)
-            check_exhaustive_options(path.stem().string(), {o.formats, o.metrics, o.seeds});
+        if (kind == SweepKind::every_float) check_exhaustive_options(path.stem().string(), o);
         else if (o.resume)
             throw InputError("--resume: " + path.stem().string() +
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
@@ -222,8 +221,7 @@ Exit run(SweepOptions o, const Common& common) {
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
-            exhaustive.push_back(
-                std::make_unique<ExhaustiveRun>(sweep.path, data, chosen.rows, o.out, o.resume, divided.division));
+            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, data, chosen, o, common));
     }
     const choice::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
@@ -237,7 +235,7 @@ Exit run(SweepOptions o, const Common& common) {
         }
     }
     std::uint64_t unproved = 0;
-    for (const auto& run : exhaustive) unproved += run->run(common);
+    for (const auto& run : exhaustive) unproved += run->run();
     finish(divided, common);
     for (const auto& run : exhaustive) run->forget_state();
     return end_with_unproved(unproved);

@@ -10,6 +10,7 @@
 #include "measure/edges/nearest.hpp"
 #include "output/edges/nearest_files.hpp"
 #include "output/file/estimate.hpp"
+#include "output/shard/fields.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/exhaustive_text.hpp"
 #include "output/sweep/worst_files.hpp"
@@ -20,7 +21,6 @@ namespace lostbits::analysis {
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::sweep::ExhaustiveState;
-using output::file::Progress;
 
 namespace {
 
@@ -34,120 +34,106 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 }  // namespace
 
 ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                             const std::vector<TestedForm>& rows, const std::filesystem::path& out, bool resume,
-                             shard::Division& division)
+                             const ChosenOfSweep& chosen, const SweepOptions& o, const Common& common)
     : sweep_(path, data),
       path_(path),
-      folder_(out / sweep_.id),
-      state_file_(folder_ / output::sweep::state_file_name),
-      resumed_(resume),
-      division_(division) {
+      folder_(std::filesystem::path(o.out) / sweep_.id),
+      job_("sweep " + sweep_.id),
+      unfinished_(folder_,
+                  {.program = program_and_version,
+                   .command = common.typed.of(choice::name_of_sweep(path, data)),
+                   .inputs = hash_of_inputs(
+                       choice::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
+                   .share = chosen.division().share()},
+                  job_),
+      resumed_(o.resume),
+      chosen_(chosen),
+      common_(common) {
     request_.sweep = &sweep_;
-    request_.share = division.share();
+    request_.share = chosen.division().share();
+    request_.limit.stop = common.stop;
     if (sweep_.scene) request_.scene = choice::name_of_scene(*sweep_.scene, data);
-    for (TestedForm row : choice::fitting(rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+    for (TestedForm row : choice::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
     }
-    identity_ = output::sweep::identity_of(request_, LOSTBITS_VERSION);
-    if (resume) state_ = output::sweep::read_state(state_file_, identity_, request_);
+    if (resumed_)
+        unfinished_.read([this](output::shard::BitReader& bits) {
+            bits(state_);
+            state_.require_of(request_);
+        });
 }
 
-/// Someone may have forgotten --resume; the state is there until this run keeps its own.
-void ExhaustiveRun::note_older_state(const Common& common) const {
-    if (resumed_ || common.quiet || !std::filesystem::exists(state_file_)) return;
-    fmt::print(stderr, "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
-               state_file_.string());
-}
-
-void ExhaustiveRun::try_all(const Common& common) {
+ExhaustiveState ExhaustiveRun::try_all() {
+    probe(unfinished_.path());
     const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    Progress progress(floats * each, sweep_.id, common.progress, common.quiet);
-    progress.advance(state_.tried * each);
-    output::file::Estimate estimate(progress, sweep_.id, (floats - state_.tried) * each, common.quiet);
-    request_.progress = [&estimate, move = advancing(progress)](std::uint64_t done) {
-        estimate.advance(done);
-        move(done);
-    };
-    request_.limit.stop = common.stop;
+    Watched progress(sweep_.id, floats * each, common_, state_.tried * each);
+    request_.progress = progress.advancing();
     auto kept = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {
         if (std::chrono::steady_clock::now() - kept < keep_every) return;
-        output::sweep::write_state(state_file_, identity_, state);
+        unfinished_.write(output::shard::bits_of(state));
         kept = std::chrono::steady_clock::now();
     };
     try {
         measure::sweep::run_exhaustive(request_, state_);
     } catch (const Interrupted&) {
         progress.finish();
-        output::sweep::write_state(state_file_, identity_, state_);
-        if (!common.quiet)
+        unfinished_.write(output::shard::bits_of(state_));
+        if (!common_.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
                        sweep_.id, percent(state_.tried, floats));
         throw Error(Exit::interrupted, choice::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
-}
-
-void ExhaustiveRun::try_or_join(const Common& common) {
-    const std::string job = "sweep " + sweep_.id;
-    if (division_.joins()) {
-        division_.each(job, [this](output::shard::BitReader& bits) {
-            std::string text;
-            bits(text);
-            state_.append(output::sweep::state_in(text, state_file_, request_));
-        });
-        return;
-    }
-    probe(state_file_);
-    try_all(common);
-    if (division_.is_shard()) division_.put(job, output::sweep::state_text(state_));
+    return std::move(state_);
 }
 
 void ExhaustiveRun::forget_state() const {
-    output::file::forget_result(state_file_);
+    output::file::forget_result(unfinished_.path());
     std::error_code ignored;
-    if (division_.is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
+    if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // it held nothing else
 }
 
-std::uint64_t ExhaustiveRun::run(const Common& common) {
-    note_older_state(common);
-    if (division_.is_shard()) {
-        try_or_join(common);
-        return 0;
-    }
-    const auto owner =
-        own_folder(folder_, common, choice::name_of_sweep(path_, choice::data_folder(common.data)), {.keep = resumed_});
-    output::sweep::ExhaustiveFiles files(request_, folder_);
-    try_or_join(common);
-    const auto findings = measure::sweep::findings_of(request_, state_);
-    files.finish(state_, findings);
+std::uint64_t ExhaustiveRun::run() {
+    // Someone may have forgotten --resume; the state is there until this run keeps its own.
+    if (!resumed_ && !common_.quiet && unfinished_.is_there())
+        fmt::print(stderr,
+                   "lostbits: {} is there from a run that was stopped; this one begins anew (--resume goes on)\n",
+                   unfinished_.path().string());
+    const auto owner = chosen_.own(folder_, path_, common_, resumed_);
+    std::optional<output::sweep::ExhaustiveFiles> files;
+    if (owner) files.emplace(request_, folder_);
+    const auto found = chosen_.division().result_of(
+        job_, [this] { return try_all(); }, [this](const ExhaustiveState& part) { part.require_of(request_); });
+    if (!found) return 0;
+    const auto findings = measure::sweep::findings_of(request_, *found);
+    files->finish(*found, findings);
     forget_state();
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
-    if (common.quiet) return unresolved;
+    if (common_.quiet) return unresolved;
     fmt::print("{}\n", (folder_ / "binades.csv").string());
     for (const auto& finding : findings) fmt::print("{}\n", output::sweep::statement(request_, finding));
-    if (common.verbose) print_stages(state_.stages);
+    if (common_.verbose) print_stages(found->stages);
     return unresolved;
 }
 
-void check_exhaustive_options(const std::string& sweep, const SweepWishes& wishes) {
-    const auto& [formats, metrics, seeds] = wishes;
-    const auto other = std::ranges::find_if(formats, [](const std::string& name) { return name != "f32"; });
-    if (other != formats.end())
+void check_exhaustive_options(const std::string& sweep, const SweepOptions& o) {
+    const auto other = std::ranges::find_if(o.formats, [](const std::string& name) { return name != "f32"; });
+    if (other != o.formats.end())
         throw InputError(
             fmt::format("-f {}: {} tries every number of one format, and that is f32; leave out -f", *other, sweep));
-    if (!metrics.empty())
+    if (!o.metrics.empty())
         throw InputError(
             fmt::format("--metric {}: {} tries every float and measures outcomes and ulp errors alone; "
                         "leave out --metric, and ask `lostbits explain` about single floats",
-                        metrics.front(), sweep));
-    if (seeds)
+                        o.metrics.front(), sweep));
+    if (o.seeds)
         throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
-                                     *seeds, sweep));
+                                     *o.seeds, sweep));
 }
 
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,

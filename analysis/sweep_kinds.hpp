@@ -15,7 +15,7 @@
 #include "measure/metric/metric_set.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "output/file/estimate.hpp"
-#include "output/sweep/exhaustive_state_file.hpp"
+#include "output/shard/state_file.hpp"
 
 namespace lostbits::analysis {
 
@@ -34,8 +34,11 @@ struct SweepOptions {
 /// Moves a bar on, and says on long runs how long they will take.
 class Watched {
 public:
-    Watched(const std::string& id, std::uint64_t units, const Common& common)
-        : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units, common.quiet) {}
+    /// `done`: units of an earlier run, which this one goes on with.
+    Watched(const std::string& id, std::uint64_t units, const Common& common, std::uint64_t done = 0)
+        : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units - done, common.quiet) {
+        if (done > 0) progress_.advance(done);
+    }
     [[nodiscard]] std::function<void(std::uint64_t)> advancing() {
         return [this, move = analysis::advancing(progress_)](std::uint64_t done) {
             estimate_.advance(done);
@@ -59,9 +62,10 @@ struct ChosenOfSweep {
     /// The folder of a sweep in `out`, the run's own; a shard has one already.
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::filesystem::path& folder,
                                                                   const std::filesystem::path& sweep,
-                                                                  const Common& common) const {
+                                                                  const Common& common, bool keep = false) const {
         if (divided.division.is_shard()) return nullptr;
-        return own_folder(folder, common, choice::name_of_sweep(sweep, choice::data_folder(common.data)));
+        return own_folder(folder, common, choice::name_of_sweep(sweep, choice::data_folder(common.data)),
+                          {.keep = keep});
     }
 };
 
@@ -76,38 +80,32 @@ class ExhaustiveRun {
 public:
     /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep and,
     /// where the run is to be resumed, for a state that it cannot go on from.
-    ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data,
-                  const std::vector<measure::evaluate::TestedForm>& rows, const std::filesystem::path& out, bool resume,
-                  shard::Division& division);
+    ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data, const ChosenOfSweep& chosen,
+                  const SweepOptions& o, const Common& common);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
     /// Tries what is left and writes the results, or notes them in a shard; when it is stopped, the state. Returns how
     /// many truths were not proved.
-    std::uint64_t run(const Common& common);
+    std::uint64_t run();
     /// Takes the state away: what was found is kept elsewhere.
     void forget_state() const;
 
 private:
-    void try_or_join(const Common& common);
-    void try_all(const Common& common);
-    void note_older_state(const Common& common) const;
+    measure::sweep::ExhaustiveState try_all();
 
     scene::sweep::ExhaustiveFile sweep_;
     measure::sweep::ExhaustiveRequest request_;
     measure::sweep::ExhaustiveState state_;
-    output::sweep::RunIdentity identity_;
-    std::filesystem::path path_, folder_, state_file_;
+    std::filesystem::path path_, folder_;
+    std::string job_;
+    output::shard::UnfinishedFile unfinished_;
     bool resumed_;
-    shard::Division& division_;
+    const ChosenOfSweep& chosen_;
+    const Common& common_;
 };
 
-/// Options of `lostbits sweep`; what was not given is empty.
-struct SweepWishes {
-    const std::vector<std::string>&formats, &metrics;
-    std::optional<int> seeds;
-};
-/// InputError where they ask of such a sweep what it does not do: formats beside f32, metrics, further draws.
-void check_exhaustive_options(const std::string& sweep, const SweepWishes& wishes);
+/// InputError where the options ask of such a sweep what it does not do: formats beside f32, metrics, further draws.
+void check_exhaustive_options(const std::string& sweep, const SweepOptions& o);
 
 }  // namespace lostbits::analysis

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <stdexcept>
 
 #include "number/error.hpp"
+#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis::shard {
 
@@ -92,6 +92,7 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
             if (unknown) real = file;
             if (std::ranges::find(seen, real) != seen.end()) continue;
             seen.push_back(real);
+            scene::toml::note_read(file);
             files_.emplace_back(file);
         }
     }
@@ -160,18 +161,8 @@ void Shards::check_jobs(const std::vector<std::string>& jobs) const {
 
 void Shards::each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
     for (StateFileReader& file : files_) {
-        std::string bits;
         bool any = false;
-        while (file.next(name, bits)) {
-            any = true;
-            try {
-                output::shard::BitReader reader(std::move(bits));
-                take(reader);
-                if (!reader.is_at_end()) file.damaged();
-            } catch (const std::out_of_range&) {
-                file.damaged();
-            }
-        }
+        while (file.next(name, take)) any = true;
         file.rest();
         if (!any) file.damaged();
     }

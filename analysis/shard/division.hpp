@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "measure/shard/share.hpp"
@@ -71,15 +72,19 @@ public:
     }
 
     /// What a job comes to: measured here, or joined from what the shards measured. Nothing in a shard, which notes
-    /// its part. `measure` measures what `share` has.
+    /// its part. `measure` measures what `share` has; `require` of a shard's part throws std::out_of_range where it
+    /// cannot be one.
     template <class Measure>
-    auto result_of(const std::string& job, const Measure& measure) -> std::optional<decltype(measure())> {
-        using Result = decltype(measure());
+    auto result_of(const std::string& job, const Measure& measure,
+                   const std::function<void(const std::invoke_result_t<Measure>&)>& require = {})
+        -> std::optional<std::invoke_result_t<Measure>> {
+        using Result = std::invoke_result_t<Measure>;
         if (joins()) {
             std::optional<Result> all;
-            each(job, [&all](output::shard::BitReader& bits) {
+            each(job, [&](output::shard::BitReader& bits) {
                 Result part{};
                 bits(part);
+                if (require) require(part);
                 if (all) append(*all, std::move(part));
                 else all = std::move(part);
             });

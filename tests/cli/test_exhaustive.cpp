@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "every_float.hpp"
 #include "output/file/read_csv.hpp"
+#include "output/shard/state_file.hpp"
 #include "program.hpp"
 
 namespace test_exhaustive {
@@ -143,60 +144,65 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
 
 TEST_CASE("a resume with another file, other forms, another version or a damaged state is refused") {
     const Scratch scratch;
-    const std::string file = scratch.write("s.toml", small), folder = scratch.path().string();
-    const std::string resume = " -o '" + folder + "' --resume";
-    const auto none = run("sweep '" + file + "' -i sphere.press" + resume);
+    static_cast<void>(scratch.write("s.toml", small));
+    const std::string sweep = "sweep s.toml -i sphere.press", resume = sweep + " --resume -o .";
+    const auto none = run(resume, scratch.path());
     CHECK(none.code == 2);
     CHECK(has(none.err, "unfinished.state: there is no such file"));
     CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
-    const auto other_kind = run("sweep sphere-distance -i sphere.press" + resume);
+    const auto other_kind = run("sweep sphere-distance -i sphere.press --resume -o .", scratch.path());
     CHECK(other_kind.code == 2);
     CHECK(has(other_kind.err, "--resume: sphere-distance is not a sweep over every float"));
-    // A state as a stopped run writes it: of nothing tried yet.
-    const auto write = [&](const std::string& version, const std::string& forms, const std::string& rest) {
+    // A state as a stopped run writes it, though all is tried: that of the only shard.
+    const auto state_of = [&](const std::string& form) {
+        REQUIRE(run("-q sweep s.toml -i " + form + " --shard 1/1 -o parts", scratch.path()).code == 0);
+        return contents(scratch.path() / "parts/shard-1-of-1/shard.state");
+    };
+    const std::string good = state_of("sphere.press");
+    const auto write = [&](const std::string& state) {
         std::filesystem::remove_all(scratch.path() / "s");
         std::filesystem::create_directories(scratch.path() / "s");
-        const auto hash = [&] {
-            std::uint64_t h = 0xcbf29ce484222325U;
-            for (const unsigned char c : contents(file)) h = (h ^ c) * 0x100000001b3U;
-            char text[17];
-            std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
-            return std::string(text);
-        }();
-        static_cast<void>(scratch.write("s/unfinished.state", "lostbits-unfinished/3\nversion " + version + "\nsweep " +
-                                                                  hash + "\nforms " + forms + "\n" + rest));
+        static_cast<void>(scratch.write("s/unfinished.state", state));
         static_cast<void>(scratch.write("s/manifest.json", R"({"schema": "lostbits-manifest/1", "program": "lostbits",
             "command": "lostbits sweep s.toml", "files": ["unfinished.state"]})"));
     };
-    std::string version = run("--version").out;
-    version = version.substr(version.rfind(' ') + 1);
-    version.erase(version.find('\n'));
-    const std::string start = "tried 0\nstages 0 0 0 0\ntallies 2\n- end\n";
-    const auto says = [&](const std::string& what) {
-        const auto r = run("sweep '" + file + "' -i sphere.press" + resume);
+    const auto refused = [&](const std::string& state, const std::string& what) {
+        write(state);
+        const auto r = run(resume, scratch.path());
         INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, what));
         CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/binades.csv"));
     };
-    write("0.0.0", "sphere.press", start);
-    says("was written by lostbits 0.0.0, and this is " + version);
-    write(version, "sphere.unified", start);
-    says("belongs to a run with other forms (sphere.unified); name the same with -i");
-    write(version, "sphere.press", "tried 0\nstages 0 0 0 0\ntallies 3\n- end\n");
-    says("is damaged");
-    write(version, "sphere.press", "tried 0\nstages 0 0 0 0\ntallies 2\n0 1 0 0\n");
-    says("is damaged");
-    write(version, "sphere.press", "tried 4096\nstages 0 0 0 0\ntallies 2\n- end\n");
-    says("is damaged");
-    write(version, "sphere.press", start);
+    /// The good one with other bytes in a place, and its own hash at the end.
+    const auto forged = [&](std::size_t at, const std::string& by, std::size_t size) {
+        std::string state = good.substr(0, good.size() - 8);
+        state.replace(at, size, by);
+        lostbits::output::shard::InputHash hash;
+        hash.add(state);
+        const std::uint64_t sum = hash.value();
+        return state.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+    };
+    const std::size_t program = good.find("program lostbits ") + 17, shard = good.find("shard 1/1") + 6,
+                      tried = good.find("\n\n") + 2 + 8 + std::string("sweep s").size() + 8;
+    const std::size_t version = good.find('\n', program) - program;
+    refused(forged(program, "0.0.0", version),
+            "was written by lostbits 0.0.0, and this is lostbits " + good.substr(program, version));
+    refused(forged(shard, "1/2", 3), "belongs to shard 1/2, and this is 1/1");
+    refused(forged(tried, std::string(8, '\0'), 8), "is damaged");
+    refused(forged(good.size() - 12, "", 4), "is damaged");
+    refused(good.substr(0, good.size() - 9), "is damaged");
+    refused("lostbits-unfinished/3\nversion 0.1.0\n", "is damaged, or of another version");
+    refused(state_of("sphere.unified"), "belongs to `lostbits sweep s.toml -i sphere.unified`");
     static_cast<void>(scratch.write("s.toml", small + "# changed\n"));
-    says("belongs to another sweep file, or to this one before it was changed");
-    write(version, "sphere.press", start);
-    CHECK(run("-q sweep '" + file + "' -i sphere.press" + resume).code == 0);
+    refused(good, "belongs to a run that read other files");
+    static_cast<void>(scratch.write("s.toml", small));
+    write(good);
+    CHECK(run("-q " + resume, scratch.path()).code == 0);
+    CHECK(table(scratch, "s/statements.csv").rows() == 2);
     // Without --resume it begins anew, and says that a state is there.
-    write(version, "sphere.press", start);
-    const auto anew = run("sweep '" + file + "' -i sphere.press -o '" + folder + "'");
+    write(good);
+    const auto anew = run(sweep + " -o .", scratch.path());
     CHECK(anew.code == 0);
     CHECK(has(anew.err, "this one begins anew (--resume goes on)"));
     CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/unfinished.state"));

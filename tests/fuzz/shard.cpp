@@ -32,7 +32,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
         case 1: return read_as<sweep::SweepFindings>(bits);
         case 2: return read_as<std::vector<std::vector<evaluate::FormSummary>>>(bits);
         case 3: return read_as<std::vector<std::optional<sweep::WorstFound>>>(bits);
-        case 4: return read_as<std::string>(bits);
+        case 4: return read_as<sweep::ExhaustiveState>(bits);
         default: break;
     }
     analysis::shard::Noted noted{};

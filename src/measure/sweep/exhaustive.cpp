@@ -1,6 +1,7 @@
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "intersect/process/parallel.hpp"
 #include "measure/sweep/exhaustive_block.hpp"
@@ -86,6 +87,14 @@ void ExhaustiveState::append(const ExhaustiveState& after) {
     stages += after.stages;
     tallies.resize(std::max(tallies.size(), after.tallies.size()));
     for (std::size_t i = 0; i < after.tallies.size(); ++i) tallies[i].append(after.tallies[i]);
+}
+
+void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
+    const std::size_t each = request.sweep->rays.size() * request.rows.size();
+    std::uint64_t counted = 0;
+    for (const FloatTally& tally : tallies) counted += tally.floats();
+    if (tallies.size() != binades_of(*request.sweep).size() * each || counted != tried * each)
+        throw std::out_of_range("tallies of a sweep over every float are those of another");
 }
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {

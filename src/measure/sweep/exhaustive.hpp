@@ -22,6 +22,8 @@ struct BinadePart {
 };
 std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep);
 
+struct ExhaustiveRequest;
+
 /// How far a run has come: all that is needed to go on.
 struct ExhaustiveState {
     std::uint64_t tried = 0;          ///< of the share's floats, in their order; each by every form on every ray
@@ -30,6 +32,8 @@ struct ExhaustiveState {
 
     /// What the next share found, behind what this one did.
     void append(const ExhaustiveState& after);
+    /// Throws std::out_of_range where it cannot be what such a request found.
+    void require_of(const ExhaustiveRequest& request) const;
 };
 
 struct ExhaustiveRequest {

@@ -4,9 +4,9 @@
 
 #include <charconv>
 #include <cstring>
+#include <stdexcept>
 
 #include "number/error.hpp"
-#include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::shard {
 
@@ -74,8 +74,8 @@ void StateFileWriter::close() {
     file_.commit();
 }
 
-StateFileReader::StateFileReader(fs::path path) : path_(std::move(path)), in_(path_, std::ios::binary) {
-    scene::toml::note_read(path_);
+StateFileReader::StateFileReader(fs::path path, std::string damaged)
+    : path_(std::move(path)), damaged_(std::move(damaged)), in_(path_, std::ios::binary) {
     if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
     check_hash();
     read_head();
@@ -83,9 +83,7 @@ StateFileReader::StateFileReader(fs::path path) : path_(std::move(path)), in_(pa
     rest();
 }
 
-void StateFileReader::damaged() const {
-    throw InputError(path_.string() + ": is damaged, or not the file of a shard; run that shard again");
-}
+void StateFileReader::damaged() const { throw InputError(path_.string() + ": " + damaged_); }
 
 void StateFileReader::check_hash() {
     std::error_code ignored;
@@ -150,7 +148,7 @@ std::uint64_t StateFileReader::number() {
     return n;
 }
 
-bool StateFileReader::next(std::string_view name, std::string& bits) {
+bool StateFileReader::next(std::string_view name, const std::function<void(BitReader&)>& take) {
     if (is_at_end()) return false;
     const std::uint64_t start = at_;
     if (!in_.is_open()) {
@@ -163,8 +161,44 @@ bool StateFileReader::next(std::string_view name, std::string& bits) {
         at_ = start;
         return false;
     }
-    bits = bytes(number());
+    try {
+        BitReader reader(bytes(number()));
+        take(reader);
+        if (!reader.is_at_end()) damaged();
+    } catch (const std::out_of_range&) {
+        damaged();
+    }
     return true;
+}
+
+void UnfinishedFile::write(std::string_view bits) const {
+    StateFileWriter file(path_, head_);
+    file.put(job_, bits);
+    file.close();
+}
+
+void UnfinishedFile::read(const std::function<void(BitReader&)>& take) const {
+    const auto refuse = [this](const std::string& why) { throw InputError(path_.string() + ": " + why); };
+    if (!is_there()) refuse("there is no such file, so there is no unfinished run to go on with; leave out --resume");
+    StateFileReader file(path_,
+                         "is damaged, or of another version, and nothing can go on from it; leave out --resume "
+                         "to begin anew");
+    const StateHead& head = file.head();
+    if (head.program != head_.program)
+        refuse(fmt::format("was written by {}, and this is {}; leave out --resume to begin anew", head.program,
+                           head_.program));
+    if (head.command != head_.command)
+        refuse(
+            fmt::format("belongs to `{}`, and this is `{}`; repeat that command, or leave out --resume to begin anew",
+                        head.command, head_.command));
+    if (head.share != head_.share)
+        refuse(fmt::format("belongs to shard {}/{}, and this is {}/{}; leave out --resume to begin anew",
+                           head.share.number, head.share.of, head_.share.number, head_.share.of));
+    if (head.inputs != head_.inputs)
+        refuse(
+            "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
+            "--resume to begin anew");
+    if (!file.next(job_, take) || !file.is_at_end()) file.damaged();
 }
 
 }  // namespace lostbits::output::shard

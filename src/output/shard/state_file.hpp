@@ -1,16 +1,19 @@
-// The file of a shard: what it is a part of, and what it found.
+// The file of a shard, or of a run that was stopped: what it is a part of, and what it found.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "measure/shard/share.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/shard/bits.hpp"
 
 namespace lostbits::output::shard {
 
@@ -55,19 +58,21 @@ private:
     std::mutex mutex_;
 };
 
-/// Reads it record by record. InputError, with the path, for what is not such a file or was changed. The file is open
-/// from the first record that is asked for until `rest`, so that a thousand of them do not all hold one.
+/// Reads it record by record. InputError, with the path and `damaged`, for what is not such a file or was changed. The
+/// file is open from the first record that is asked for until `rest`, so that a thousand of them do not all hold one.
 class StateFileReader {
 public:
-    explicit StateFileReader(std::filesystem::path path);
+    explicit StateFileReader(std::filesystem::path path,
+                             std::string damaged = "is damaged, or not the file of a shard; run that shard again");
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] const StateHead& head() const { return head_; }
 
     /// The names of its records in their order; one for all that stand together.
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 
-    /// The bits of the next record, where it has this name.
-    [[nodiscard]] bool next(std::string_view name, std::string& bits);
+    /// Hands on the bits of the next record, where it has this name. InputError where `take` needs more of them, leaves
+    /// some, or throws std::out_of_range.
+    [[nodiscard]] bool next(std::string_view name, const std::function<void(BitReader&)>& take);
     /// Closes the file; the next record stays the next.
     void rest() { in_.close(); }
     /// Whether all records were read.
@@ -83,10 +88,31 @@ private:
     std::string bytes(std::uint64_t size);
 
     std::filesystem::path path_;
+    std::string damaged_;
     std::ifstream in_;
     StateHead head_;
     std::vector<std::string> names_;
     std::uint64_t at_ = 0, end_ = 0;
+};
+
+/// How far a part of a run came before it was stopped, as its only record: what --resume goes on from.
+class UnfinishedFile {
+public:
+    /// In the folder of its results; `head` is what it is a part of, and `job` the name of the record.
+    UnfinishedFile(const std::filesystem::path& folder, StateHead head, std::string job)
+        : path_(folder / "unfinished.state"), head_(std::move(head)), job_(std::move(job)) {}
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] bool is_there() const { return std::filesystem::exists(path_); }
+
+    void write(std::string_view bits) const;
+    /// Hands the bits to `take`, as `StateFileReader::next` does. InputError where there is no such file, where it is
+    /// of another run (it says what differs), or where it is damaged.
+    void read(const std::function<void(BitReader&)>& take) const;
+
+private:
+    std::filesystem::path path_;
+    StateHead head_;
+    std::string job_;
 };
 
 }  // namespace lostbits::output::shard

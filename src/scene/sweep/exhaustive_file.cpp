@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 
 #include "scene/sweep/convention.hpp"
@@ -20,15 +19,6 @@ namespace {
 
 constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
-
-/// FNV-1a of the bytes of a file.
-std::uint64_t hash_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (std::istreambuf_iterator<char> c(file), end; c != end; ++c)
-        hash = (hash ^ static_cast<unsigned char>(*c)) * 0x100000001b3U;
-    return hash;
-}
 
 /// The floats on either side of a real number that is not one of them.
 struct Around {
@@ -176,12 +166,10 @@ void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& 
     scene = read_mesh_scene(file, data_dir);
     mesh = rays::shared_mesh(*scene);
     solid = Solid<float>(triangle::Mesh::shape);
-    text_hash ^= hash_of(scene->path);
 }
 
 ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir) {
     const Node root = toml::read_toml(path);
-    text_hash = hash_of(path);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);

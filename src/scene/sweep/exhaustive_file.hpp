@@ -25,7 +25,6 @@ public:
     /// InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
     ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir);
 
-    std::uint64_t text_hash = 0;  ///< of the bytes of the file, and of its scene's
     /// All forms are judged as if touching were this; absent: each by its own word.
     std::optional<intersect::Touching> convention;
 

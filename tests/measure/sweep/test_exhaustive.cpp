@@ -15,7 +15,9 @@
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/error.hpp"
-#include "output/sweep/exhaustive_state_file.hpp"
+#include "output/shard/fields.hpp"
+#include "output/shard/state_file.hpp"
+#include "scratch.hpp"
 
 namespace test_exhaustive {
 
@@ -237,8 +239,8 @@ TEST_CASE("a run that is stopped goes on from its state and finds the same") {
     auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.unit_half_b", "f32")});
     const auto at_once = run(request);
     CHECK(at_once.tried == file.floats());
-    const auto state_file = written.path().parent_path() / "state";
-    const auto identity = output::sweep::identity_of(request, "1.2");
+    const test::Scratch folder;
+    const output::shard::UnfinishedFile unfinished(folder.path(), {"lostbits", "sweep s", 1, {}}, "sweep s");
     sweep::ExhaustiveState state;
     int stops = 0;
     std::atomic<bool> asked{false};
@@ -251,8 +253,12 @@ TEST_CASE("a run that is stopped goes on from its state and finds the same") {
             ++stops;
         }
         asked = false;
-        output::sweep::write_state(state_file, identity, state);
-        state = output::sweep::read_state(state_file, identity, request);
+        unfinished.write(output::shard::bits_of(state));
+        state = {};
+        unfinished.read([&](output::shard::BitReader& bits) {
+            bits(state);
+            state.require_of(request);
+        });
     }
     CHECK(stops > 3);
     CHECK(state.tallies == at_once.tallies);
