@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/sweep/box_of_row.hpp"
+#include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -109,7 +110,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
     witness.given = std::make_shared<scene::rays::RayGroup>(request.sweep->group_at(0, float_at(place)));
     witness.ray = witness.given->rays[0];
     witness.solid = witness.given->solids.front();
-    witness.t = static_cast<double>(there.t);
+    witness.t = there.t;
     witness.outcome = there.outcome;
     witness.ulps = there.ulps;
     witness.truth = there.truth;

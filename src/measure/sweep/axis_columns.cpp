@@ -14,11 +14,6 @@ using intersect::table::RayBatch;
 
 namespace {
 
-Ray<double> widened(const Ray<float>& ray) {
-    const auto of = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
-    return {of(ray.origin), of(ray.direction)};
-}
-
 Vec<float> unit(const Vec<float>& direction) {
     const Vec<double> d = truth::unit_direction(Vec<double>(direction.x, direction.y, direction.z), binary32);
     return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
@@ -60,9 +55,8 @@ truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values
 }
 
 truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& terms) const {
-    return truth::find_truth(widened(file_.ray_at(ray_, values_[i])),
-                             transformed(file_.solid_at(values_[i]), [](float x) { return static_cast<double>(x); }),
-                             terms.limit, terms.convention, {.tmax = static_cast<double>(file_.rays[ray_].tmax)});
+    const scene::rays::RayGroup group = file_.group_at(ray_, values_[i]);
+    return truth::find_truth(group.rays[0], group.solids[0], terms.limit, terms.convention, group.rays.range(0));
 }
 
 /// The directions that forms for unit length receive, as maps give them.

@@ -20,4 +20,9 @@ Hull<float> BoxOfRow::box_around(const Solid<float>& solid) const {
     return {narrow(lo), narrow(hi)};
 }
 
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally) {
+    if (!BoxOfRow(row).is_asked()) return truth::missing;
+    return tally.padding ? tally.padding->u : 0;
+}
+
 }  // namespace lostbits::measure::sweep

@@ -5,6 +5,7 @@
 
 #include "intersect/hull/behind.hpp"
 #include "measure/sweep/axis_columns.hpp"
+#include "measure/sweep/float_tally.hpp"
 
 namespace lostbits::measure::sweep {
 
@@ -24,5 +25,9 @@ private:
     intersect::hull::HullParts behind_;
     std::optional<Hull<float>> same_;  ///< where the axis leaves the solid as it is
 };
+
+/// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
+/// that asks no box.
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
 }  // namespace lostbits::measure::sweep

@@ -1,6 +1,8 @@
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <stdexcept>
 
 #include "intersect/process/parallel.hpp"
@@ -21,42 +23,18 @@ struct Block {
     FloatRange floats;
 };
 
-/// The first and the last float of a share, as places in the axis; `last` is behind it. A binade is always cut at the
-/// same places, since what is worst may depend on the cuts within 2^-20 of it.
-struct Stretch {
-    std::uint64_t first = 0, last = 0;
-};
-
-Stretch stretch_of(const std::vector<BinadePart>& binades, shard::Share share) {
-    std::uint64_t blocks = 0;
-    for (const BinadePart& part : binades) blocks += (part.floats.size() + block_size - 1) / block_size;
-    const auto units = share.of_units(blocks);
-    const auto place = [&](std::uint64_t block) {
-        std::uint64_t before = 0;
-        for (const BinadePart& part : binades) {
-            const std::uint64_t size = part.floats.size(), here = (size + block_size - 1) / block_size;
-            if (block < here) return before + block * block_size;
-            block -= here;
-            before += size;
-        }
-        return before;
-    };
-    return {place(units.first), place(units.last)};
-}
-
-/// The next blocks of a stretch.
-std::vector<Block> next_blocks(const std::vector<BinadePart>& binades, const Stretch& left) {
+/// Those of a share. A binade is always cut at the same places, since what is worst may depend on the cuts within 2^-20
+/// of it; of every float there is they are 2^16 blocks and some.
+std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
-    std::uint64_t before = 0;
-    for (std::size_t b = 0; b < binades.size() && blocks.size() < blocks_at_once; ++b) {
+    for (std::size_t b = 0; b < binades.size(); ++b) {
         const FloatRange& all = binades[b].floats;
-        const std::uint64_t size = all.size(), end = left.last <= before ? 0 : std::min(size, left.last - before);
-        for (std::uint64_t begin = left.first <= before ? 0 : std::min(size, left.first - before);
-             begin < end && blocks.size() < blocks_at_once; begin += block_size)
-            blocks.push_back({b, {all.at(begin), all.at(std::min(begin + block_size, size) - 1)}});
-        before += size;
+        for (std::uint64_t begin = 0; begin < all.size(); begin += block_size)
+            blocks.push_back({b, {all.at(begin), all.at(std::min(begin + block_size, all.size()) - 1)}});
     }
-    return blocks;
+    const auto units = share.of_units(blocks.size());
+    const auto at = [&blocks](std::uint64_t unit) { return blocks.begin() + static_cast<std::ptrdiff_t>(unit); };
+    return {at(units.first), at(units.last)};
 }
 
 }  // namespace
@@ -78,8 +56,9 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
 }
 
 std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
-    const Stretch all = stretch_of(binades_of(sweep), share);
-    return all.last - all.first;
+    std::uint64_t sum = 0;
+    for (const Block& block : blocks_of(binades_of(sweep), share)) sum += block.floats.size();
+    return sum;
 }
 
 void ExhaustiveState::append(const ExhaustiveState& after) {
@@ -99,18 +78,18 @@ void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(*request.sweep);
+    const std::vector<Block> all = blocks_of(binades, request.share);
     const std::size_t rays = request.sweep->rays.size(), rows = request.rows.size();
-    const auto truths = rows_by_truth(request.rows, request.limit);
-    const Stretch all = stretch_of(binades, request.share);
     state.tallies.resize(binades.size() * rays * rows);
-    for (;;) {
-        const auto blocks = next_blocks(binades, {all.first + state.tried, all.last});
-        if (blocks.empty()) return;
+    std::size_t next = 0;
+    for (std::uint64_t tried = 0; next < all.size() && tried < state.tried; ++next) tried += all[next].floats.size();
+    while (next < all.size()) {
+        const std::span blocks = std::span(all).subspan(next, std::min(blocks_at_once, all.size() - next));
         std::vector<std::vector<FloatTally>> found(blocks.size() * rays);
         std::vector<truth::StageCounts> stages(found.size());
         intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t k) {
             const Block& block = blocks[k / rays];
-            found[k] = try_floats({*request.sweep, request.rows, truths, k % rays, block.floats}, stages[k]);
+            found[k] = try_floats({request, k % rays, block.floats}, stages[k]);
             request.progress(block.floats.size() * rows);
         });
         for (std::size_t k = 0; k < found.size(); ++k) {
@@ -119,8 +98,32 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
             state.stages += stages[k];
         }
         for (const Block& block : blocks) state.tried += block.floats.size();
+        next += blocks.size();
         request.keep(state);
     }
+}
+
+std::optional<std::uint32_t> RangeFinding::before(std::uint32_t place) const {
+    const std::uint64_t steps = floats.steps_to(place);
+    if (steps == 0) return std::nullopt;
+    return floats.at(steps - 1);
+}
+
+std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
+    const auto binades = binades_of(*request.sweep);
+    std::vector<RangeFinding> all;
+    for (std::size_t row = 0; row < request.rows.size(); ++row) {
+        for (std::size_t ray = 0; ray < request.sweep->rays.size(); ++ray) {
+            for (std::size_t range = 0; range < request.sweep->ranges().size(); ++range) {
+                RangeFinding found{range, ray, row, request.sweep->ranges()[range], {}};
+                for (std::size_t b = 0; b < binades.size(); ++b) {
+                    if (binades[b].range == range) found.tally.append(state.tallies[request.place(b, ray, row)]);
+                }
+                all.push_back(std::move(found));
+            }
+        }
+    }
+    return all;
 }
 
 }  // namespace lostbits::measure::sweep

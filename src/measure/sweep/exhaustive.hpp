@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,19 @@ struct ExhaustiveRequest {
         return (binade * sweep->rays.size() + ray) * rows.size() + row;
     }
 };
+
+/// A form on a ray over all floats of a range.
+struct RangeFinding {
+    std::size_t range, ray, row;
+    scene::sweep::FloatRange floats;
+    FloatTally tally;  ///< of all of them: as many as were tried, not as many as the ends allow
+
+    /// The float before another in the order of the range; nothing before its first.
+    [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t place) const;
+};
+
+/// By row, ray and range.
+std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
 /// How many floats a share has.
 std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);

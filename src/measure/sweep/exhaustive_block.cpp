@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "measure/sweep/box_of_row.hpp"
-#include "measure/sweep/mesh_floats.hpp"
+#include "measure/sweep/float_band.hpp"
 #include "measure/sweep/ulp_columns.hpp"
 
 namespace lostbits::measure::sweep {
@@ -136,44 +136,53 @@ private:
     std::size_t& left_;  ///< so many floats may still be refined in search of the worst
 };
 
-}  // namespace
+/// Rows that are held against the same truth.
+struct RowsOfTruth {
+    truth::ColumnTerms terms;
+    std::vector<std::size_t> rows = {};
+};
 
-std::vector<RowsOfTruth> rows_by_truth(const std::vector<evaluate::TestedForm>& rows, truth::TruthLimit limit) {
+std::vector<RowsOfTruth> rows_by_truth(const ExhaustiveRequest& request) {
     std::vector<RowsOfTruth> groups;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        const bool unit = rows[r].form->info->direction == intersect::Direction::unit;
-        const truth::ColumnTerms terms{rows[r].convention(), unit ? truth::Length::distance : truth::Length::parameter,
-                                       truth::Tightness::ulps_of_binary32, limit};
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const evaluate::TestedForm& row = request.rows[r];
+        const bool unit = row.form->info->direction == intersect::Direction::unit;
+        const truth::ColumnTerms terms{row.convention(), unit ? truth::Length::distance : truth::Length::parameter,
+                                       truth::Tightness::ulps_of_binary32, request.limit};
         auto same = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
             return g.terms.convention == terms.convention && g.terms.length == terms.length;
         });
-        if (same == groups.end()) same = groups.insert(groups.end(), {terms, {}});
+        if (same == groups.end()) same = groups.insert(groups.end(), {terms});
         same->rows.push_back(r);
     }
     return groups;
 }
 
-std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCounts& stages) {
-    if (request.sweep.mesh) return try_mesh_floats(request, stages);
-    AxisColumns columns(request.sweep, request.ray, chunk_size);
+}  // namespace
+
+std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages) {
+    const auto& [request, ray, floats] = of;
+    if (request.sweep->mesh) return try_floats_as_rays(of, stages);
+    AxisColumns columns(*request.sweep, ray, chunk_size);
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);
     truth::TruthColumns truths;
+    const std::vector<RowsOfTruth> groups = rows_by_truth(request);
     std::vector<UlpColumns> ulps;
-    for (const RowsOfTruth& group : request.truths) ulps.emplace_back(columns, group.terms);
+    for (const RowsOfTruth& group : groups) ulps.emplace_back(columns, group.terms);
     std::vector<BoxOfRow> boxes(request.rows.begin(), request.rows.end());
     std::vector<FloatTally> tallies(request.rows.size());
     std::vector<std::size_t> left(request.rows.size(), most_refined);
-    for (std::uint64_t begin = 0; begin < request.floats.size(); begin += chunk_size) {
-        const std::uint64_t n = std::min<std::uint64_t>(chunk_size, request.floats.size() - begin);
-        const scene::sweep::FloatRange chunk{request.floats.at(begin), request.floats.at(begin + n - 1)};
+    for (std::uint64_t begin = 0; begin < floats.size(); begin += chunk_size) {
+        const std::uint64_t n = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
+        const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + n - 1)};
         for (std::size_t i = 0; i < n; ++i) values[i] = scene::sweep::float_at(chunk.at(i));
         columns.set(std::span(values).first(n));
         for (std::size_t g = 0; g < ulps.size(); ++g) {
-            request.truths[g].terms.limit.stop.check();
-            find_truth_columns(columns.problems(), request.truths[g].terms, truths);
+            request.limit.stop.check();
+            find_truth_columns(columns.problems(), groups[g].terms, truths);
             stages += truths.stages;
-            for (const std::size_t row : request.truths[g].rows) {
+            for (const std::size_t row : groups[g].rows) {
                 columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
                 ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
                 ChunkTally tally(ulps[g], chunk, tallies[row], left[row]);

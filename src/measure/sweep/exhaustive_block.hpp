@@ -3,25 +3,13 @@
 
 #include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
-#include "measure/sweep/float_tally.hpp"
-#include "measure/truth/truth_columns.hpp"
-#include "scene/sweep/exhaustive_file.hpp"
+#include "measure/sweep/exhaustive.hpp"
 
 namespace lostbits::measure::sweep {
 
-/// Rows that are held against the same truth.
-struct RowsOfTruth {
-    truth::ColumnTerms terms;
-    std::vector<std::size_t> rows;
-};
-std::vector<RowsOfTruth> rows_by_truth(const std::vector<evaluate::TestedForm>& rows, truth::TruthLimit limit);
-
-/// One ray of a sweep and the forms that meet it.
-struct BlockRequest {
-    const scene::sweep::ExhaustiveFile& sweep;
-    const std::vector<evaluate::TestedForm>& rows;
-    const std::vector<RowsOfTruth>& truths;  ///< of the rows
+/// Consecutive floats of an axis, on one of its rays.
+struct FloatsOnRay {
+    const ExhaustiveRequest& request;
     std::size_t ray = 0;
     scene::sweep::FloatRange floats;
 };
@@ -29,13 +17,13 @@ struct BlockRequest {
 /// In one block, by one form.
 inline constexpr std::size_t most_refined = 4096;
 
-/// What the rows do at these floats: a tally a row.
+/// What the rows of the request do at these floats: a tally a row.
 ///
 /// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
 /// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
 /// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
 /// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
 /// them open.
-std::vector<FloatTally> try_floats(const BlockRequest& request, truth::StageCounts& stages);
+std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
 
 }  // namespace lostbits::measure::sweep

@@ -65,6 +65,8 @@ struct FloatTally {
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong() const;
+    /// The next float; the error is NaN where not both hit.
+    void add(std::uint32_t place, answer::Outcome outcome, double ulps);
     /// What is known of these floats and of those that come after them.
     void append(const FloatTally& after);
     friend bool operator==(const FloatTally&, const FloatTally&) = default;

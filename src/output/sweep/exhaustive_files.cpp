@@ -1,5 +1,6 @@
 #include "output/sweep/exhaustive_files.hpp"
 
+#include "measure/sweep/box_of_row.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "output/sweep/exhaustive_plots.hpp"
 #include "output/sweep/exhaustive_text.hpp"
@@ -107,7 +108,7 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
                   {"worst_hex", "string", unit, "the same, exactly", [](const W& w) { return hex_cell(w.place); }},
                   {"worst_bits", "string", "", "its bits", [](const W& w) { return float_bits(w.place); }},
                   {"worst_t_hex", "string", "t", "the form's answer there",
-                   [](const W& w) { return file::hex(static_cast<double>(w.answer.t)); }},
+                   [](const W& w) { return file::hex(w.answer.t); }},
                   {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
                    [](const W& w) { return file::hex(w.answer.truth); }}},
                  &FloatsRow::worst);

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/sweep/float_band.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::sweep {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/sweep/exhaustive.hpp"
 
 namespace lostbits::output::sweep {
 

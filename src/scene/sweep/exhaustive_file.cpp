@@ -227,13 +227,22 @@ Solid<float> ExhaustiveFile::solid_at(float value) const {
     return there;
 }
 
-rays::RayGroup ExhaustiveFile::group_at(std::size_t ray, float value) const {
-    const Ray<float> r = ray_at(ray, value);
+rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& floats) const {
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
-    rays::RayGroup group = rays::group_of({wide(r.origin), wide(r.direction)});
-    if (told_end(solid.shape)) group.rays.tmax = {static_cast<double>(rays[ray].tmax)};
-    if (mesh) group.mesh = mesh;
-    else group.solids = {transformed(solid_at(value), [](float x) { return static_cast<double>(x); })};
+    const std::size_t solids = mesh ? 0 : solid_places.empty() ? 1 : floats.size();
+    rays::RayGroup group;
+    for (std::uint64_t i = 0; i < floats.size(); ++i) {
+        const float value = float_at(floats.at(i));
+        const Ray<float> r = ray_at(ray, value);
+        group.rays.push({wide(r.origin), wide(r.direction)});
+        if (i < solids)
+            group.solids.push_back(transformed(solid_at(value), [](float x) { return static_cast<double>(x); }));
+    }
+    group.rays.width = static_cast<int>(floats.size());
+    group.rays.y1 = 1;
+    if (told_end(solid.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
+    group.paired = solids > 1;
+    group.mesh = mesh;
     return group;
 }
 

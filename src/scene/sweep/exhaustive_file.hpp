@@ -54,7 +54,11 @@ public:
     /// A ray and its solid with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Solid<float> solid_at(float value) const;
-    [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const;
+    [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const {
+        return group_over(ray, {place_of(value), place_of(value)});
+    }
+    /// The same at some floats: where the axis sets numbers of the solid, each ray has a solid of its own.
+    [[nodiscard]] rays::RayGroup group_over(std::size_t ray, const FloatRange& floats) const;
 
 private:
     void read_solid(toml::TableReader& file);

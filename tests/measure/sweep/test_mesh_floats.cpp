@@ -4,7 +4,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/exhaustive_findings.hpp"
+#include "measure/sweep/float_band.hpp"
 #include "number/error.hpp"
 #include "scratch.hpp"
 
