@@ -53,7 +53,7 @@ std::span<const float> one(const float& x) { return {&x, 1}; }
 /// One form at one float, without packs of anything.
 struct Alone {
     Outcome outcome;
-    double ulps = 0, padding = 0;
+    double ulps = truth::missing, padding = 0;
 };
 
 Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& row, float value) {
@@ -87,21 +87,6 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     if (found.outcome == Outcome::false_miss && solid.is<Box>())
         found.padding = measure::metric::padding(there, solid.box());
     return found;
-}
-
-void add(sweep::FloatTally& tally, std::uint32_t place, const Alone& at) {
-    ++tally.outcomes[static_cast<std::size_t>(at.outcome)];
-    const bool hits = at.outcome == Outcome::agree_hit;
-    if (hits && (!tally.worst || std::fabs(at.ulps) > std::fabs(tally.worst->ulps))) tally.worst = {place, at.ulps};
-    if (is_wrong(at.outcome) && !tally.first_wrong) tally.first_wrong = {place, at.outcome};
-    if (at.padding > (tally.padding ? tally.padding->u : 0)) tally.padding = {place, at.padding};
-    if (is_wrong(at.outcome)) tally.last_wrong = {place, at.outcome};
-    for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
-        const auto& event = sweep::first_events[e];
-        const bool happens = event.lost_bits > 0 ? hits && truth::lost_bits(at.ulps, 24) >= event.lost_bits
-                                                 : at.outcome == event.outcome;
-        if (happens && !tally.first[e]) tally.first[e] = place;
-    }
 }
 
 /// Everything but the worst, of which another may be next to it, and the errors between.
@@ -151,7 +136,9 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& rows) {
                 sweep::FloatTally alone;
                 for (std::uint64_t i = 0; i < binades[b].floats.size(); ++i) {
                     const std::uint32_t place = binades[b].floats.at(i);
-                    add(alone, place, try_alone(file, r, rows[k], float_at(place)));
+                    const Alone at = try_alone(file, r, rows[k], float_at(place));
+                    alone.add(place, at.outcome, at.ulps);
+                    if (at.padding > (alone.padding ? alone.padding->u : 0)) alone.padding = {place, at.padding};
                 }
                 const sweep::FloatTally& packs = state.tallies[request.place(b, r, k)];
                 CAPTURE(rows[k].form->info->name, file.rays[r].name, binades[b].binade.name());
