@@ -95,23 +95,23 @@ Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
 Table<FloatsRow> worst_columns(const std::string& unit) {
     using W = FloatsRow::Worst;
     Table<FloatsRow> table;
-    table.add<W>({{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both",
-                   [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
-                  {"worst_ulp_error", "number", "ulp",
-                   "(t − t*)/ulp(t*) of the float with the largest in size, by its whole truth", &W::ulps},
-                  {"ulp_error_at_most", "number", "ulp",
-                   "no float's error is larger in size: next to the worst, and above it by no more than 2^-8 ulp "
-                   "where thousands "
-                   "of floats are as bad",
-                   &W::at_most},
-                  {"worst_at", "number", unit, "that float", [](const W& w) { return float_at(w.place); }},
-                  {"worst_hex", "string", unit, "the same, exactly", [](const W& w) { return hex_cell(w.place); }},
-                  {"worst_bits", "string", "", "its bits", [](const W& w) { return float_bits(w.place); }},
-                  {"worst_t_hex", "string", "t", "the form's answer there",
-                   [](const W& w) { return file::hex(w.answer.t); }},
-                  {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
-                   [](const W& w) { return file::hex(w.answer.truth); }}},
-                 &FloatsRow::worst);
+    table.add<W>(
+        {{"lost_bits_max", "number", "bits", "of the worst float; missing where no float is a hit for both",
+          [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
+         {"worst_ulp_error", "number", "ulp",
+          "(t − t*)/ulp(t*) of the float with the largest in size, by its whole truth", &W::ulps},
+         {"ulp_error_at_most", "number", "ulp",
+          "no float's error is larger in size: next to the worst, and above it by no more than 2^-8 ulp "
+          "where thousands "
+          "of floats are as bad",
+          &W::at_most},
+         {"worst_at", "number", unit, "that float", [](const W& w) { return float_at(w.place); }},
+         {"worst_hex", "string", unit, "the same, exactly", [](const W& w) { return hex_cell(w.place); }},
+         {"worst_bits", "string", "", "its bits", [](const W& w) { return float_bits(w.place); }},
+         {"worst_t_hex", "string", "t", "the form's answer there", [](const W& w) { return file::hex(w.answer.t); }},
+         {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
+          [](const W& w) { return file::hex(w.answer.truth); }}},
+        &FloatsRow::worst);
     return table.add({"worst_explain", "string", "", "the command that explains it",
                       [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->place) : ""; }});
 }
