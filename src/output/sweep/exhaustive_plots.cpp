@@ -157,14 +157,10 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
 
 void write_exhaustive_plots(const std::filesystem::path& folder, const ExhaustiveRequest& request,
                             const ExhaustiveState& state) {
-    const auto lost_bits = folder / "lost_bits_max.png", wrong = folder / "wrong.png";
-    if (const auto plots = exhaustive_plots(request, state)) {
-        plot::write_line_plot(image::image_backend(), lost_bits, plots->lost_bits);
-        plot::write_line_plot(image::image_backend(), wrong, plots->wrong);
-    } else {
-        std::filesystem::remove(lost_bits);
-        std::filesystem::remove(wrong);
-    }
+    const auto plots = exhaustive_plots(request, state);
+    if (!plots) return;
+    plot::write_line_plot(image::image_backend(), folder / "lost_bits_max.png", plots->lost_bits);
+    plot::write_line_plot(image::image_backend(), folder / "wrong.png", plots->wrong);
 }
 
 }  // namespace lostbits::output::sweep

@@ -22,7 +22,7 @@ struct ExhaustivePlots {
 std::optional<ExhaustivePlots> exhaustive_plots(const measure::sweep::ExhaustiveRequest& request,
                                                 const measure::sweep::ExhaustiveState& state);
 
-/// `lost_bits_max.png` and `wrong.png`; where there are none, those of an earlier run go.
+/// `lost_bits_max.png` and `wrong.png`, where there are any. Those of an earlier run went with its list of results.
 void write_exhaustive_plots(const std::filesystem::path& folder, const measure::sweep::ExhaustiveRequest& request,
                             const measure::sweep::ExhaustiveState& state);
 
