@@ -106,10 +106,10 @@ void ExhaustiveFile::read_range(TableReader& table) {
         table.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
 }
 
-void ExhaustiveFile::read_axis(TableReader table) {
+void ExhaustiveFile::read_axis(TableReader& table) {
     axis = read_axis_name(table);
     if (table.string("spacing") != "every_float")
-        table.fail_at("spacing", "must be \"every_float\" in an [axis] table; other sweeps have [[axis]] tables");
+        table.fail_at("spacing", "must be \"every_float\" beside [[ray]] tables; steps go with a [family] or a scene");
     if (table.node("set").kind == Node::Kind::array) {
         for (const std::string& path : table.strings("set")) read_path(path, table);
     } else {
@@ -121,7 +121,7 @@ void ExhaustiveFile::read_axis(TableReader table) {
     table.reject_unknown_keys();
 }
 
-void ExhaustiveFile::check_solids(TableReader& file) const {
+void ExhaustiveFile::check_solids(TableReader& file, const TableReader& of_axis) const {
     if (mesh) return;
     const std::string name(name_of(solid.shape));
     if (solid_places.empty()) {
@@ -133,9 +133,9 @@ void ExhaustiveFile::check_solids(TableReader& file) const {
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (const auto broken = broken_limit(solid_at(float_at(end))))
-                file.table("axis").fail_at(end == range.first ? "from" : "to",
-                                           "leaves a " + name + " whose " + std::string(broken->key->name) + " " +
-                                               limit_words(solid.shape, *broken->key));
+                of_axis.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
+                                                                        std::string(broken->key->name) + " " +
+                                                                        limit_words(solid.shape, *broken->key));
         }
     }
 }
@@ -185,12 +185,13 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
         rays.push_back(std::move(ray));
     }
     if (rays.empty()) toml::fail(file.where(), "a sweep over every float has [[ray]] tables; write at least one");
-    if (file.has("axis") && file.node("axis").kind == Node::Kind::array)
-        file.fail_at("axis",
-                     "is [[axis]], whose steps go with a [family] or a scene; a file with [[ray]] tables tries every "
-                     "float of one number, and its axis is [axis]");
-    read_axis(file.table("axis"));
-    check_solids(file);
+    std::vector<TableReader> axes;
+    if (file.has("axis") && file.node("axis").kind == Node::Kind::array) axes = file.tables("axis");
+    else axes.push_back(file.table("axis"));
+    if (axes.size() != 1)
+        file.fail_at("axis", "must be one [[axis]] table: a file with [[ray]] tables tries every float of one number");
+    read_axis(axes.front());
+    check_solids(file, axes.front());
     file.reject_unknown_keys();
 }
 

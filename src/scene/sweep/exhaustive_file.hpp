@@ -18,8 +18,8 @@
 
 namespace lostbits::scene::sweep {
 
-/// A sweep file with one `[axis]` table, `[[ray]]` tables, and a solid (`[sphere]`, say) or a scene whose mesh the rays
-/// cross. All numbers are binary32.
+/// A sweep file with one `[[axis]]` (or `[axis]`), `[[ray]]` tables, and a solid (`[sphere]`, say) or a scene whose
+/// mesh the rays cross. All numbers are binary32.
 class ExhaustiveFile : public SweepHead {
 public:
     /// InputError with a position for anything that is not such a sweep. A scene is looked up in `data_dir`.
@@ -63,10 +63,10 @@ public:
 private:
     void read_solid(toml::TableReader& file);
     void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir);
-    void read_axis(toml::TableReader table);
+    void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);
-    void check_solids(toml::TableReader& file) const;
+    void check_solids(toml::TableReader& file, const toml::TableReader& of_axis) const;
 
     std::vector<FloatRange> ranges_;
 };

@@ -69,6 +69,7 @@ TEST_CASE("a sweep over every float between two: its ray and solid with the axis
     CHECK(group.solids.front().numbers[3] == 1);
     const ExhaustiveFile box = swept(good_box);
     CHECK(box.group_at(0, 1).rays.tmax == std::vector<double>{9});
+    CHECK(swept(replaced(good_sweep, "[axis]", "[[axis]]")).ranges() == sweep.ranges());
 }
 
 TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
@@ -133,7 +134,8 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
                     "[[ray]]\nname = \"a\""),
               "the name of another ray too"));
     CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one solid"));
-    CHECK(has(error("[axis]", "[[axis]]"), "s.toml:4:1: axis is [[axis]], whose steps go with a [family] or a scene"));
+    CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replaced(good_sweep, "[axis]", "[[axis]]")),
+              "s.toml:4:1: axis must be one [[axis]] table"));
     // Solids that are none: of the file, or made so by the axis.
     CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));
     CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in a component"));
