@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/sweep/box_of_row.hpp"
 #include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/toml/did_you_mean.hpp"

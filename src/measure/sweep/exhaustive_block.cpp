@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "measure/sweep/box_of_row.hpp"
+#include "intersect/hull/behind.hpp"
+#include "measure/metric/published_bounds.hpp"
 #include "measure/sweep/float_band.hpp"
 #include "measure/sweep/ulp_columns.hpp"
 
@@ -136,6 +138,35 @@ private:
     std::size_t& left_;  ///< so many floats may still be refined in search of the worst
 };
 
+/// The box that a form asks at the floats of an axis, and how far its slabs come apart there. Of a form of boxes its
+/// solid, of a form behind a box that box; of others none.
+class BoxOfRow {
+public:
+    explicit BoxOfRow(const evaluate::TestedForm& row) : row_(row), behind_(intersect::hull::made_of(*row.form)) {}
+
+    [[nodiscard]] bool is_asked() const { return row_.form->shape == hull_shape || behind_.form != nullptr; }
+    /// By how many u tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
+    [[nodiscard]] double padding(const AxisColumns& columns, std::size_t i) {
+        if (!same_ || columns.solid_varies()) same_ = box_around(columns.solid(i));
+        return metric::padding(columns.ray_for(row_, i), *same_);
+    }
+
+private:
+    [[nodiscard]] Hull<float> box_around(const Solid<float>& solid) const {
+        if (behind_.form == nullptr) return hull_of(solid);
+        const auto [lo, hi] =
+            behind_.way->in(row_.format, transformed(solid, [](float x) { return static_cast<double>(x); }));
+        const auto narrow = [](const Vec<double>& v) {
+            return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
+        };
+        return {narrow(lo), narrow(hi)};
+    }
+
+    const evaluate::TestedForm& row_;
+    intersect::hull::HullParts behind_;
+    std::optional<Hull<float>> same_;  ///< where the axis leaves the solid as it is
+};
+
 /// Rows that are held against the same truth.
 struct RowsOfTruth {
     truth::ColumnTerms terms;
@@ -193,6 +224,11 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& st
         }
     }
     return tallies;
+}
+
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally) {
+    if (!BoxOfRow(row).is_asked()) return truth::missing;
+    return tally.padding ? tally.padding->u : 0;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -26,4 +26,8 @@ inline constexpr std::size_t most_refined = 4096;
 /// them open.
 std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
 
+/// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
+/// that asks no box.
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
+
 }  // namespace lostbits::measure::sweep

@@ -1,6 +1,5 @@
 #include "output/sweep/exhaustive_files.hpp"
 
-#include "measure/sweep/box_of_row.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "output/sweep/exhaustive_plots.hpp"
 #include "output/sweep/exhaustive_text.hpp"

@@ -11,7 +11,6 @@
 #include "intersect/hull/behind.hpp"
 #include "measure/metric/published_bounds.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/box_of_row.hpp"
 #include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
