@@ -81,11 +81,13 @@ inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
-    std::uint8_t settled[column_room], hit[column_room];
+    std::uint8_t settled[column_room], hit[column_room], touches[column_room], on_surface[column_room];
     double hi[column_room], lo[column_room], bound[column_room];
     double distance_hi[column_room], distance_lo[column_room], distance_bound[column_room];
 
-    stages::RawFindings raw() { return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}}; }
+    stages::RawFindings raw() {
+        return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}, touches, on_surface};
+    }
 };
 
 /// Problems in a row, wherever they were: filled up to whole registers by the last of them.

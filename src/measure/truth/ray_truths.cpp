@@ -237,16 +237,40 @@ private:
         raw.ranged = ranged_;
         raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.kernels.double_double(raw);
-        for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
+        std::vector<std::size_t> left;
+        for (std::size_t k = 0; k < together.size; ++k) {
+            if (together.found.settled[k] == 0) left.push_back(k);
+            else settle(together.found, k, pairs_[places(shape)[k]]);
+        }
+        const bool are_plain = !two_words && !ranged_ && !raw.matrix.placed;
+        if (!left.empty() && stages.kernels.ties && are_plain) settle_ties(shape, left);
+        for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
     }
+    /// Those of one shape that are left of what was gathered; keeps those that are left then.
+    void settle_ties(Shape shape, std::vector<std::size_t>& left) {
+        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        const Gathered<double>& from = gathered(shape);
+        ProblemColumns<double> p{.size = from.size, .ray = {}, .shape = shape, .solid = {}};
+        const auto column = [&from](std::size_t k) { return std::span(from.numbers[k]).first(from.size); };
+        for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_of_ray + k);
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.solid[k] = column(first_of_solid + k);
+        Gathered<double>& ties = Gathered<double>::of_thread();
+        stages.kernels.ties(ties.gather(p, left, stages.lanes));
+        std::size_t still = 0;
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            if (ties.found.settled[k] == 0) left[still++] = left[k];
+            else settle(ties.found, k, pairs_[places(shape)[left[k]]]);
+        }
+        left.resize(still);
+    }
     void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
-        if (found.settled[k] == 0) return settle_alone(pair);
         ++rest_.counts.double_double;
         pair.truth.bits = 106;
         if (found.hit[k] == 0) return;
         pair.truth.decision = Truth::Decision::hit;
         pair.truth.object = 0;
+        pair.truth.touches = found.touches[k] != 0, pair.truth.on_surface = found.on_surface[k] != 0;
         pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
         pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }
