@@ -131,6 +131,14 @@ struct Gathered {
     void set(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
     }
+    /// Those that were added, as columns of one word a number, of rays without ranges and solids without matrices.
+    [[nodiscard]] ProblemColumns<S> columns(Shape shape) const {
+        ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .solid = {}};
+        const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
+        for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_of_ray + k);
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.solid[k] = column(first_of_solid + k);
+        return p;
+    }
     /// Those that were added, of rays without ranges; `two_words`: with their second words.
     stages::RawProblems<S> added(std::size_t lanes, bool two_words) {
         auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, found.raw());
