@@ -74,7 +74,7 @@ Tried try_volumes(int bits, int spread, std::size_t draws) {
         tried.wrong += told != (found.running().radius() < HUGE_VAL) || told != (at_most.yes() || at_most.no());
         if (!told) continue;
         ++tried.known;
-        const auto& words = found.running().words();
+        const auto words = found.running().words();
         tried.wrong += !is_same(exact, Interval(words.hi) + Interval(words.lo));
         tried.wrong += less.yes() != (exact < Interval(0)).is_yes() || at_most.yes() != (exact <= Interval(0)).is_yes();
         tried.zeros += (at_most && !less).yes();

