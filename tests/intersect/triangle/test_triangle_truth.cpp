@@ -202,7 +202,7 @@ TEST_CASE("rays through edges and vertices, and from the triangle, are settled i
                 // exponents spread too far.
                 const bool is_closed = convention == Convention();
                 if (name != "a needle")
-                    CHECK(found.alone.size() <= (is_closed ? rays.size() / 50 : ties + rays.size() / 50));
+                    CHECK(found.alone.size() <= (is_closed ? rays.size() / 20 : ties + rays.size() / 20));
             }
         }
     }
