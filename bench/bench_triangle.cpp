@@ -24,6 +24,10 @@ using measure::truth::Tightness;
 
 constexpr std::size_t ray_count = 4096;
 
+/// Every second ray through the inside, the others beside it or through it; all through a point of an edge, as near as
+/// the grid has one; or all exactly.
+enum class Aim { inside, near_edge, edge };
+
 /// Numbers on a grid that is coarse enough for origin + direction to be exact in double, which the predicates take.
 template <class S>
 struct RaysAtTriangle {
@@ -32,11 +36,11 @@ struct RaysAtTriangle {
     std::vector<bench::RayOfPoints> rays;
     std::array<bench::Point, 3> corners;
 
-    /// From `distance` away in all directions; every second through the inside, the others beside it or through it, or,
-    /// of `edges`, all of them through a point of an edge as near as the grid has one.
-    RaysAtTriangle(double distance, bool edges) {
+    /// From `distance` away in all directions.
+    RaysAtTriangle(double distance, Aim aim) {
         const double step = std::ldexp(1, (sizeof(S) == 4 ? -21 : -50) + std::ilogb(distance));
         const auto on_grid = [step](double x) { return std::nearbyint(x / step) * step; };
+        constexpr double parts = 64;  // of an edge, which the grid has
         std::mt19937_64 engine(20261127);
         const auto between = [&engine](double lo, double hi) {
             return lo + (hi - lo) * static_cast<double>(engine() >> 11) * 0x1p-53;
@@ -44,12 +48,13 @@ struct RaysAtTriangle {
         const bench::Point shape[3] = {{-0.9, -0.7, 0.4}, {0.8, -0.5, -0.3}, {0.1, 0.9, -0.2}};
         for (std::size_t v = 0; v < 3; ++v)
             for (std::size_t k = 0; k < 3; ++k) {
-                corners[v][k] = on_grid(shape[v][k]);
+                corners[v][k] = parts * on_grid(shape[v][k] / parts);
                 numbers[3 * v + k] = static_cast<S>(corners[v][k]);
             }
         for (std::size_t i = 0; i < ray_count; ++i) {
             double u = between(0, 1), v = between(0, 1);
-            if (edges) v = 0;
+            if (aim == Aim::edge) u = std::nearbyint(u * parts) / parts;
+            if (aim != Aim::inside) v = 0;
             else if (i % 2 == 0 && u + v > 1) u = 1 - u, v = 1 - v;
             const std::size_t first = i % 3;
             bench::RayOfPoints ray;
@@ -73,8 +78,8 @@ struct RaysAtTriangle {
 
 /// False where a decision differs.
 template <class S>
-bool print(const char* name, double distance, bool edges) {
-    const RaysAtTriangle<S> set(distance, edges);
+bool print(const char* name, double distance, Aim aim) {
+    const RaysAtTriangle<S> set(distance, aim);
     static measure::truth::TruthColumns truth;
     std::vector<unsigned char> hit(ray_count), met(ray_count);
     const auto problems = set.problems();
@@ -113,10 +118,12 @@ int main(int argc, char** argv) {
                 "do_int., ns", "truth, ns", "orient./truth", "do_int./truth",
                 "rays settled by binary64 and double-double, of 4096");
     bool same = true;
-    for (const auto& [name, distance, edges] :
-         {std::tuple{"near", 4.0, false}, {"100 away", 128.0, false}, {"edges", 4.0, true}}) {
-        same = print<float>(name, distance, edges) && same;
-        same = print<double>(name, distance, edges) && same;
+    for (const auto& [name, distance, aim] : {std::tuple{"near", 4.0, Aim::inside},
+                                              {"100 away", 128.0, Aim::inside},
+                                              {"edges", 4.0, Aim::near_edge},
+                                              {"on edges", 4.0, Aim::edge}}) {
+        same = print<float>(name, distance, aim) && same;
+        same = print<double>(name, distance, aim) && same;
     }
     return same ? 0 : 1;
 }

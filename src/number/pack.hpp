@@ -99,8 +99,14 @@ public:
     PackMask() = default;
     explicit PackMask(const Simd& lanes) : lanes_(lanes) {}
 
-    friend PackMask operator&&(const PackMask& a, const PackMask& b) { return PackMask(a.lanes_ && b.lanes_); }
-    friend PackMask operator||(const PackMask& a, const PackMask& b) { return PackMask(a.lanes_ || b.lanes_); }
+    friend PackMask operator&&(const PackMask& a, const PackMask& b) {
+        if constexpr (sizeof(Simd) == sizeof(Bits)) return from_bits(a.bits() & b.bits());
+        else return PackMask(a.lanes_ && b.lanes_);
+    }
+    friend PackMask operator||(const PackMask& a, const PackMask& b) {
+        if constexpr (sizeof(Simd) == sizeof(Bits)) return from_bits(a.bits() | b.bits());
+        else return PackMask(a.lanes_ || b.lanes_);
+    }
     friend PackMask operator!(const PackMask& a) { return PackMask(!a.lanes_); }
     friend bool any_of(const PackMask& a) { return stdx::any_of(a.lanes_); }
 
@@ -108,6 +114,12 @@ public:
     void store(bool* to) const { lanes_.copy_to(to, stdx::element_aligned); }
 
 private:
+    /// Of masks with a bit a lane, as AVX-512 has them: by `&` of these GCC makes the second of two comparisons one
+    /// under the mask of the first, and by that of stdx an instruction of its own.
+    using Bits = std::conditional_t<Width::bytes == 8 * sizeof(F), std::uint8_t, std::uint16_t>;
+    [[nodiscard]] Bits bits() const { return __builtin_bit_cast(Bits, lanes_); }
+    static PackMask from_bits(int bits) { return PackMask(__builtin_bit_cast(Simd, static_cast<Bits>(bits))); }
+
     mutable Simd lanes_;  // as `Pack::x_`
 };
 

@@ -4,10 +4,12 @@
 #include <cstdint>
 
 #include "measure/stages/raw_stages.hpp"
+#include "number/wide/multiple.hpp"
 #include "number/wide/two_words.hpp"
 
 namespace lostbits::measure::stages {
 
+using number::wide::binade;
 using number::wide::product_of;
 using number::wide::sum_of;
 using number::wide::sum_of_three;
@@ -57,11 +59,6 @@ template <class P>
 P sum_of_sizes(const P& x, const P& y, const P& z) {
     using lostbits::abs;
     return sum_of_three<P>(abs(x), abs(y), abs(z));
-}
-
-/// ±2^⌊log2|x|⌋ for a normal number x.
-inline double binade(double x) {
-    return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) & std::uint64_t{0xfff} << 52);
 }
 
 /// Whether no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of what is enclosed is known.

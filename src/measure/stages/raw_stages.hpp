@@ -25,6 +25,8 @@ struct RawLength {
 struct RawFindings {
     std::uint8_t *settled, *hit;  ///< 0 or 1
     RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
+    /// As `Truth` has them, of `RawStages::ties` alone: the others settle no such ray.
+    std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
 /// Whether the solids of a batch stand under matrices, which follow their numbers, all of them of one kind.
@@ -70,6 +72,8 @@ struct RawStages {
     void (*binary64)(const RawProblems<float>&);        ///< binary32 inputs
     void (*double_double)(const RawProblems<double>&);  ///< one word a number, or two
     void (*unit_directions)(const RawDirections&);      ///< the same for every shape
+    /// Also of rays that touch, by exact sums: one word a number, no matrix and no range. Null where there is none.
+    void (*ties)(const RawProblems<double>&) = nullptr;
 };
 
 /// One function for registers of 128 bits and one for wider ones, each in an object of its own: those of every shape,

@@ -139,12 +139,12 @@ struct Entrance {
     }
 };
 
-/// Where a length is known closely enough it is taken; where `at_origin` it is 0.
+/// Where a length is known closely enough it is taken, and where it is `exact`; where `at_origin` it is 0.
 template <class E, class P = typename E::P>
-Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, mask_t<P>& hit) {
+Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);
     const Enclosure<P> x = enclosure_of(length);
-    hit = hit && (at_origin || is_close(length));
+    hit = hit && (exact || is_close(length));
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
@@ -162,8 +162,8 @@ Finding<P> settle_shape(const InSpace<S<E>, E>& in, const Asked& asked, const Ra
     const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
     Finding<P> found{missed, hit, nothing, nothing};
     if (!any_of(hit)) return found;
-    if (asked.t) found.t = taken(met.t, met.at_origin, hit);
-    if (asked.distance) found.distance = taken(met.t * sqrt(in.d2), met.at_origin, hit);
+    if (asked.t) found.t = taken(met.t, met.at_origin, met.at_origin, hit);
+    if (asked.distance) found.distance = taken(met.t * sqrt(in.d2), met.at_origin, met.at_origin, hit);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

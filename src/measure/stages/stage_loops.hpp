@@ -7,6 +7,7 @@
 
 #include "measure/stages/raw_stages.hpp"
 #include "measure/stages/span_stages.hpp"
+#include "measure/stages/tie_stage.hpp"
 #include "measure/stages/unit_stage.hpp"
 #include "number/pack.hpp"
 
@@ -73,6 +74,21 @@ struct PackOfProblems {
     }
 };
 
+template <class P>
+[[gnu::always_inline]] inline void store(const Finding<P>& found, const RawFindings& out, std::size_t i) {
+    Lanes<P>::store(found.settled, out.settled + i);
+    Lanes<P>::store(found.hit, out.hit + i);
+    // A miss has zeros; so has a lane that says nothing.
+    const auto store = [&](const Enclosure<P>& x, const RawLength& to) {
+        if (!to.hi) return;
+        Lanes<P>::store(select(found.hit, x.middle.hi, P(0)), to.hi + i);
+        Lanes<P>::store(select(found.hit, x.middle.lo, P(0)), to.lo + i);
+        Lanes<P>::store(select(found.hit, x.bound, P(0)), to.bound + i);
+    };
+    store(found.t, out.t);
+    store(found.distance, out.distance);
+}
+
 /// Of is the shape, of numbers of W, one word or two, which are stored as one or two of S.
 template <template <class> class Of, bool plain, class S, class W>
 [[gnu::flatten]] void settle_some(const RawProblems<S>& raw) {
@@ -99,18 +115,7 @@ template <template <class> class Of, bool plain, class S, class W>
             in.solid = pack.solid(numbers);
             in.proper = is_proper<Shape>(in.solid);
         }
-        const Finding<P> found = settle_shape(in, asked, pack);
-        Lanes<P>::store(found.settled, p.out.settled + i);
-        Lanes<P>::store(found.hit, p.out.hit + i);
-        // A miss has zeros; so has a lane that says nothing.
-        const auto store = [&](const Enclosure<P>& x, const RawLength& to) {
-            if (!to.hi) return;
-            Lanes<P>::store(select(found.hit, x.middle.hi, P(0)), to.hi + i);
-            Lanes<P>::store(select(found.hit, x.middle.lo, P(0)), to.lo + i);
-            Lanes<P>::store(select(found.hit, x.bound, P(0)), to.bound + i);
-        };
-        store(found.t, p.out.t);
-        store(found.distance, p.out.distance);
+        store(settle_shape(in, asked, pack), p.out, i);
     }
 }
 /// Plain problems, which most are, have a loop of their own, twice as fast; not in the narrowest registers, which
@@ -121,6 +126,24 @@ void settle_all(const RawProblems<S>& raw) {
         if (!raw.two_words && !raw.matrix.placed && !raw.ranged) return settle_some<Of, true, S, W>(raw);
     }
     settle_some<Of, false, S, W>(raw);
+}
+
+template <template <class> class Of, class P>
+[[gnu::flatten]] void settle_ties(const RawProblems<double>& raw) {
+    using Shape = Of<Multiple<P>>;
+    const RawProblems<double> p = raw;  // as above
+    const Asked asked{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
+    for (std::size_t i = 0; i < p.size; i += Lanes<P>::count) {
+        const auto load = [&](const RawColumn<double>& c) { return Lanes<P>::load(c.from + i * c.step); };
+        const auto load_all = [&]<std::size_t... k>(const RawColumn<double>* c, std::index_sequence<k...>) {
+            return std::array<P, sizeof...(k)>{load(c[k])...};
+        };
+        const auto tie = settle_tie<Of>(load_all(p.ray, std::make_index_sequence<6>()),
+                                        load_all(p.solid, std::make_index_sequence<numbers_of<Shape>>()), asked);
+        store(tie.found, p.out, i);
+        Lanes<P>::store(tie.touches, p.out.touches + i);
+        Lanes<P>::store(tie.on_surface, p.out.on_surface + i);
+    }
 }
 
 template <class P>
@@ -137,8 +160,9 @@ template <class P>
 template <class P>
 void fill_stages(RawStages* of_shape) {
     Solids::each([&]<template <class> class Of>() {
-        of_shape[static_cast<std::size_t>(shape_as<Of>)] = {
-            settle_all<Of, float, P>, settle_all<Of, double, TwoWords<P>>, settle_unit_directions<P>};
+        RawStages& stages = of_shape[static_cast<std::size_t>(shape_as<Of>)];
+        stages = {settle_all<Of, float, P>, settle_all<Of, double, TwoWords<P>>, settle_unit_directions<P>};
+        if constexpr (is_flat_between_points<Of<Multiple<P>>>) stages.ties = settle_ties<Of, P>;
     });
 }
 

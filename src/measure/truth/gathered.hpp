@@ -81,11 +81,13 @@ inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin
 
 /// What the stages find of up to `settled_together` problems.
 struct FoundTogether {
-    std::uint8_t settled[column_room], hit[column_room];
+    std::uint8_t settled[column_room], hit[column_room], touches[column_room], on_surface[column_room];
     double hi[column_room], lo[column_room], bound[column_room];
     double distance_hi[column_room], distance_lo[column_room], distance_bound[column_room];
 
-    stages::RawFindings raw() { return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}}; }
+    stages::RawFindings raw() {
+        return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}, touches, on_surface};
+    }
 };
 
 /// Problems in a row, wherever they were: filled up to whole registers by the last of them.
@@ -128,6 +130,14 @@ struct Gathered {
     /// Numbers of the problem that is added next.
     void set(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
+    }
+    /// Those that were added, as columns of one word a number, of rays without ranges and solids without matrices.
+    [[nodiscard]] ProblemColumns<S> columns(Shape shape) const {
+        ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .solid = {}};
+        const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
+        for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_of_ray + k);
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.solid[k] = column(first_of_solid + k);
+        return p;
     }
     /// Those that were added, of rays without ranges; `two_words`: with their second words.
     stages::RawProblems<S> added(std::size_t lanes, bool two_words) {

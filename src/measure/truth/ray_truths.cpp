@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "intersect/process/floating_point.hpp"
 #include "intersect/process/parallel.hpp"
@@ -79,10 +80,7 @@ private:
         };
         put(words, columns.solid);
         columns.matrix = under_matrix(solid);
-        if constexpr (two_words) {
-            columns.ray_low = rays_.low;
-            put(low, columns.solid_low);
-        }
+        if constexpr (two_words) columns.ray_low = rays_.low, put(low, columns.solid_low);
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
@@ -104,10 +102,8 @@ private:
         for (auto& column : room) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
             const Solid<S> solid = problems_.solids[begin_ + i];
-            for (std::size_t k = 0; k < numbers; ++k) {
-                room[k][i] = word_of(solid.numbers[k]);
-                room[numbers + k][i] = low_word_of(solid.numbers[k]);
-            }
+            for (std::size_t k = 0; k < numbers; ++k)
+                room[k][i] = word_of(solid.numbers[k]), room[numbers + k][i] = low_word_of(solid.numbers[k]);
         }
         ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
@@ -231,22 +227,49 @@ private:
     void settle(Shape shape) {
         Gathered<double>& together = gathered(shape);
         if (together.size == 0) return;
-        const stages::Stages& stages = stages::stages_of(shape, isa_);
-        auto raw = together.added(stages.lanes, two_words);
-        raw.open = problems_.rays.open;
-        raw.ranged = ranged_;
-        raw.matrix = matrices_[static_cast<std::size_t>(shape)];
-        stages.kernels.double_double(raw);
-        for (std::size_t k = 0; k < together.size; ++k) settle(together.found, k, pairs_[places(shape)[k]]);
+        std::vector<std::size_t> left(together.size);
+        std::iota(left.begin(), left.end(), std::size_t{0});
+        // Without an index, columns have been asked by two words with bounds, which leave many ties.
+        if (!problems_.index) settle_ties(shape, left);
+        if (!left.empty()) settle_gathered(shape, left);
+        if (problems_.index) settle_ties(shape, left);
+        for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
     }
+    /// Those left of what was gathered of one shape; keeps those that are left then.
+    void settle_gathered(Shape shape, std::vector<std::size_t>& left) {
+        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        auto& together = gathered(shape);
+        auto raw = together.added(stages.lanes, two_words);
+        raw.open = problems_.rays.open, raw.ranged = ranged_;
+        raw.matrix = matrices_[static_cast<std::size_t>(shape)];
+        stages.kernels.double_double(raw);
+        take(together.found, shape, left, [&left](std::size_t k) { return left[k]; });
+    }
+    void settle_ties(Shape shape, std::vector<std::size_t>& left) {
+        const stages::Stages& stages = stages::stages_of(shape, isa_);
+        const bool are_plain = !two_words && !ranged_ && !matrices_[static_cast<std::size_t>(shape)].placed;
+        if (left.empty() || !stages.kernels.ties || !are_plain) return;
+        Gathered<double>& ties = Gathered<double>::of_thread();
+        stages.kernels.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
+        take(ties.found, shape, left, [](std::size_t k) { return k; });
+    }
+    /// What was found of `left`, of each at `place`.
+    template <class Place>
+    void take(const FoundTogether& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
+        std::size_t still = 0;
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            if (found.settled[place(k)] == 0) left[still++] = left[k];
+            else settle(found, place(k), pairs_[places(shape)[left[k]]]);
+        }
+        left.resize(still);
+    }
     void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
-        if (found.settled[k] == 0) return settle_alone(pair);
         ++rest_.counts.double_double;
         pair.truth.bits = 106;
         if (found.hit[k] == 0) return;
-        pair.truth.decision = Truth::Decision::hit;
-        pair.truth.object = 0;
+        pair.truth.decision = Truth::Decision::hit, pair.truth.object = 0;
+        pair.truth.touches = found.touches[k] != 0, pair.truth.on_surface = found.on_surface[k] != 0;
         pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
         pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }

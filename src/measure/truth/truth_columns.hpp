@@ -45,7 +45,7 @@ struct ColumnTerms {
     TruthLimit limit = {};
 };
 
-/// How many rays each stage settled.
+/// How many rays each stage settled; that for ties is of two words, too.
 struct StageCounts {
     std::uint64_t binary64 = 0, double_double = 0, ball = 0, interval = 0;
 

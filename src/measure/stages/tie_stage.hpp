@@ -1,0 +1,99 @@
+// Rays that pass exactly through a rim, of many at once: by sums that are exact, so that a zero is proved.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+#include <type_traits>
+
+#include "measure/stages/span_stages.hpp"
+#include "number/wide/multiple.hpp"
+
+namespace lostbits::measure::stages {
+
+using number::wide::Grid;
+using number::wide::Multiple;
+
+/// Of what lies flat between points every sign is that of a polynomial of degree three, which two words hold where
+/// points and directions have so many bits: with points up to S = 2^31 U, directions up to D = 2^33 V, d·(b × c) is at
+/// most 24 D S² < 2^100 V U², as seen from o, and (a − o)·n at most 48 S³ < 2^99 U³. So exponents of numbers of
+/// binary32 may spread by 7 and by 9. Of other shapes the degrees are 4 and more.
+inline constexpr int bits_of_points = 31, bits_of_directions = 33;
+template <class S>
+inline constexpr bool is_flat_between_points = false;
+template <template <class> class Of, class P>
+inline constexpr bool is_flat_between_points<Of<Multiple<P>>> =
+    std::is_same_v<decltype(std::declval<Of<Multiple<P>>>().span(Ray<Multiple<P>>())),
+                   FlatSpan<Multiple<P>>>&& std::ranges::all_of(Of<Multiple<P>>::keys, [](const Key& key) {
+        return key.kind == Key::Kind::point;
+    });
+
+/// What the stage says of a ray, and whether it touches and begins on the surface, as `Truth` has it.
+template <class P>
+struct TieFinding {
+    Finding<P> found;
+    mask_t<P> touches, on_surface;
+};
+
+/// A length, and whether it is known without a bound. A ray that is aimed at a point p by d = p − o meets it at t = 1,
+/// and within any bound of a power of two nobody knows in which binade a length is.
+template <class P>
+struct Exactly {
+    using Known = Running<TwoWords<P>>;
+
+    Known length;
+    mask_t<P> is_exact;
+
+    /// The quotient t = n/m of multiples: 2^k where n is 2^k m, word by word. m.lo is a multiple of 2^-1000, or 0, and
+    /// so is exact times 2^-60.
+    Exactly(const Known& t, const Known& n, const Known& m) {
+        const P power = binade(t.first()), hi = power * m.first(), lo = power * m.second();
+        is_exact = t.first() <= power && power >= P(0x1p-60) && same(hi, n.first()) && same(lo, n.second());
+        length = select(is_exact, Known(TwoWords<P>(power)), t);
+    }
+    /// 2^k √x where the root is a double.
+    [[nodiscard]] Exactly times_root(const Known& x) const {
+        const Known root = sqrt(x);
+        const TwoWords<P> squared = product_of(root.first(), root.first());
+        const auto exact = is_exact && same(squared.hi, x.first()) && same(squared.lo, x.second());
+        return {select(exact, Known(TwoWords<P>(length.first() * root.first())), length * root), exact};
+    }
+
+private:
+    Exactly(const Known& x, const mask_t<P>& exact) : length(x), is_exact(exact) {}
+    static mask_t<P> same(const P& x, const P& y) { return x <= y && x >= y; }
+};
+
+/// As `truth::enclose` has it of a surface for the usual convention. What is not proper meets
+/// nothing, and so it is here: a direction of zero crosses no plane, nor does any line that of points on one line; and
+/// of numbers that are not finite nothing is said, or a miss.
+template <template <class> class Of, class P, std::size_t count>
+TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points, const Asked& asked) {
+    using E = Multiple<P>;
+    using Known = Running<TwoWords<P>>;
+    const Grid<P> grid =
+        std::apply([&](const auto&... p) { return Grid<P>::of(bits_of_points, ray[0], ray[1], ray[2], p...); }, points);
+    const Grid<P> of_direction = Grid<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
+    const auto at = [&](std::size_t k) { return E(ray[k], k < 3 ? grid : of_direction); };
+    const FlatSpan<E> span = solid_from<Of, E>([&](std::size_t k) {
+                                 return E(points[k], grid);
+                             }).span({{at(0), at(1), at(2)}, {at(3), at(4), at(5)}});
+    const E zero(0);
+    auto hit = span.closed.yes() && (span.at.n >= zero).yes();
+    const auto missed = span.closed.no() || (span.at.n < zero).yes(), at_origin = (span.at.n <= zero).yes();
+    const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
+    TieFinding<P> tie{{missed, hit, nothing, nothing}, hit && span.open.no(), hit && at_origin};
+    if (!any_of(hit)) return tie;
+    const Known n = span.at.n.running(), m = select(hit, span.at.m.running(), Known(1));
+    const Exactly<P> t(n / m, n, m);
+    if (asked.t) tie.found.t = taken(t.length, at_origin, at_origin || t.is_exact, hit);
+    if (asked.distance) {
+        const Exactly<P> distance = t.times_root(span.d2.running());
+        tie.found.distance = taken(distance.length, at_origin, at_origin || distance.is_exact, hit);
+    }
+    tie.found.settled = hit || missed;
+    tie.found.hit = hit;
+    return tie;
+}
+
+}  // namespace lostbits::measure::stages
