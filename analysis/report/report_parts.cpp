@@ -8,7 +8,7 @@
 #include "measure/sweep/cases.hpp"
 #include "output/map/row_names.hpp"
 #include "output/map/scene_sheet.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
@@ -211,7 +211,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
-        output::offset::OffsetSheet sheet(output::image::image_backend(), to, request);
+        output::offset::OffsetPictures sheet(request, to);
         summaries = run_offsets(request, &sheet);
         sheet.finish(summaries);
     });

@@ -16,7 +16,7 @@
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/picture/render_sheet.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
@@ -150,7 +150,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
         }
     }
     const std::string file = scene.id + ".offsets.png";
-    offset::OffsetSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
+    offset::OffsetPictures sheet(request, shown.folder / "pictures" / file);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
     return picture_link(scene.title, file);
 }

@@ -13,6 +13,7 @@ namespace lostbits::output::offset {
 struct OffsetFilesOptions {
     std::filesystem::path folder;               ///< of this scene; made if missing
     bool pixels_csv = false;                    ///< also one row per pixel
+    bool singles = false;                       ///< also a picture for each cell of the sheet
     std::vector<file::DataResource> also = {};  ///< other tables in the folder
 };
 
@@ -29,15 +30,10 @@ struct StrategyRow {
 /// Every strategy to every side.
 [[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
                                                      const std::vector<measure::offset::OffsetSummary>& summaries);
-/// `sphere.half_b.f32.computed`
-[[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
-/// `away from the solid`, `into the solid`
-[[nodiscard]] std::string in_words(measure::offset::Side side);
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// `<form>.<format>.<point>.<side>.safe.png` is the smallest safe offset of each point, and `….<strategy>.png` what
-/// becomes of the rays of a strategy; `<form>.<format>.<point>.csv` has one row per pixel.
+/// The pictures are those of `OffsetPictures`; `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
     OffsetFiles(const measure::offset::OffsetRequest& request, const OffsetFilesOptions& options);
