@@ -2,19 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
-
 #include "output/blame/explain_command.hpp"
-#include "output/consistency/accord_colour.hpp"
-#include "output/consistency/consistency_sheet.hpp"
-#include "output/image/heatmap.hpp"
+#include "output/consistency/consistency_pictures.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
 
-using image::HeatmapWriter;
 using measure::consistency::accord_names;
 using measure::consistency::AccordOfPixels;
 using measure::consistency::Check;
@@ -26,12 +20,6 @@ using measure::evaluate::TestedForm;
 using table::Table;
 
 namespace {
-
-/// One picture: what a check finds of a row.
-struct CheckMap {
-    std::unique_ptr<HeatmapWriter> heatmap;
-    AccordCounts counts{};
-};
 
 struct AccordPixel {
     const ConsistencyBand* band;
@@ -98,66 +86,6 @@ Table<CheckRow> check_table() {
          {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-/// The files of one form in one format.
-class ConsistencyRowFiles {
-public:
-    ConsistencyRowFiles(const ConsistencyRequest& request, const TestedForm& row,
-                        const ConsistencyFilesOptions& options)
-        : request_(request), scale_(excess_scale(image::image_backend())) {
-        for (const Check* check : request.checks) {
-            request.limit.stop.check();
-            open(*check, row, options.folder);
-        }
-        if (options.pixels_csv)
-            pixels_.emplace(options.folder, map::row_name(row) + ".csv", "One row per pixel", pixel_table(request));
-    }
-
-    void band(const ConsistencyBand& band) {
-        for (std::size_t c = 0; c < maps_.size(); ++c) {
-            const AccordOfPixels& pixels = band.checks[c];
-            std::vector<image::Rgb8> field(pixels.accord.size());
-            for (std::size_t i = 0; i < field.size(); ++i) {
-                field[i] = colour_at(scale_, pixels, i);
-                if (is_category(pixels, i)) ++maps_[c].counts[static_cast<std::size_t>(pixels.accord[i])];
-            }
-            maps_[c].heatmap->write_rows(field);
-        }
-        for (std::size_t i = 0; pixels_ && i < band.checks.front().accord.size(); ++i) pixels_->add({&band, i});
-    }
-
-    void finish() {
-        for (std::size_t c = 0; c < maps_.size(); ++c)
-            maps_[c].heatmap->finish(accord_legend(*request_.checks[c], maps_[c].counts, request_.scene->pixels()));
-        if (pixels_) pixels_->close();
-    }
-
-    /// Of its pixels, where there is one.
-    [[nodiscard]] const std::optional<table::TableFile<AccordPixel>>& table() const { return pixels_; }
-
-private:
-    void open(const Check& check, const TestedForm& row, const std::filesystem::path& folder) {
-        image::HeatmapSpec spec{
-            .title = fmt::format("{}: {}", check.name, check.title),
-            .subtitle = {request_.scene->title, fmt::format("{} in {}", row.form->info->name, row.format.name),
-                         check.numbers ? "colour: by how much more than the exact answers the chord differs from "
-                                         "either end, clamped at both ends of the bar"
-                                       : ""},
-            .width = request_.scene->width,
-            .height = request_.scene->height,
-            .scale = check.numbers ? std::optional(scale_) : std::nullopt,
-            .unit = check.numbers ? excess_unit : "",
-            .legend = widest_accord_legend(check, request_.scene->pixels())};
-        if (!check.numbers) spec.subtitle.pop_back();
-        const std::string name = fmt::format("{}.{}.png", map::row_name(row), check.name);
-        maps_.push_back({std::make_unique<HeatmapWriter>(image::image_backend(), folder / name, std::move(spec)), {}});
-    }
-
-    const ConsistencyRequest& request_;
-    image::ColourScale scale_;
-    std::vector<CheckMap> maps_;
-    std::optional<table::TableFile<AccordPixel>> pixels_;
-};
-
 }  // namespace
 
 struct ConsistencyFiles::Parts {
@@ -165,15 +93,18 @@ struct ConsistencyFiles::Parts {
         : request(of),
           options(with),
           table(with.folder, "summary.csv", "One row per check, form and format", check_table()),
-          sheet(image::image_backend(), with.folder / "contact.png", of) {
-        for (const TestedForm& row : of.rows) rows.push_back(std::make_unique<ConsistencyRowFiles>(of, row, with));
+          pictures(of, with.folder / "contact.png", with.singles ? with.folder : std::filesystem::path()) {
+        if (!with.pixels_csv) return;
+        for (const TestedForm& row : of.rows)
+            pixels.push_back(std::make_unique<table::TableFile<AccordPixel>>(with.folder, map::row_name(row) + ".csv",
+                                                                             "One row per pixel", pixel_table(of)));
     }
 
     const ConsistencyRequest& request;
     ConsistencyFilesOptions options;
     table::TableFile<CheckRow> table;
-    ConsistencySheet sheet;
-    std::vector<std::unique_ptr<ConsistencyRowFiles>> rows;
+    ConsistencyPictures pictures;
+    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels;  ///< of each row, where they are asked for
 };
 
 ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, const ConsistencyFilesOptions& options)
@@ -182,17 +113,19 @@ ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, const Cons
 ConsistencyFiles::~ConsistencyFiles() = default;
 
 void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
-    parts_->rows[row]->band(band);
-    parts_->sheet.band(row, band);
+    parts_->pictures.band(row, band);
+    if (parts_->pixels.empty()) return;
+    for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) parts_->pixels[row]->add({&band, i});
 }
 
 void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
     Parts& p = *parts_;
-    for (auto& row : p.rows) row->finish();
-    p.sheet.finish(rows);
+    p.pictures.finish(rows);
     std::vector<file::DataResource> resources{p.table.about()};
-    for (const auto& row : p.rows)
-        if (row->table()) resources.push_back(row->table()->about());
+    for (const auto& pixels : p.pixels) {
+        pixels->close();
+        resources.push_back(pixels->about());
+    }
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
             p.table.add({p.request.checks[c], &p.request.rows[r], &rows[r][c]});

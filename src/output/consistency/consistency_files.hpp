@@ -12,11 +12,12 @@ namespace lostbits::output::consistency {
 struct ConsistencyFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     bool pixels_csv = false;       ///< also one row per pixel
+    bool singles = false;          ///< also a picture for each cell of the sheet
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// `<form>.<format>.<check>.png` shows each pixel, `<form>.<format>.csv` has one row per pixel.
+/// The pictures are those of `ConsistencyPictures`; `<form>.<format>.csv` has one row per pixel.
 class ConsistencyFiles final : public measure::consistency::ConsistencySink {
 public:
     ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, const ConsistencyFilesOptions& options);
