@@ -17,7 +17,7 @@
 #include "output/file/number_text.hpp"
 #include "output/map/scene_sheet.hpp"
 #include "output/offset/offset_pictures.hpp"
-#include "output/picture/render_sheet.hpp"
+#include "output/picture/render_pictures.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
@@ -128,7 +128,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
         }
     }
     const std::string file = scene.id + ".rendered.png";
-    picture::RenderSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
+    picture::RenderPictures sheet(request, shown.folder / "pictures" / file);
     sheet.finish(measure::picture::run_render(request, &sheet));
     return picture_link(scene.title, file);
 }

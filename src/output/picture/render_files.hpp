@@ -13,13 +13,11 @@ namespace lostbits::output::picture {
 struct RenderFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     std::string command;           ///< what to type to make these files again, for the EXR header
+    bool singles = false;          ///< also each picture alone, and its difference maps
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.
-///
-/// `<stage>.reference.png` and `<stage>.<form>.<format>.png` are the bare pictures, a pixel a pixel; `….colour.png` is
-/// the difference of the two, and `<form>.<format>.residual.png`, `.normal.png`, `.shadow.png` are the differences that
-/// all stages share, the last two where a stage needs them.
+/// The pictures are those of `RenderPictures`; `<form>.<format>.exr` has what they were made of.
 class RenderFiles final : public measure::picture::RenderSink {
 public:
     RenderFiles(const measure::picture::RenderRequest& request, const RenderFilesOptions& options);

@@ -9,7 +9,7 @@
 #include "output/image/eyes.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/picture/render_colour.hpp"
+#include "output/picture/render_pictures.hpp"
 
 namespace test_class_colours {
 
@@ -44,9 +44,11 @@ void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
     }
 }
 
-std::vector<Rgb8> colours_of(const std::vector<image::LegendEntry>& legend) {
+/// Of those that a legend lists.
+std::vector<Rgb8> colours_of(const std::vector<pixel::Category>& categories) {
     std::vector<Rgb8> colours;
-    for (const image::LegendEntry& entry : legend) colours.push_back(entry.colour);
+    for (const pixel::Category& category : categories)
+        if (!category.name.empty()) colours.push_back(category.colour);
     return colours;
 }
 
@@ -85,10 +87,10 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
     check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
     check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
     check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
-    auto seen = colours_of(picture::widest_seen_legend(1));
+    auto seen = colours_of(picture::seen_categories());
     seen.push_back(outcome_colours.front());
     check_apart("what is seen", seen);
-    check_apart("shadows", colours_of(picture::widest_shadow_legend(1)));
+    check_apart("shadows", colours_of(picture::shadow_categories()));
 }
 
 TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
