@@ -228,6 +228,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                                      .title = "rays of " + std::filesystem::path(o.file).filename().string(),
                                      .command = common.typed.text(),
                                      .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .singles = o.pictures == "all",
                                      .rows = o.rows,
                                      .worst = o.worst,
                                      .keep = shard::keep_in(division, "judge")});
@@ -286,6 +287,7 @@ void add_judge(const shell::Command& program, const Common& common) {
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    choice::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);

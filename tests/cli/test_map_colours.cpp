@@ -24,8 +24,9 @@ lostbits::output::image::PngImage png(const std::filesystem::path& path) {
 TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
     draw_pictures();
     const Scratch scratch;
-    const auto r = run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv -v -o '" +
-                       scratch.path().string() + "'");
+    const auto r =
+        run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v -o '" +
+            scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "wrong solid"));

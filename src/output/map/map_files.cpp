@@ -6,6 +6,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/file/machine.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/culprit_table.hpp"
 #include "output/map/map_sheet.hpp"
@@ -101,7 +102,7 @@ public:
                 !note.empty() && !options.listed)
                 spec.subtitle.push_back(note);
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m), nullptr});
-            if (keep_) continue;
+            if (keep_ || !options.singles) continue;
             drawings_.back().heatmap = std::make_unique<image::HeatmapWriter>(
                 backend, options.folder / (stem + suffix + ".png"), std::move(spec));
         }
@@ -120,9 +121,9 @@ public:
     void put(const MapPiece& piece) {
         for (std::size_t k = 0; k < drawings_.size(); ++k) {
             Drawing& d = drawings_[k];
-            d.heatmap->write_rows(piece.fields.at(k));
+            if (d.heatmap) d.heatmap->write_rows(piece.fields.at(k));
             d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), piece.y0,
-                                    piece.fields[k]);
+                                    piece.fields.at(k));
         }
         paler_ += piece.paler;
         if (exr_) exr_->write(piece.exr);
@@ -132,8 +133,9 @@ public:
     void finish(const FormSummary& summary) {
         for (Drawing& d : drawings_) {
             const measure::evaluate::WorstRay* const worst = summary.worst_ray();
-            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
-                              d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
+            if (d.heatmap)
+                d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
+                                  d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
                                     cell_note(d.paint, summary, d.metric));
         }
@@ -232,7 +234,10 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
-    require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
+    // In front of an hour of drawing titles.
+    const std::size_t of_row = (options.singles ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
+    file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
+                             "select fewer forms, formats or metrics");
     if (!options.keep)
         p.summary.emplace(options.folder, "summary.csv",
                           options.by.empty() ? "One row per form and format" : "One row per form, format and group",

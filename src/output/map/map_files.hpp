@@ -18,7 +18,8 @@ namespace lostbits::output::map {
 struct MapFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     std::vector<const measure::metric::Metric*>
-        drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
+        drawn;                ///< on sheets, those that are drawn alike on one; the first is also the preview's
+    bool singles = false;     ///< also a picture of each metric of each row
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
     std::string named;        ///< what names the scene to `lostbits explain`: a word and perhaps options
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
