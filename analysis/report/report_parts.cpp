@@ -6,8 +6,8 @@
 #include "analysis/choice/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
+#include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/map/scene_sheet.hpp"
 #include "output/offset/offset_pictures.hpp"
 #include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
@@ -155,8 +155,12 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";
-    output::map::SceneSheet sheet(
-        request, file, work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height));
+    output::map::MapFiles sheet(
+        request,
+        {.folder = {},
+         .drawn = {measure::metric::find_metric("lost_bits")},
+         .named = work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height),
+         .sheet_alone = file});
     output::page::MapData data(request);
     std::vector<std::unique_ptr<Both>> both;
     std::vector<EvaluationSink*> sinks;

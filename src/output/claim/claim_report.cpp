@@ -15,7 +15,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/scene_sheet.hpp"
+#include "output/map/map_files.hpp"
 #include "output/offset/offset_pictures.hpp"
 #include "output/picture/render_pictures.hpp"
 #include "output/sweep/case_files.hpp"
@@ -104,7 +104,9 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
                                                        .metrics = {measure::metric::find_metric("lost_bits")},
                                                        .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
-    map::SceneSheet sheet(request, shown.folder / "pictures" / file, scene.id);
+    map::MapFiles sheet(
+        request,
+        {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = shown.folder / "pictures" / file});
     sheet.finish(measure::evaluate::evaluate_rows(request, sheet.sinks()));
     return picture_link(scene.title, file);
 }

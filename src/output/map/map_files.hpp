@@ -31,6 +31,9 @@ struct MapFilesOptions {
     std::optional<BarRange> range = {};         ///< of every colour bar; absent: what fits each format
     KeepPiece keep = {};                        ///< of a shard
     std::string by = {};                        ///< the column whose values rays are grouped by; empty: none
+    /// A file: the sheet of lost bits there, which is all that is drawn, is the only one. Its legend leaves out correct
+    /// hits without a value.
+    std::filesystem::path sheet_alone = {};
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final

@@ -7,7 +7,7 @@ namespace lostbits::output::pixel {
 using image::LegendEntry;
 
 ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
-    : width_(static_cast<std::size_t>(pages.scene.width)), columns_(std::move(columns)) {
+    : width_(static_cast<std::size_t>(pages.scene.width)), pixels_(pages.scene.pixels()), columns_(std::move(columns)) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
     pages.spec.field_width = pages.scene.width;
     pages.spec.field_height = pages.scene.height;
@@ -83,7 +83,7 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(bool all) const {
 
 void ColumnWriter::finish() {
     for (std::size_t c = 0; c < singles_.size(); ++c) {
-        if (singles_[c].heatmap) singles_[c].heatmap->finish(look(c).legend(counts_[c]));
+        if (singles_[c].heatmap) singles_[c].heatmap->finish(look(c).legend(counts_[c], pixels_));
         else singles_[c].bare->close();
     }
     sheet_->finish(sheet_legend(false));

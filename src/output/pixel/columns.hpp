@@ -72,6 +72,7 @@ private:
         std::unique_ptr<image::PngWriter> bare = {};
     };
     std::size_t width_;
+    std::uint64_t pixels_;
     std::vector<ColumnSpec> columns_;
     std::vector<CategoryCounts> counts_;  ///< of each column
     std::vector<Single> singles_;         ///< of each column; empty: none

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <numeric>
+#include "measure/truth/missing.hpp"
 
 namespace lostbits::output::pixel {
 
 using image::LegendEntry;
 
-std::vector<LegendEntry> Look::legend(const CategoryCounts& counts) const {
-    const auto pixels = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+std::vector<LegendEntry> Look::legend(const CategoryCounts& counts, std::uint64_t pixels) const {
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < categories.size(); ++k) {
         if (counts[k] > 0 && !categories[k].name.empty())
@@ -30,17 +29,23 @@ image::ColourScale magnitude_scale(double low, double high) {
     return {"viridis", image::image_backend().ramp("viridis", 256), low, high, image::Spacing::log2};
 }
 
+namespace {
+
+std::string percent_text(double percent) {
+    return percent > 0 && percent < 0.1 ? "<0.1%" : fmt::format("{:.1f}%", percent);
+}
+
+}  // namespace
+
 std::string count_text(std::uint64_t count, std::uint64_t total) {
     const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
-    return fmt::format("{} ({})", count, share > 99.9 && share < 100 ? ">99.9%" : share_text(count, total));
+    return fmt::format("{} ({})", count, share > 99.9 && share < 100 ? ">99.9%" : percent_text(share));
 }
 
 std::string widest_count(std::uint64_t pixels) { return fmt::format("{} (>99.9%)", pixels); }
 
 std::string share_text(std::uint64_t part, std::uint64_t whole) {
-    if (whole == 0) return "-";
-    const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
-    return share > 0 && share < 0.1 ? "<0.1%" : fmt::format("{:.1f}%", share);
+    return whole == 0 ? "-" : percent_text(100 * measure::truth::fraction(part, whole));
 }
 
 }  // namespace lostbits::output::pixel

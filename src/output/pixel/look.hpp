@@ -46,8 +46,8 @@ struct Look {
         if (!std::isnan(pixel.value)) return scale->map(pixel.value);
         return pixel.colour ? *pixel.colour : categories[pixel.category].colour;
     }
-    /// The categories that have a pixel, with their counts and shares; every pixel is counted.
-    [[nodiscard]] std::vector<image::LegendEntry> legend(const CategoryCounts& counts) const;
+    /// The categories that have a pixel, with their counts and shares of all pixels.
+    [[nodiscard]] std::vector<image::LegendEntry> legend(const CategoryCounts& counts, std::uint64_t pixels) const;
     /// All of them with the widest count in a picture of so many pixels.
     [[nodiscard]] std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels) const;
 };

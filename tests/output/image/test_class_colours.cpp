@@ -7,7 +7,7 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
-#include "output/map/map_colour.hpp"
+#include "output/map/metric_paint.hpp"
 #include "output/map/needed_files.hpp"
 #include "output/picture/render_pictures.hpp"
 
@@ -94,10 +94,11 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
 }
 
 TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
-    const auto legend = map::widest_legend(1, true);
-    REQUIRE(legend.size() == outcome_colours.size() - 1);
-    CHECK(legend.back().label == "out of order");
-    CHECK(legend.back().colour == outcome_colours.back());
+    const auto& lost_bits = *lostbits::measure::metric::find_metric("lost_bits");
+    const auto legend = map::MetricPaint(lost_bits, lostbits::binary32, backend()).widest(1, true);
+    REQUIRE(legend.size() == outcome_colours.size());
+    CHECK(legend[legend.size() - 2].label == "out of order");
+    CHECK(legend[legend.size() - 2].colour == outcome_colours.back());
     CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
     for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());
 }
