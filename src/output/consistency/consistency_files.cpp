@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "output/blame/explain_command.hpp"
-#include "output/consistency/consistency_pictures.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
@@ -20,11 +19,6 @@ using measure::evaluate::TestedForm;
 using table::Table;
 
 namespace {
-
-struct AccordPixel {
-    const ConsistencyBand* band;
-    std::size_t i;
-};
 
 Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     using R = AccordPixel;
@@ -52,13 +46,6 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     }
     return table;
 }
-
-/// What a check finds of a row.
-struct CheckRow {
-    const Check* check;
-    const TestedForm* row;
-    const CheckSummary* summary;
-};
 
 Table<CheckRow> check_table() {
     using R = CheckRow;
@@ -88,49 +75,35 @@ Table<CheckRow> check_table() {
 
 }  // namespace
 
-struct ConsistencyFiles::Parts {
-    Parts(const ConsistencyRequest& of, const ConsistencyFilesOptions& with)
-        : request(of),
-          options(with),
-          table(with.folder, "summary.csv", "One row per check, form and format", check_table()),
-          pictures(of, with.folder / "contact.png", with.singles ? with.folder : std::filesystem::path()) {
-        if (!with.pixels_csv) return;
-        for (const TestedForm& row : of.rows)
-            pixels.push_back(std::make_unique<table::TableFile<AccordPixel>>(with.folder, map::row_name(row) + ".csv",
-                                                                             "One row per pixel", pixel_table(of)));
-    }
-
-    const ConsistencyRequest& request;
-    ConsistencyFilesOptions options;
-    table::TableFile<CheckRow> table;
-    ConsistencyPictures pictures;
-    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels;  ///< of each row, where they are asked for
-};
-
-ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, const ConsistencyFilesOptions& options)
-    : parts_(new Parts(request, options)) {}
-
-ConsistencyFiles::~ConsistencyFiles() = default;
+ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, ConsistencyFilesOptions options)
+    : request_(request),
+      options_(std::move(options)),
+      table_(options_.folder, "summary.csv", "One row per check, form and format", check_table()),
+      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+    if (!options_.pixels_csv) return;
+    for (const TestedForm& row : request.rows)
+        pixels_.push_back(std::make_unique<table::TableFile<AccordPixel>>(options_.folder, map::row_name(row) + ".csv",
+                                                                          "One row per pixel", pixel_table(request)));
+}
 
 void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
-    parts_->pictures.band(row, band);
-    if (parts_->pixels.empty()) return;
-    for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) parts_->pixels[row]->add({&band, i});
+    pictures_.band(row, band);
+    if (pixels_.empty()) return;
+    for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) pixels_[row]->add({&band, i});
 }
 
 void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
-    Parts& p = *parts_;
-    p.pictures.finish(rows);
-    std::vector<file::DataResource> resources{p.table.about()};
-    for (const auto& pixels : p.pixels) {
+    pictures_.finish(rows);
+    std::vector<file::DataResource> resources{table_.about()};
+    for (const auto& pixels : pixels_) {
         pixels->close();
         resources.push_back(pixels->about());
     }
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            p.table.add({p.request.checks[c], &p.request.rows[r], &rows[r][c]});
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
-    p.table.close();  // last: a folder with a summary is a finished one
+            table_.add({request_.checks[c], &request_.rows[r], &rows[r][c]});
+    file::write_datapackage(options_.folder / "datapackage.json", request_.scene->title, resources);
+    table_.close();  // last: a folder with a summary is a finished one
 }
 
 }  // namespace lostbits::output::consistency

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "output/offset/offset_pictures.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::offset {
@@ -20,11 +19,6 @@ using measure::offset::Strategy;
 using table::Table;
 
 namespace {
-
-struct OffsetPixel {
-    const OffsetBand* band;
-    std::size_t i;
-};
 
 Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
     using R = OffsetPixel;
@@ -88,50 +82,37 @@ std::vector<StrategyRow> strategy_rows(const OffsetRequest& request, const std::
     return rows;
 }
 
-struct OffsetFiles::Parts {
-    Parts(const OffsetRequest& of, const OffsetFilesOptions& with)
-        : request(of),
-          options(with),
-          table(with.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
-                strategy_table()),
-          pictures(of, with.folder / "contact.png", with.singles ? with.folder : std::filesystem::path()) {
-        if (!with.pixels_csv) return;
-        for (const OffsetRow& row : of.rows)
-            pixels.push_back(std::make_unique<table::TableFile<OffsetPixel>>(
-                with.folder, row_name(row) + ".csv", "One row per pixel with a point that counts", pixel_table(of)));
-    }
-
-    const OffsetRequest& request;
-    OffsetFilesOptions options;
-    table::TableFile<StrategyRow> table;
-    OffsetPictures pictures;
-    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels;  ///< of each row, where they are asked for
-};
-
-OffsetFiles::OffsetFiles(const OffsetRequest& request, const OffsetFilesOptions& options)
-    : parts_(new Parts(request, options)) {}
-
-OffsetFiles::~OffsetFiles() = default;
+OffsetFiles::OffsetFiles(const OffsetRequest& request, OffsetFilesOptions options)
+    : request_(request),
+      options_(std::move(options)),
+      table_(options_.folder, "summary.csv", "One row per strategy, side, kind of point, form and format",
+             strategy_table()),
+      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+    if (!options_.pixels_csv) return;
+    for (const OffsetRow& row : request.rows)
+        pixels_.push_back(std::make_unique<table::TableFile<OffsetPixel>>(options_.folder, row_name(row) + ".csv",
+                                                                          "One row per pixel with a point that counts",
+                                                                          pixel_table(request)));
+}
 
 void OffsetFiles::band(std::size_t row, const OffsetBand& band) {
-    parts_->pictures.band(row, band);
-    if (parts_->pixels.empty()) return;
+    pictures_.band(row, band);
+    if (pixels_.empty()) return;
     for (std::size_t i = 0; i < band.is_point.size(); ++i)
-        if (band.is_point[i] != 0) parts_->pixels[row]->add({&band, i});
+        if (band.is_point[i] != 0) pixels_[row]->add({&band, i});
 }
 
 void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
-    Parts& p = *parts_;
-    p.pictures.finish(summaries);
-    std::vector<file::DataResource> resources{p.table.about()};
-    for (const auto& pixels : p.pixels) {
+    pictures_.finish(summaries);
+    std::vector<file::DataResource> resources{table_.about()};
+    for (const auto& pixels : pixels_) {
         pixels->close();
         resources.push_back(pixels->about());
     }
-    resources.insert(resources.end(), p.options.also.begin(), p.options.also.end());
-    p.table.add_all(strategy_rows(p.request, summaries));
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
-    p.table.close();  // last: a folder with a summary is a finished one
+    resources.insert(resources.end(), options_.also.begin(), options_.also.end());
+    table_.add_all(strategy_rows(request_, summaries));
+    file::write_datapackage(options_.folder / "datapackage.json", request_.scene->title, resources);
+    table_.close();  // last: a folder with a summary is a finished one
 }
 
 }  // namespace lostbits::output::offset

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measure/offset/offsets.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::offset {
@@ -15,6 +16,11 @@ struct OffsetFilesOptions {
     bool pixels_csv = false;                    ///< also one row per pixel
     bool singles = false;                       ///< also a picture for each cell of the sheet
     std::vector<file::DataResource> also = {};  ///< other tables in the folder
+};
+
+struct OffsetPixel {
+    const measure::offset::OffsetBand* band;
+    std::size_t i;
 };
 
 /// A strategy to one side.
@@ -36,17 +42,17 @@ struct StrategyRow {
 /// The pictures are those of `OffsetPictures`; `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
-    OffsetFiles(const measure::offset::OffsetRequest& request, const OffsetFilesOptions& options);
-    ~OffsetFiles() override;
-    OffsetFiles(const OffsetFiles&) = delete;
-    OffsetFiles& operator=(const OffsetFiles&) = delete;
+    OffsetFiles(const measure::offset::OffsetRequest& request, OffsetFilesOptions options);
 
     void band(std::size_t row, const measure::offset::OffsetBand& band) override;
     void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
 
 private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    const measure::offset::OffsetRequest& request_;
+    OffsetFilesOptions options_;
+    table::TableFile<StrategyRow> table_;
+    OffsetPictures pictures_;
+    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
 };
 
 }  // namespace lostbits::output::offset

@@ -1,8 +1,6 @@
 #include "output/picture/render_files.hpp"
 
 #include "output/map/row_names.hpp"
-#include "output/picture/render_exr.hpp"
-#include "output/picture/render_pictures.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::picture {
@@ -11,12 +9,6 @@ using measure::evaluate::TestedForm;
 using measure::picture::RenderRequest;
 
 namespace {
-
-struct StageRow {
-    scene::file::Stage stage;
-    const TestedForm* row;
-    const measure::picture::RenderSummary* summary;
-};
 
 table::Table<StageRow> stage_table() {
     using R = StageRow;
@@ -31,47 +23,24 @@ table::Table<StageRow> stage_table() {
 
 }  // namespace
 
-struct RenderFiles::Parts {
-    Parts(const RenderRequest& of, const RenderFilesOptions& with)
-        : request(of),
-          options(with),
-          table(with.folder, "summary.csv", "One row per stage, form and format", stage_table()),
-          pictures(of, with.folder / "contact.png", with.singles ? with.folder : std::filesystem::path()) {
-        for (const TestedForm& row : of.rows)
-            layers.emplace_back(with.folder / (map::row_name(row) + ".exr"), of, row, with.command);
-    }
-
-    const RenderRequest& request;
-    RenderFilesOptions options;
-    table::TableFile<StageRow> table;
-    RenderPictures pictures;
-    std::vector<RenderExr> layers;  ///< of each row
-};
-
-RenderFiles::RenderFiles(const RenderRequest& request, const RenderFilesOptions& options)
-    : parts_(new Parts(request, options)) {}
-
-RenderFiles::~RenderFiles() = default;
-
-void RenderFiles::reference(int y0, int rows, std::span<const measure::picture::TruePixel> truth) {
-    parts_->pictures.reference(y0, rows, truth);
-}
-
-void RenderFiles::row(std::size_t row, const measure::picture::RenderBand& band) {
-    parts_->pictures.row(row, band);
-    parts_->layers[row].write(band);
+RenderFiles::RenderFiles(const RenderRequest& request, RenderFilesOptions options)
+    : request_(request),
+      options_(std::move(options)),
+      table_(options_.folder, "summary.csv", "One row per stage, form and format", stage_table()),
+      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+    for (const TestedForm& row : request.rows)
+        layers_.emplace_back(options_.folder / (map::row_name(row) + ".exr"), request, row, options_.command);
 }
 
 void RenderFiles::finish(const std::vector<measure::picture::RenderSummary>& summaries) {
-    Parts& p = *parts_;
-    for (RenderExr& exr : p.layers) exr.close();
-    p.pictures.finish(summaries);
-    const std::size_t stages = p.request.stages.size();
+    for (RenderExr& exr : layers_) exr.close();
+    pictures_.finish(summaries);
+    const std::size_t stages = request_.stages.size();
     for (std::size_t s = 0; s < stages; ++s)
-        for (std::size_t r = 0; r < p.request.rows.size(); ++r)
-            p.table.add({p.request.stages[s], &p.request.rows[r], &summaries[r * stages + s]});
+        for (std::size_t r = 0; r < request_.rows.size(); ++r)
+            table_.add({request_.stages[s], &request_.rows[r], &summaries[r * stages + s]});
     // Closed last: a folder with a summary is a finished one.
-    table::close_tables(p.options.folder, p.request.scene->title, p.table);
+    table::close_tables(options_.folder, request_.scene->title, table_);
 }
 
 }  // namespace lostbits::output::picture
