@@ -196,6 +196,8 @@ Exit run(const JudgeWords& o, const Common& common) {
          {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
         if (side < 1 || side > 65536)
             throw InputError(fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
+    if (o.pictures == "all" && !request.picture)
+        throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);

@@ -70,9 +70,7 @@ const Row rows[] = {
     {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual --metric "
      "lost_bits --pictures all -o out",
      11},
-    {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 --pictures "
-     "all -o out",
-     3},
+    {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 -o out", 3},
     {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv --pictures "
      "all -o out",
      8},
