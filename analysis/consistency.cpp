@@ -71,7 +71,8 @@ void say_row(const ConsistencyRequest& request, const measure::evaluate::TestedF
 std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOptions& o, const Common& common,
                                output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
-    output::consistency::ConsistencyFiles files(request, {.folder = folder, .pixels_csv = o.pixels == "csv"});
+    output::consistency::ConsistencyFiles files(
+        request, {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all"});
     // Files of many forms and checks take seconds to open: what is estimated begins here.
     output::file::Estimate estimate(progress, request.scene->id, request.scene->pixels() * request.rows.size(),
                                     common.quiet);
@@ -150,6 +151,7 @@ void add_consistency(const shell::Command& program, const Common& common) {
     command.add_list("--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
     choice::add_pixels(command, *o);
+    choice::add_pictures(command, o->pictures);
     choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }

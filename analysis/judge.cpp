@@ -196,6 +196,8 @@ Exit run(const JudgeWords& o, const Common& common) {
          {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
         if (side < 1 || side > 65536)
             throw InputError(fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
+    if (o.pictures == "all" && !request.picture)
+        throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);
@@ -228,6 +230,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                                      .title = "rays of " + std::filesystem::path(o.file).filename().string(),
                                      .command = common.typed.text(),
                                      .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .singles = o.pictures == "all",
                                      .rows = o.rows,
                                      .worst = o.worst,
                                      .keep = shard::keep_in(division, "judge")});
@@ -286,6 +289,7 @@ void add_judge(const shell::Command& program, const Common& common) {
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    choice::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
     command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);

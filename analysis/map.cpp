@@ -178,6 +178,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     output::map::MapFiles files(
         work.map, {.folder = folder,
                    .drawn = drawn,
+                   .singles = o.pictures == "all",
                    .pixels_csv = pixels,
                    .named = choice::name_of_scene(scene, choice::data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
@@ -315,6 +316,7 @@ void add_map(const shell::Command& program, const Common& common) {
                 "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
     choice::add_pixels(command, *o);
+    choice::add_pictures(command, o->pictures);
     command.add(
         "--bits-needed", o->bits_needed,
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",

@@ -14,7 +14,7 @@
 #include "output/file/estimate.hpp"
 #include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/offset/offset_text.hpp"
 #include "scene/file/scene.hpp"
 
@@ -86,8 +86,9 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
         along.push_back(std::make_unique<output::offset::AlongFiles>(folder, request, axis));
         also.push_back(along.back()->resource());
     }
-    output::offset::OffsetFiles files(request,
-                                      {.folder = folder, .pixels_csv = o.pixels == "csv", .also = std::move(also)});
+    output::offset::OffsetFiles files(
+        request,
+        {.folder = folder, .pixels_csv = o.pixels == "csv", .singles = o.pictures == "all", .also = std::move(also)});
     const auto summaries = measure::offset::run_offsets(request, &files);
     for (std::size_t k = 0; k < along.size(); ++k) sweep_offsets(request, o.axes()[k], *along[k]);
     files.finish(summaries);
@@ -172,6 +173,7 @@ void add_offsets(const shell::Command& program, const Common& common) {
                 shell::one_of({"computed", "projected", "both"}));
     choice::add_changes(command, o->scenes, "sphere[0].radius=10");
     choice::add_pixels(command, *o);
+    choice::add_pictures(command, o->pictures);
     command.add_list("--along", o->along,
                      "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
                      "(offset from the origin); pictures of 48 columns",

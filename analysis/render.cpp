@@ -80,7 +80,9 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
                            output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
     output::picture::RenderFiles files(
-        request, {folder, common.typed.of(choice::name_of_scene(*request.scene, choice::data_folder(common.data)))});
+        request, {.folder = folder,
+                  .command = common.typed.of(choice::name_of_scene(*request.scene, choice::data_folder(common.data))),
+                  .singles = o.pictures == "all"});
     const auto summaries = measure::picture::run_render(request, &files);
     files.finish(summaries);
     progress.aside([&] {
@@ -155,6 +157,7 @@ void add_render(const shell::Command& program, const Common& common) {
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
                      shell::one_of({scene::file::stage_names.begin(), scene::file::stage_names.end()}));
     choice::add_changes(command, o->scenes, "light.position=[9,9,9]");
+    choice::add_pictures(command, o->pictures);
     choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }

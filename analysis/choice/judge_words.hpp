@@ -41,7 +41,7 @@ struct JudgeWords : RayFileWords {
     std::string size;
     bool rows = false;
     std::size_t worst = 10;
-    std::string out, shard;
+    std::string out, shard, pictures = "sheets";
 };
 
 /// The one scene whose solids the rays are aimed at; nothing where none is named. InputError for several, and for one

@@ -77,6 +77,11 @@ void add_pixels(const shell::Command& command, SharedOptions& shared) {
     command.add("--pixels", shared.pixels, "csv: also write one row per pixel", shell::one_of({"none", "csv"}));
 }
 
+void add_pictures(const shell::Command& command, std::string& pictures) {
+    command.add("--pictures", pictures, "all: also each picture of a contact sheet alone, with its legend",
+                shell::one_of({"sheets", "all"}));
+}
+
 void add_out(const shell::Command& command, std::string& out) {
     command.add("-o,--out", out, "Folder for the results").required();
 }

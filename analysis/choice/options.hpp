@@ -18,7 +18,7 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& na
 struct SharedOptions {
     SceneChoice scenes = {};
     std::vector<std::string> forms = {}, formats = {};
-    std::string pixels = "none", out = {};
+    std::string pixels = "none", pictures = "sheets", out = {};
 };
 /// SCENE; `kinds` says which scenes, where that is not any.
 void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds = "");
@@ -28,6 +28,8 @@ void add_forms(const shell::Command& command, std::vector<std::string>& forms, c
 void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual);
 /// --pixels csv.
 void add_pixels(const shell::Command& command, SharedOptions& shared);
+/// --pictures all: what a contact sheet shows is drawn alone only where that is asked for.
+void add_pictures(const shell::Command& command, std::string& pictures);
 /// -o, which must be given.
 void add_out(const shell::Command& command, std::string& out);
 /// --size, --variant and --set of a command that takes scenes; `example` is an assignment for the help.

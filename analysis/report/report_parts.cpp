@@ -6,9 +6,9 @@
 #include "analysis/choice/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
+#include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/map/scene_sheet.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
@@ -155,8 +155,12 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     request.progress = advance;
     const output::page::TemporaryFolder folder;
     const auto file = folder.path() / "contact.png";
-    output::map::SceneSheet sheet(
-        request, file, work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height));
+    output::map::MapFiles sheet(
+        request,
+        {.folder = {},
+         .drawn = {measure::metric::find_metric("lost_bits")},
+         .named = work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height),
+         .sheet_alone = file});
     output::page::MapData data(request);
     std::vector<std::unique_ptr<Both>> both;
     std::vector<EvaluationSink*> sinks;
@@ -211,7 +215,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
-        output::offset::OffsetSheet sheet(output::image::image_backend(), to, request);
+        output::offset::OffsetPictures sheet(request, to);
         summaries = run_offsets(request, &sheet);
         sheet.finish(summaries);
     });

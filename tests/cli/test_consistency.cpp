@@ -32,7 +32,8 @@ std::size_t place_of(const CsvTable& table, const std::string& check) {
 
 TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     const Scratch scratch;
-    const auto r = run("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv" + into(scratch, ""));
+    const auto r =
+        run("consistency near-benign --size 24x18 -i sphere.half_b --pixels csv --pictures all" + into(scratch, ""));
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "near-benign";

@@ -122,15 +122,16 @@ TEST_CASE("no name of a file leads out of the folder of results") {
 TEST_CASE("what a machine cannot hold open is said before the work, and nothing is written") {
     const Scratch scratch;
     static_cast<void>(scratch.write("mine.toml", good_scene));
-    const auto few = run("map mine.toml -i 'sphere.*' -f p2..p53 -o out", scratch.path(), "ulimit -n 128;");
+    const auto few =
+        run("map mine.toml -i 'sphere.*' -f p2..p53 --pictures all -o out", scratch.path(), "ulimit -n 128;");
     INFO(few.err);
     CHECK(few.code == 3);
     CHECK(has(few.err, "files at once, and this machine lets a process have 128 open (`ulimit -n`)"));
     CHECK(has(few.err, "select fewer forms, formats or metrics"));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
     if (under_sanitizer) return;
-    const auto little =
-        run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' -o out", scratch.path(), "ulimit -v 2000000;");
+    const auto little = run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' --pictures all -o out", scratch.path(),
+                            "ulimit -v 2000000;");
     INFO(little.err);
     CHECK(little.code == 3);
     // Of memory, where the machine lets so many be open.

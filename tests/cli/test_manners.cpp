@@ -233,6 +233,10 @@ TEST_CASE("an option that would do nothing is refused, or it is said") {
     const auto sized = run("explain near-benign --ray 0,0,5,0,0,-1 --size 10x10 -i sphere.press");
     CHECK(sized.code == 2);
     CHECK(has(sized.err, "--size needs --pixel"));
+    const auto listed = run("judge '" LOSTBITS_DATA_DIR
+                            "/dumps/far-sphere.csv' --format f32 --sphere 0,0,0,1 --pictures all -o nowhere");
+    CHECK(listed.code == 2);
+    CHECK(has(listed.err, "--pictures all: rays in a list are no picture"));
     const auto marched = run("explain --ray 0,0,5,0,0,-1 --sphere 0,0,0,1 --set march.hit_eps=1e-3 -i sphere.press");
     CHECK(marched.code == 2);
     CHECK(has(marched.err, "sphere.press does not march"));

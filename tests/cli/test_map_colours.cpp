@@ -24,8 +24,9 @@ lostbits::output::image::PngImage png(const std::filesystem::path& path) {
 TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
     draw_pictures();
     const Scratch scratch;
-    const auto r = run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv -v -o '" +
-                       scratch.path().string() + "'");
+    const auto r =
+        run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v -o '" +
+            scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "wrong solid"));
@@ -71,6 +72,30 @@ TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
         CHECK(r.code == 2);
         CHECK(has(r.err, "--range "));
         CHECK_FALSE(std::filesystem::exists(scratch.path() / "none"));
+    }
+}
+
+TEST_CASE("what a sheet shows is drawn alone only with --pictures all, whatever the command") {
+    const std::string rays = (std::filesystem::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv").string();
+    for (const std::string& words :
+         {std::string("map near-benign --size 8x6 -i sphere.press -f f32"),
+          std::string("offsets near-benign --size 8x6 --strategy offset.none --points computed"),
+          std::string("consistency near-benign --size 8x6 -i sphere.press --check segment"),
+          std::string("render raycast-acne --variant none --size 8x6 -i sphere.press"),
+          "judge '" + rays + "' --format f32 --sphere 0,0,0,1 --size 48x32"}) {
+        INFO(words);
+        const auto pictures = [&words](const std::string& more) {
+            const Scratch scratch;
+            REQUIRE(run(words + more + into(scratch)).code == 0);
+            std::vector<std::string> names;
+            for (const std::string& file : scratch.files())
+                if (file.ends_with(".png")) names.push_back(std::filesystem::path(file).filename().string());
+            return names;
+        };
+        CHECK(pictures("") == std::vector<std::string>{"contact.png"});
+        const auto all = pictures(" --pictures all");
+        CHECK(all.size() >= 2);
+        CHECK(std::ranges::find(all, "contact.png") != all.end());
     }
 }
 

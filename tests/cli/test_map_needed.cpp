@@ -142,7 +142,7 @@ TEST_CASE("bits needed: the map beside them is as without") {
     const Scratch scratch;
     // More pixels than a band has, so that rows come in two instalments.
     const std::string what =
-        "map near-benign --size 150x230 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --pixels csv";
+        "map near-benign --size 150x230 -i sphere.schoolbook -i sphere.unit_half_b -f f32 --pixels csv --pictures all";
     const auto out = [&](const char* name) { return " -o '" + (scratch.path() / name).string() + "'"; };
     REQUIRE(run(what + " --bits-needed 12 --exr" + out("one")).code == 0);
     REQUIRE(run(what + out("plain")).code == 0);
@@ -211,7 +211,8 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     draw_pictures();
     const Scratch scratch;
     const std::string what =
-        "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits --exr -o "
+        "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits --exr "
+        "--pictures all -o "
         "'";
     REQUIRE(run(what + (scratch.path() / "with").string() + "' --envelope").code == 0);
     REQUIRE(run(what + (scratch.path() / "without").string() + "'").code == 0);

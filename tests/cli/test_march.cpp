@@ -59,7 +59,7 @@ TEST_CASE("maps of marches: iterations, why they ended, model and rounding error
     const auto r =
         run("map sdf-union -i sdf.sphere_trace -i sdf.secant_refined --size 32x24 --metric iterations --metric stop "
             "--metric model_error --metric rounding_error "
-            "--pixels csv -o '" +
+            "--pixels csv --pictures all -o '" +
             out + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);

@@ -13,7 +13,8 @@ using namespace lostbits::test;
 TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {
     const Scratch scratch;
     const auto r =
-        run("offsets near-benign --size 24x18 --strategy offset.bound,offset.none --pixels csv --along world" +
+        run("offsets near-benign --size 24x18 --strategy offset.bound,offset.none --pixels csv --along world "
+            "--pictures all" +
             into(scratch, ""));
     INFO(r.err);
     REQUIRE(r.code == 0);

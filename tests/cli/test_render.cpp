@@ -47,7 +47,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
     const Scratch scratch;
     const auto r =
         run("render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
-            "-f f32 -f bf16 -o '" +
+            "-f f32 -f bf16 --pictures all -o '" +
             scratch.path().string() + "'");
     INFO(r.err);
     REQUIRE(r.code == 0);
@@ -81,7 +81,8 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
 TEST_CASE("the layers, the pictures and the table say the same") {
     draw_pictures();
     const Scratch scratch;
-    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 -o '" +
+    REQUIRE(run("render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 "
+                "--pictures all -o '" +
                 scratch.path().string() + "'")
                 .code == 0);
     const auto folder = scratch.path() / "raycast-acne.none";
@@ -148,7 +149,7 @@ TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyon
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'",
                       out = " -o '" + scratch.path().string() + "'";
-    const auto r = run("render " + scene + " --stage phong" + out);
+    const auto r = run("render " + scene + " --stage phong --pictures all" + out);
     CHECK(r.code == 0);
     CHECK(r.err.find("has no stage phong; drawing stage visible instead") != std::string::npos);
     CHECK(std::filesystem::exists(scratch.path() / "scene/visible.sphere.expanded.f32.png"));

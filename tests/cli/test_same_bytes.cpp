@@ -27,24 +27,27 @@ struct Row {
 const Row rows[] = {
     // More pixels than a band has, so that rows come in two instalments.
     {"map near-benign --size 150x230 -i sphere.press -i sphere.unit_half_b -f f32 -f p13 --metric '*' --bits-needed 12 "
-     "--pixels csv --exr -o out",
+     "--pixels csv --exr --pictures all -o out",
      41, false, true},
-    {"map near-benign --size 150x230 -i sphere.press -f f32 --metric lost_bits --pixels csv --exr -o out", 5},
+    {"map near-benign --size 150x230 -i sphere.press -f f32 --metric lost_bits --pixels csv --exr --pictures all -o "
+     "out",
+     5},
     {"map near-benign --size 18x14 -i sphere.press -i sphere.unit_half_b -f f32 -f p13 --metric '*' --bits-needed 12 "
-     "--pixels csv --exr -o out",
+     "--pixels csv --exr --pictures all -o out",
      41},
-    {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv -o out", 100,
-     true},
+    {"map rtg-fig-7-3-4100-oblique box-slabs --size 23x21 -f f32 -f f64 --metric lost_bits --pixels csv --pictures all "
+     "-o out",
+     100, true},
     {"map rtg-fig-7-3-4100-oblique box-slabs --size 33x29 -f f32 -f f64 -i sphere.schoolbook "
      "-i sphere.unified_unit -i box.inclusive -i box.divide --metric '*bits' --metric '*error' --metric residual --exr "
-     "--pixels csv -o out",
+     "--pixels csv --pictures all -o out",
      40, true},
     {"map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric culprit "
-     "--metric cancellation --metric contribution:c --pixels csv -o out",
+     "--metric cancellation --metric contribution:c --pixels csv --pictures all -o out",
      11},
     {"map instance-far.sphere --size 21x17 -i 'sphere.unified@*' -f f32 -f p13 --metric worst_step --metric "
      "step:origin "
-     "--pixels csv -o out",
+     "--pixels csv --pictures all -o out",
      30, true},
     {"sweep distance.toml -i '*press*' -o out", 5},
     {"sweep few.toml -f f32 -f f64 -o out", 3, true},
@@ -58,14 +61,20 @@ const Row rows[] = {
     {"sweep worst/mesh-edges --worst -i triangle.undivided -i triangle.woop -f f32 -f p16 --set rays=2048 -o out", 2,
      true},
     {"sweep every.toml -i sphere.press -i sphere.unified -o out", 5},
-    {"render raycast-course.pixels --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},
-    {"render raycast-acne.ulp4 --size 60x40 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 -o out", 10},
+    {"render raycast-course.pixels --size 300x200 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 --pictures all "
+     "-o out",
+     10},
+    {"render raycast-acne.ulp4 --size 60x40 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 --pictures all -o "
+     "out",
+     10},
     {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual --metric "
-     "lost_bits -o out",
+     "lost_bits --pictures all -o out",
      11},
     {"judge far-sphere.csv --format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 -o out", 3},
-    {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv -o out", 8},
-    {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv -o out", 5},
+    {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv --pictures "
+     "all -o out",
+     8},
+    {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv --pictures all -o out", 5},
     {"mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 -o out --emit out/half.hpp", 5, true},
     // With every claim of these it takes 11 s of a processor each time.
     {"report near-benign sdf-union distance.toml --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i "

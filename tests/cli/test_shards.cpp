@@ -25,9 +25,10 @@ struct Row {
 
 const Row rows[] = {
     // Bands of 512 lines: four of them, the last one short.
-    {"map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64 --size 16x1800", {1, 2, 3, 7}},
+    {"map near-benign -i sphere.schoolbook -i sphere.unified -f f32 -f f64 --size 16x1800 --pictures all",
+     {1, 2, 3, 7}},
     {"map near-benign -i sphere.schoolbook -f f32 --pixels csv --exr --envelope --metric lost_bits,culprit "
-     "--bits-needed 8 --size 8x1800",
+     "--bits-needed 8 --size 8x1800 --pictures all",
      {3}},
     {"map near-benign two.toml -i sphere.press -f f32 --against sphere.unified --size 16x1800", {3}},
     {"sweep every.toml -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7}},

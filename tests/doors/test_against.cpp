@@ -56,7 +56,7 @@ TEST_CASE("against: what became of each pair of answers", "[doors]") {
 
 TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[doors]") {
     const Scratch folder;
-    const std::string map = "map near-benign --size 64x48 -f f32 -o out ";
+    const std::string map = "map near-benign --size 64x48 -f f32 --pictures all -o out ";
     REQUIRE(
         run(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path())
             .code == 0);

@@ -201,9 +201,9 @@ TEST_CASE("shader bits: every file says which driver it was and how that rounds"
     const Scratch folder;
     const Outcome devices = run("devices --json");
     const auto first = nlohmann::json::parse(devices.out).at(0);
-    const Outcome o =
-        run("map near-benign --size 16x12 --exr -i shader.sphere -f f32 -o out --shader " + examples + "sphere.glsl",
-            folder.path());
+    const Outcome o = run("map near-benign --size 16x12 --exr -i shader.sphere -f f32 --pictures all -o out --shader " +
+                              examples + "sphere.glsl",
+                          folder.path());
     INFO(o.err);
     REQUIRE(o.code == 0);
     const auto out = folder.path() / "out" / "near-benign";

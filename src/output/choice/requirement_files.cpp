@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "output/image/heatmap.hpp"
-#include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
+#include "output/pixel/look.hpp"
 
 namespace lostbits::output::choice {
 
@@ -44,7 +44,7 @@ std::string name_of(const Candidate& c) {
     return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
 }
 
-constexpr Rgb8 colour_of(Outcome o) { return image::outcome_colours[static_cast<std::size_t>(o)]; }
+using pixel::colour_of;
 constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unknown = colour_of(Outcome::unresolved),
                colour_of_others = colour_of(Outcome::agree_hit);
 
@@ -91,7 +91,7 @@ private:
         return place == Requirement::none ? colour_of_none : colour_of_unknown;
     }
     void add(std::string label, Rgb8 colour, std::uint64_t count, const Requirement& r) {
-        if (count > 0) legend_.push_back({std::move(label), colour, map::count_text(count, r.pixels())});
+        if (count > 0) legend_.push_back({std::move(label), colour, pixel::count_text(count, r.pixels())});
     }
     std::vector<Rgb8> choices_, formats_;
     std::vector<LegendEntry> legend_;

@@ -15,9 +15,9 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/scene_sheet.hpp"
-#include "output/offset/offset_sheet.hpp"
-#include "output/picture/render_sheet.hpp"
+#include "output/map/map_files.hpp"
+#include "output/offset/offset_pictures.hpp"
+#include "output/picture/render_pictures.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
@@ -104,7 +104,9 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
                                                        .metrics = {measure::metric::find_metric("lost_bits")},
                                                        .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
-    map::SceneSheet sheet(request, shown.folder / "pictures" / file, scene.id);
+    map::MapFiles sheet(
+        request,
+        {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = shown.folder / "pictures" / file});
     sheet.finish(measure::evaluate::evaluate_rows(request, sheet.sinks()));
     return picture_link(scene.title, file);
 }
@@ -128,7 +130,7 @@ std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
         }
     }
     const std::string file = scene.id + ".rendered.png";
-    picture::RenderSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
+    picture::RenderPictures sheet(request, shown.folder / "pictures" / file);
     sheet.finish(measure::picture::run_render(request, &sheet));
     return picture_link(scene.title, file);
 }
@@ -150,7 +152,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
         }
     }
     const std::string file = scene.id + ".offsets.png";
-    offset::OffsetSheet sheet(image::image_backend(), shown.folder / "pictures" / file, request);
+    offset::OffsetPictures sheet(request, shown.folder / "pictures" / file);
     sheet.finish(measure::offset::run_offsets(request, &sheet));
     return picture_link(scene.title, file);
 }

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "output/consistency/consistency_sheet.hpp"
+#include "output/consistency/consistency_pictures.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::output::claim {
@@ -21,7 +21,7 @@ std::string picture_consistency(const std::filesystem::path& folder,
                                                            .checks = measure::consistency::checks_for(scene, rows),
                                                            .limit = {.stop = run.stop}};
     const std::string file = scene.id + ".consistency.png";
-    consistency::ConsistencySheet sheet(image::image_backend(), folder / "pictures" / file, request);
+    consistency::ConsistencyPictures sheet(request, folder / "pictures" / file);
     sheet.finish(measure::consistency::run_consistency(request, &sheet));
     return fmt::format("![{}](pictures/{})\n", scene.title, file);
 }

@@ -2,19 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
-
 #include "output/blame/explain_command.hpp"
-#include "output/consistency/accord_colour.hpp"
-#include "output/consistency/consistency_sheet.hpp"
-#include "output/image/heatmap.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
 
-using image::HeatmapWriter;
 using measure::consistency::accord_names;
 using measure::consistency::AccordOfPixels;
 using measure::consistency::Check;
@@ -26,17 +19,6 @@ using measure::evaluate::TestedForm;
 using table::Table;
 
 namespace {
-
-/// One picture: what a check finds of a row.
-struct CheckMap {
-    std::unique_ptr<HeatmapWriter> heatmap;
-    AccordCounts counts{};
-};
-
-struct AccordPixel {
-    const ConsistencyBand* band;
-    std::size_t i;
-};
 
 Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     using R = AccordPixel;
@@ -65,13 +47,6 @@ Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     return table;
 }
 
-/// What a check finds of a row.
-struct CheckRow {
-    const Check* check;
-    const TestedForm* row;
-    const CheckSummary* summary;
-};
-
 Table<CheckRow> check_table() {
     using R = CheckRow;
     Table<R> table{{"check", "string", "", "which questions are compared: a row of the checks",
@@ -98,106 +73,37 @@ Table<CheckRow> check_table() {
          {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-/// The files of one form in one format.
-class ConsistencyRowFiles {
-public:
-    ConsistencyRowFiles(const ConsistencyRequest& request, const TestedForm& row,
-                        const ConsistencyFilesOptions& options)
-        : request_(request), scale_(excess_scale(image::image_backend())) {
-        for (const Check* check : request.checks) {
-            request.limit.stop.check();
-            open(*check, row, options.folder);
-        }
-        if (options.pixels_csv)
-            pixels_.emplace(options.folder, map::row_name(row) + ".csv", "One row per pixel", pixel_table(request));
-    }
-
-    void band(const ConsistencyBand& band) {
-        for (std::size_t c = 0; c < maps_.size(); ++c) {
-            const AccordOfPixels& pixels = band.checks[c];
-            std::vector<image::Rgb8> field(pixels.accord.size());
-            for (std::size_t i = 0; i < field.size(); ++i) {
-                field[i] = colour_at(scale_, pixels, i);
-                if (is_category(pixels, i)) ++maps_[c].counts[static_cast<std::size_t>(pixels.accord[i])];
-            }
-            maps_[c].heatmap->write_rows(field);
-        }
-        for (std::size_t i = 0; pixels_ && i < band.checks.front().accord.size(); ++i) pixels_->add({&band, i});
-    }
-
-    void finish() {
-        for (std::size_t c = 0; c < maps_.size(); ++c)
-            maps_[c].heatmap->finish(accord_legend(*request_.checks[c], maps_[c].counts, request_.scene->pixels()));
-        if (pixels_) pixels_->close();
-    }
-
-    /// Of its pixels, where there is one.
-    [[nodiscard]] const std::optional<table::TableFile<AccordPixel>>& table() const { return pixels_; }
-
-private:
-    void open(const Check& check, const TestedForm& row, const std::filesystem::path& folder) {
-        image::HeatmapSpec spec{
-            .title = fmt::format("{}: {}", check.name, check.title),
-            .subtitle = {request_.scene->title, fmt::format("{} in {}", row.form->info->name, row.format.name),
-                         check.numbers ? "colour: by how much more than the exact answers the chord differs from "
-                                         "either end, clamped at both ends of the bar"
-                                       : ""},
-            .width = request_.scene->width,
-            .height = request_.scene->height,
-            .scale = check.numbers ? std::optional(scale_) : std::nullopt,
-            .unit = check.numbers ? excess_unit : "",
-            .legend = widest_accord_legend(check, request_.scene->pixels())};
-        if (!check.numbers) spec.subtitle.pop_back();
-        const std::string name = fmt::format("{}.{}.png", map::row_name(row), check.name);
-        maps_.push_back({std::make_unique<HeatmapWriter>(image::image_backend(), folder / name, std::move(spec)), {}});
-    }
-
-    const ConsistencyRequest& request_;
-    image::ColourScale scale_;
-    std::vector<CheckMap> maps_;
-    std::optional<table::TableFile<AccordPixel>> pixels_;
-};
-
 }  // namespace
 
-struct ConsistencyFiles::Parts {
-    Parts(const ConsistencyRequest& of, const ConsistencyFilesOptions& with)
-        : request(of),
-          options(with),
-          table(with.folder, "summary.csv", "One row per check, form and format", check_table()),
-          sheet(image::image_backend(), with.folder / "contact.png", of) {
-        for (const TestedForm& row : of.rows) rows.push_back(std::make_unique<ConsistencyRowFiles>(of, row, with));
-    }
-
-    const ConsistencyRequest& request;
-    ConsistencyFilesOptions options;
-    table::TableFile<CheckRow> table;
-    ConsistencySheet sheet;
-    std::vector<std::unique_ptr<ConsistencyRowFiles>> rows;
-};
-
-ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, const ConsistencyFilesOptions& options)
-    : parts_(new Parts(request, options)) {}
-
-ConsistencyFiles::~ConsistencyFiles() = default;
+ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, ConsistencyFilesOptions options)
+    : request_(request),
+      options_(std::move(options)),
+      table_(options_.folder, "summary.csv", "One row per check, form and format", check_table()),
+      pictures_(request, options_.folder / "contact.png", options_.singles ? options_.folder : "") {
+    if (!options_.pixels_csv) return;
+    for (const TestedForm& row : request.rows)
+        pixels_.push_back(std::make_unique<table::TableFile<AccordPixel>>(options_.folder, map::row_name(row) + ".csv",
+                                                                          "One row per pixel", pixel_table(request)));
+}
 
 void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
-    parts_->rows[row]->band(band);
-    parts_->sheet.band(row, band);
+    pictures_.band(row, band);
+    if (pixels_.empty()) return;
+    for (std::size_t i = 0; i < band.checks.front().accord.size(); ++i) pixels_[row]->add({&band, i});
 }
 
 void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
-    Parts& p = *parts_;
-    for (auto& row : p.rows) row->finish();
-    p.sheet.finish(rows);
-    std::vector<file::DataResource> resources{p.table.about()};
-    for (const auto& row : p.rows)
-        if (row->table()) resources.push_back(row->table()->about());
+    pictures_.finish(rows);
+    std::vector<file::DataResource> resources{table_.about()};
+    for (const auto& pixels : pixels_) {
+        pixels->close();
+        resources.push_back(pixels->about());
+    }
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            p.table.add({p.request.checks[c], &p.request.rows[r], &rows[r][c]});
-    file::write_datapackage(p.options.folder / "datapackage.json", p.request.scene->title, resources);
-    p.table.close();  // last: a folder with a summary is a finished one
+            table_.add({request_.checks[c], &request_.rows[r], &rows[r][c]});
+    file::write_datapackage(options_.folder / "datapackage.json", request_.scene->title, resources);
+    table_.close();  // last: a folder with a summary is a finished one
 }
 
 }  // namespace lostbits::output::consistency

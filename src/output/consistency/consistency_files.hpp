@@ -6,30 +6,45 @@
 #include <vector>
 
 #include "measure/consistency/consistency.hpp"
+#include "output/consistency/consistency_pictures.hpp"
+#include "output/table/table.hpp"
 
 namespace lostbits::output::consistency {
 
 struct ConsistencyFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     bool pixels_csv = false;       ///< also one row per pixel
+    bool singles = false;          ///< also a picture for each cell of the sheet
+};
+
+struct AccordPixel {
+    const measure::consistency::ConsistencyBand* band;
+    std::size_t i;
+};
+
+/// What a check finds of a row.
+struct CheckRow {
+    const measure::consistency::Check* check;
+    const measure::evaluate::TestedForm* row;
+    const measure::consistency::CheckSummary* summary;
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// `<form>.<format>.<check>.png` shows each pixel, `<form>.<format>.csv` has one row per pixel.
+/// The pictures are those of `ConsistencyPictures`; `<form>.<format>.csv` has one row per pixel.
 class ConsistencyFiles final : public measure::consistency::ConsistencySink {
 public:
-    ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, const ConsistencyFilesOptions& options);
-    ~ConsistencyFiles() override;
-    ConsistencyFiles(const ConsistencyFiles&) = delete;
-    ConsistencyFiles& operator=(const ConsistencyFiles&) = delete;
+    ConsistencyFiles(const measure::consistency::ConsistencyRequest& request, ConsistencyFilesOptions options);
 
     void band(std::size_t row, const measure::consistency::ConsistencyBand& band) override;
     void finish(const std::vector<measure::consistency::RowChecks>& rows);
 
 private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    const measure::consistency::ConsistencyRequest& request_;
+    ConsistencyFilesOptions options_;
+    table::TableFile<CheckRow> table_;
+    ConsistencyPictures pictures_;
+    std::vector<std::unique_ptr<table::TableFile<AccordPixel>>> pixels_;  ///< of each row, where they are asked for
 };
 
 }  // namespace lostbits::output::consistency

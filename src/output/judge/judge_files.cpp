@@ -108,6 +108,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
                                                       .drawn = p.options.drawn,
+                                                      .singles = p.options.singles,
                                                       .named = "",
                                                       .also = tables,
                                                       .name_of_ray = name_of,

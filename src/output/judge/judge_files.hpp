@@ -16,7 +16,8 @@ struct JudgeFilesOptions {
     std::filesystem::path folder;
     std::string id, title;
     std::string command;                                     ///< what to type to find the worst rays again
-    std::vector<const measure::metric::Metric*> drawn = {};  ///< one heatmap each; empty: the rays are no picture
+    std::vector<const measure::metric::Metric*> drawn = {};  ///< on sheets; empty: the rays are no picture
+    bool singles = false;                                    ///< also each picture of a sheet alone
     bool rows = false;                                       ///< one row per ray in `<form>.<format>.csv`
     std::size_t worst = 10;                                  ///< so many rays of each kind go into worst.toml
     map::KeepPiece keep = {};                                ///< of a shard

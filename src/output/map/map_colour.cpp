@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
+#include "output/pixel/look.hpp"
 
 namespace lostbits::output::map {
 
@@ -11,14 +11,6 @@ using image::ColourScale;
 using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
-
-std::string count_text(std::uint64_t count, std::uint64_t total) {
-    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
-    const std::string percent = share > 0 && share < 0.1      ? "<0.1%"
-                                : share > 99.9 && share < 100 ? ">99.9%"
-                                                              : fmt::format("{:.1f}%", share);
-    return fmt::format("{} ({})", count, percent);
-}
 
 Rgb8 paler(Rgb8 c) {
     const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((x + page) / 2); };
@@ -76,17 +68,7 @@ std::vector<LegendEntry> outcome_legend(const measure::evaluate::FormSummary& su
     for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
         if (summary.outcomes[o] == 0) continue;
         entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o],
-                           count_text(summary.outcomes[o], summary.rays)});
-    }
-    return entries;
-}
-
-std::vector<LegendEntry> widest_legend(std::uint64_t pixels, bool of_mesh) {
-    std::vector<LegendEntry> entries;
-    const std::size_t end = of_mesh ? image::outcome_colours.size() : measure::answer::outcomes_without_mesh;
-    for (std::size_t o = 1; o < end; ++o) {
-        entries.push_back(
-            {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], fmt::format("{} (>99.9%)", pixels)});
+                           pixel::count_text(summary.outcomes[o], summary.rays)});
     }
     return entries;
 }

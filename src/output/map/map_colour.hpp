@@ -55,14 +55,8 @@ inline constexpr const char* paler_means = "paler: half an ulp in each input wou
 /// `false miss`, `wrong solid`: an outcome in words.
 std::string plain_name(measure::answer::Outcome o);
 
-/// `1234 (3.1%)`: a count and its share, as legends have it.
-std::string count_text(std::uint64_t count, std::uint64_t total);
-
 /// The legend of a finished row; entries without a pixel are left out.
 std::vector<image::LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary);
-/// Every class that may occur in a picture of so many pixels, of a scene with a mesh or without, with the widest count
-/// it can have.
-std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels, bool of_mesh);
 /// Of a sheet: counts of several maps have no common whole.
 std::vector<image::LegendEntry> without_counts(std::vector<image::LegendEntry> entries);
 

@@ -1,10 +1,10 @@
 #include "output/map/map_exr.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "measure/truth/missing.hpp"
-#include "output/image/exr_parts.hpp"
 #include "output/map/row_names.hpp"
 #include "scene/rays/made_rows.hpp"
 
@@ -23,6 +23,7 @@ struct MapExr::Truths {
     intersect::Convention convention;
     const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
     const TestedForm* filled_by;
+    pixel::ExrLayers<MapStrip> layers;
 
     [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
@@ -54,47 +55,38 @@ bool is_within_float(const Format& format) {
     return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;
 }
 
-void add_number(std::vector<Channel>& channels, const std::string& name, bool within_float) {
-    channels.push_back({name + ".hi", Channel::Type::f32});
-    if (within_float) return;
-    channels.push_back({name + ".lo", Channel::Type::f32});
-    channels.push_back({name + ".word1", Channel::Type::u32});
-    channels.push_back({name + ".word0", Channel::Type::u32});
+template <class Band, class Of>
+void add_exactly(pixel::ExrLayers<Band>& layers, const std::string& name, bool within_float, Of of) {
+    if (within_float) return layers.add_number(name + ".hi", of);
+    layers.add(
+        {{name + ".hi"}, {name + ".lo"}, {name + ".word1", Channel::Type::u32}, {name + ".word0", Channel::Type::u32}},
+        [of](const Band& band, std::size_t i, std::uint32_t* at) {
+            const double x = of(band, i);
+            const auto hi = static_cast<float>(x);
+            const auto word = std::bit_cast<std::uint64_t>(x);
+            at[0] = std::bit_cast<std::uint32_t>(hi);
+            at[1] = image::float_word(std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0);
+            at[2] = static_cast<std::uint32_t>(word >> 32);
+            at[3] = static_cast<std::uint32_t>(word);
+        });
 }
 
-void put_number(std::vector<std::uint32_t>& out, double x, bool within_float) {
-    const auto hi = static_cast<float>(x);
-    out.push_back(std::bit_cast<std::uint32_t>(hi));
-    if (within_float) return;
-    const auto word = std::bit_cast<std::uint64_t>(x);
-    out.push_back(image::float_word(std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0));
-    out.push_back(static_cast<std::uint32_t>(word >> 32));
-    out.push_back(static_cast<std::uint32_t>(word));
+template <class Band>
+void add_truth(pixel::ExrLayers<Band>& layers) {
+    layers.add({{"class.truth", Channel::Type::u32}, {"class.truth_object", Channel::Type::u32}},
+               [](const Band& band, std::size_t i, std::uint32_t* at) {
+                   const measure::truth::Truth truth = band.result->truth(i);
+                   at[0] = static_cast<std::uint32_t>(truth.decision);
+                   at[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0;
+               });
 }
 
-void put_preview(std::vector<std::uint32_t>& out, image::Rgb8 colour) {
-    for (const std::uint32_t word : image::preview_words(colour)) out.push_back(word);
-}
-
-void put_truth(std::vector<std::uint32_t>& out, const measure::truth::Truth& truth) {
-    out.push_back(static_cast<std::uint32_t>(truth.decision));
-    out.push_back(truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0);
-}
-
-/// `0 agree_hit, 1 agree_miss, …`
-std::string numbered(const auto& names, const char* between) {
-    std::string text;
-    for (std::size_t k = 0; k < names.size(); ++k)
-        text += (k ? between : "") + std::to_string(k) + " " + std::string(names[k]);
-    return text;
-}
-
-ExrPart part_of(const MapExrRequest& request, std::string name, const char* schema) {
+ExrPart part_of(const MapExrRequest& request, std::string name, const char* schema, std::vector<Channel> channels) {
     const scene::file::Scene& scene = *request.map.scene;
     return {.name = std::move(name),
             .spec = {.width = scene.width,
                      .height = scene.height,
-                     .channels = {},
+                     .channels = std::move(channels),
                      .attributes = {{"lostbits:command", request.command},
                                     {"lostbits:schema", schema},
                                     {"lostbits:scene", scene.id},
@@ -106,47 +98,69 @@ void add(Attributes& attributes, const Attributes& more) {
     attributes.insert(attributes.end(), more.begin(), more.end());
 }
 
-const std::vector<Channel> preview_channels{{"R", {}}, {"G", {}}, {"B", {}}};
-const std::vector<Channel> truth_channels{{"class.truth", Channel::Type::u32},
-                                          {"class.truth_object", Channel::Type::u32}};
+pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedForm& row) {
+    pixel::ExrLayers<MapStrip> layers;
+    layers.add_preview([](const MapStrip& strip, std::size_t i) { return strip.preview[i]; });
+    add_exactly(layers, "t", is_within_float(row.format), [](const MapStrip& strip, std::size_t i) {
+        const auto& answers = *strip.result->answers;
+        return answers.hit[i] != 0 ? answers.t[i] : missing;
+    });
+    layers.add_count("class.outcome", [](const MapStrip& strip, std::size_t i) { return strip.result->outcomes[i]; });
+    layers.add_count("class.object", [](const MapStrip& strip, std::size_t i) {
+        const auto& answers = *strip.result->answers;
+        return answers.hit[i] != 0 ? answers.object[i] + 1 : 0;
+    });
+    for (const Metric* metric : request.layers)
+        layers.add_number(std::string(metric->layer),
+                          [m = measure::metric::place_of(request.map.metrics, metric->name)](
+                              const MapStrip& strip, std::size_t i) { return strip.result->metrics[m][i]; });
+    return layers;
+}
 
-ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std::string& truth) {
-    ExrPart part = part_of(request, row_name(row), "lostbits-map/2");
-    auto& channels = part.spec.channels = preview_channels;
-    add_number(channels, "t", is_within_float(row.format));
-    for (const char* name : {"class.outcome", "class.object"}) channels.push_back({name, Channel::Type::u32});
-    for (const Metric* m : request.layers) channels.push_back({std::string(m->layer), {}});
+pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& filled_by) {
+    pixel::ExrLayers<MapStrip> layers;
+    add_exactly(
+        layers, "truth", false, [direction = filled_by.form->info->direction](const MapStrip& strip, std::size_t i) {
+            const BandResult& result = *strip.result;
+            return result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, direction, result.convention)
+                                            : missing;
+        });
+    add_truth(layers);
+    return layers;
+}
+
+pixel::ExrLayers<NeededStrip> needed_layers() {
+    pixel::ExrLayers<NeededStrip> layers;
+    layers.add_preview([](const NeededStrip& strip, std::size_t i) { return strip.preview[i]; });
+    layers.add_number("bits.needed", [](const NeededStrip& strip, std::size_t i) { return strip.result->needed[i]; });
+    add_truth(layers);
+    return layers;
+}
+
+ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std::string& truth,
+                 std::vector<Channel> channels) {
+    ExrPart part = part_of(request, row_name(row), "lostbits-map/2", std::move(channels));
     add(part.spec.attributes, {{"lostbits:form", std::string(row.form->info->name)},
                                {"lostbits:format", row.format.name},
                                {"lostbits:truth", truth},
-                               {"lostbits:outcomes", numbered(measure::answer::outcome_names, ", ")}});
+                               {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
         if (m->by_run && !m->categories.empty())
-            part.spec.attributes.emplace_back("lostbits:culprits", numbered(m->categories, "; "));
+            part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered(m->categories, "; "));
     }
     return part;
 }
 
-ExrPart truth_part(const MapExrRequest& request, const std::string& name) {
-    ExrPart part = part_of(request, name, "lostbits-map/2");
-    add_number(part.spec.channels, "truth", false);
-    part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
-    part.spec.attributes.emplace_back("lostbits:truths", numbered(measure::truth::decision_names, ", "));
-    return part;
-}
-
 ExrPart needed_part(const MapExrRequest& request, const intersect::Info& form) {
-    ExrPart part = part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2");
+    ExrPart part =
+        part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
-    part.spec.channels = preview_channels;
-    part.spec.channels.push_back({"bits.needed", {}});
-    part.spec.channels.insert(part.spec.channels.end(), truth_channels.begin(), truth_channels.end());
     using measure::evaluate::least_width, measure::evaluate::most_width;
     add(part.spec.attributes,
         {{"lostbits:form", std::string(form.name)},
          {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
          {"lostbits:bits", std::to_string(request.needed->bits)},
-         {"lostbits:truths", numbered(measure::truth::decision_names, ", ")}});
+         {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
     return part;
 }
 
@@ -154,20 +168,27 @@ std::size_t place_in(const auto& all, const auto& is_it) {
     return static_cast<std::size_t>(std::ranges::find_if(all, is_it) - all.begin());
 }
 
+template <class Band>
+ExrRows rows_in(std::size_t part, const pixel::ExrLayers<Band>& layers, const Band& band) {
+    return {part, band.result->y0, band.result->rows, layers.samples(band, band.preview.size())};
+}
+
 }  // namespace
 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
-    for (const Metric* m : request.layers)
-        layers_.push_back(place_in(request.map.metrics, [m](const Metric* measured) { return measured == m; }));
     std::vector<ExrPart> parts;
     for (const TestedForm& row : request.map.rows) {
-        rows_.push_back(&row);
+        rows_.push_back({&row, layers_of(request, row)});
         const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
         if (truths == truths_.size())
-            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::maker_of(*row.form), &row});
-        parts.push_back(row_part(request, row, truths_[truths].name()));
+            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::maker_of(*row.form), &row,
+                               truth_layers(row)});
+        parts.push_back(row_part(request, row, truths_[truths].name(), rows_.back().layers.channels()));
     }
-    for (const Truths& t : truths_) parts.push_back(truth_part(request, t.name()));
+    for (const Truths& t : truths_) {
+        parts.push_back(part_of(request, t.name(), "lostbits-map/2", t.layers.channels()));
+        parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
+    }
     if (request.needed) {
         for (const intersect::table::Intersector* form : request.needed->forms) {
             needed_.push_back(form->info);
@@ -181,48 +202,18 @@ MapExr::~MapExr() = default;
 
 std::vector<ExrRows> MapExr::rows_of(const TestedForm& row, const BandResult& result,
                                      std::span<const image::Rgb8> preview) const {
-    const std::size_t n = result.outcomes.size();
-    std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
-    std::vector<std::uint32_t>& samples = pieces.front().samples;
-    const bool within_float = is_within_float(row.format);
-    for (std::size_t i = 0; i < n; ++i) {
-        put_preview(samples, preview[i]);
-        const bool hit = result.answers->hit[i] != 0;
-        put_number(samples, hit ? result.answers->t[i] : missing, within_float);
-        samples.push_back(static_cast<std::uint32_t>(result.outcomes[i]));
-        samples.push_back(hit ? static_cast<std::uint32_t>(result.answers->object[i] + 1) : 0);
-        for (const std::size_t m : layers_) samples.push_back(image::float_word(result.metrics[m][i]));
-    }
-    pieces.front().part = place_in(rows_, [&row](const TestedForm* r) { return r == &row; });
-
+    const MapStrip strip{&result, preview};
+    const std::size_t place = place_in(rows_, [&row](const Row& r) { return r.row == &row; });
+    std::vector<ExrRows> pieces{rows_in(place, rows_[place].layers, strip)};
     const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.filled_by == &row; });
-    if (truths == truths_.size()) return pieces;
-    ExrRows truth_rows{rows_.size() + truths, result.y0, result.rows, {}};
-    for (std::size_t i = 0; i < n; ++i) {
-        const measure::truth::Truth& truth = result.truth(i);
-        put_number(truth_rows.samples,
-                   truth.is_hit()
-                       ? result.band->rounded_truth(i, binary64, row.form->info->direction, result.convention)
-                       : missing,
-                   false);
-        put_truth(truth_rows.samples, truth);
-    }
-    pieces.push_back(std::move(truth_rows));
+    if (truths < truths_.size()) pieces.push_back(rows_in(rows_.size() + truths, truths_[truths].layers, strip));
     return pieces;
 }
 
 std::vector<ExrRows> MapExr::rows_of(const measure::evaluate::NeededBand& result,
                                      std::span<const image::Rgb8> preview) const {
-    std::vector<ExrRows> pieces(1, {.y0 = result.y0, .rows = result.rows, .samples = {}});
-    std::vector<std::uint32_t>& samples = pieces.front().samples;
-    for (std::size_t i = 0; i < preview.size(); ++i) {
-        put_preview(samples, preview[i]);
-        samples.push_back(image::float_word(result.needed[i]));
-        put_truth(samples, result.truth(i));
-    }
     const std::size_t place = place_in(needed_, [&result](const intersect::Info* form) { return form == result.form; });
-    pieces.front().part = rows_.size() + truths_.size() + place;
-    return pieces;
+    return {rows_in(rows_.size() + truths_.size() + place, needed_layers(), NeededStrip{&result, preview})};
 }
 
 void MapExr::write(const std::vector<ExrRows>& pieces) {

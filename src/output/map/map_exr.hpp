@@ -10,6 +10,7 @@
 #include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
+#include "output/pixel/exr_layers.hpp"
 
 namespace lostbits::output::map {
 
@@ -20,6 +21,15 @@ struct MapExrRequest {
     std::string command;                                       ///< what to type to make the file again
     const measure::evaluate::NeededRequest* needed = nullptr;  ///< null where bits needed are not asked for
 };
+
+/// What a part takes of a band; all its pixels have a preview.
+template <class Result>
+struct Previewed {
+    const Result* result;
+    std::span<const image::Rgb8> preview;
+};
+using MapStrip = Previewed<measure::evaluate::BandResult>;
+using NeededStrip = Previewed<measure::evaluate::NeededBand>;
 
 /// Rows of a part, as the file has them.
 struct ExrRows {
@@ -64,9 +74,12 @@ public:
     void close();
 
 private:
+    struct Row {
+        const measure::evaluate::TestedForm* row;
+        pixel::ExrLayers<MapStrip> layers;
+    };
     struct Truths;
-    std::vector<const measure::evaluate::TestedForm*> rows_;
-    std::vector<std::size_t> layers_;  ///< places in the request's metrics
+    std::vector<Row> rows_;
     std::vector<Truths> truths_;
     std::vector<const intersect::Info*> needed_;
     std::unique_ptr<image::ExrBook> book_;

@@ -6,6 +6,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "output/blame/explain_command.hpp"
+#include "output/file/machine.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/culprit_table.hpp"
 #include "output/map/map_sheet.hpp"
@@ -17,44 +18,11 @@
 namespace lostbits::output::map {
 
 using file::CsvWriter;
-using image::LegendEntry;
-using measure::answer::Outcome;
 using measure::evaluate::EvaluationRequest;
 using measure::evaluate::EvaluationSink;
 using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
-
-namespace {
-
-std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
-    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
-}
-
-/// Those that occurred; `inside` of the pixels are drawn paler.
-std::vector<LegendEntry> final_legend(const MetricPaint& paint, const FormSummary& summary, std::size_t m,
-                                      std::uint64_t inside) {
-    auto entries = paint.legend(summary, m, paint.without_value(summary, m));
-    if (inside > 0) entries.push_back(envelope_entry(*paint.scale(), count_text(inside, summary.rays)));
-    return entries;
-}
-
-/// What the maps of a sheet have in common.
-struct Total {
-    FormSummary summary;
-    std::uint64_t without = 0, inside = 0;
-};
-
-/// The classes of a sheet by name alone: counts of several maps have no common whole.
-std::vector<LegendEntry> sheet_legend(const MetricPaint& paint, const Total& total, std::size_t m) {
-    auto entries = paint.legend(total.summary, m, total.without);
-    if (total.inside > 0) entries.push_back(envelope_entry(*paint.scale(), ""));
-    if (total.summary.count(Outcome::agree_miss) == total.summary.rays && !entries.empty())
-        entries.front().label += ": no ray hits anything";
-    return without_counts(std::move(entries));
-}
-
-}  // namespace
 
 /// The files of one row.
 class RowFiles final : public EvaluationSink {
@@ -84,26 +52,11 @@ public:
                 sheets, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
             const MetricPaint paint(*m, row.format.shape, backend, options.range);
             if (!paint.applies_to(row)) continue;
-            const std::string suffix = options.drawn.size() == 1 ? "" : "." + file_word(*m);
-            image::HeatmapSpec spec{
-                .title = fmt::format(
-                    "{} in {}: {}{}", row.form->info->name, row.format.name, m->name,
-                    m->over == measure::metric::Over::pairs ? fmt::format(" {}", row.against->info->name) : ""),
-                .subtitle = {request.scene->title, title_of(*row.form->info), paint.note()},
-                .width = request.scene->width,
-                .height = request.scene->height,
-                .scale = paint.scale(),
-                .unit = std::string(m->unit),
-                .legend = possible_legend(options, paint, *request.scene),
-                .widest_caption = paint.widest_caption(request.scene->pixels()) +
-                                  worst_words(paint, {.x = request.scene->width, .y = request.scene->height})};
-            if (const std::string note = input_note(*request.scene, std::span(&row, 1));
-                !note.empty() && !options.listed)
-                spec.subtitle.push_back(note);
             drawings_.push_back({index_of(request.metrics, m), paint, &sheet, is_enveloped(options, *m), nullptr});
-            if (keep_) continue;
-            drawings_.back().heatmap = std::make_unique<image::HeatmapWriter>(
-                backend, options.folder / (stem + suffix + ".png"), std::move(spec));
+            if (options.singles && !keep_)
+                drawings_.back().heatmap = std::make_unique<image::HeatmapWriter>(
+                    backend, options.folder / (stem + (options.drawn.size() == 1 ? "" : "." + file_word(*m)) + ".png"),
+                    heatmap_spec(*m, paint, options));
         }
         if (options.pixels_csv && !keep_)
             csv_.emplace(options.folder, stem + ".csv",
@@ -120,9 +73,9 @@ public:
     void put(const MapPiece& piece) {
         for (std::size_t k = 0; k < drawings_.size(); ++k) {
             Drawing& d = drawings_[k];
-            d.heatmap->write_rows(piece.fields.at(k));
+            if (d.heatmap) d.heatmap->write_rows(piece.fields.at(k));
             d.sheet->page->add_rows(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()), piece.y0,
-                                    piece.fields[k]);
+                                    piece.fields.at(k));
         }
         paler_ += piece.paler;
         if (exr_) exr_->write(piece.exr);
@@ -132,8 +85,13 @@ public:
     void finish(const FormSummary& summary) {
         for (Drawing& d : drawings_) {
             const measure::evaluate::WorstRay* const worst = summary.worst_ray();
-            d.heatmap->finish(final_legend(d.paint, summary, d.metric, d.enveloped ? paler_ : 0),
-                              d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
+            if (d.heatmap) {
+                auto legend = d.paint.legend(d.paint.counts(summary, d.metric), summary.rays);
+                if (d.enveloped && paler_ > 0)
+                    legend.push_back(envelope_entry(*d.paint.scale(), pixel::count_text(paler_, summary.rays)));
+                d.heatmap->finish(legend,
+                                  d.paint.caption(summary, d.metric) + (worst ? worst_words(d.paint, *worst) : ""));
+            }
             d.sheet->page->set_note(d.sheet->form_of(row_), d.sheet->line_of(row_, d.paint.metric()),
                                     cell_note(d.paint, summary, d.metric));
         }
@@ -146,6 +104,26 @@ public:
     [[nodiscard]] std::uint64_t inside() const { return paler_; }
 
 private:
+    [[nodiscard]] image::HeatmapSpec heatmap_spec(const Metric& m, const MetricPaint& paint,
+                                                  const MapFilesOptions& options) const {
+        const scene::file::Scene& scene = *request_.scene;
+        image::HeatmapSpec spec{
+            .title =
+                fmt::format("{} in {}: {}{}", row_.form->info->name, row_.format.name, m.name,
+                            m.over == measure::metric::Over::pairs ? fmt::format(" {}", row_.against->info->name) : ""),
+            .subtitle = {scene.title, title_of(*row_.form->info), paint.note()},
+            .width = scene.width,
+            .height = scene.height,
+            .scale = paint.scale(),
+            .unit = std::string(m.unit),
+            .legend = possible_legend(options, paint, scene),
+            .widest_caption =
+                paint.widest_caption(scene.pixels()) + worst_words(paint, {.x = scene.width, .y = scene.height})};
+        if (std::string note = input_note(scene, std::span(&row_, 1)); !note.empty() && !options.listed)
+            spec.subtitle.push_back(std::move(note));
+        return spec;
+    }
+
     [[nodiscard]] MapPiece piece_of(const measure::evaluate::BandResult& result) const {
         MapPiece piece{.y0 = result.y0};
         for (const Drawing& d : drawings_) {
@@ -179,8 +157,7 @@ private:
     /// The preview of a row that none of the metrics applies to.
     static std::vector<image::Rgb8> outcomes_of(const measure::evaluate::BandResult& result) {
         std::vector<image::Rgb8> field(result.outcomes.size());
-        for (std::size_t i = 0; i < field.size(); ++i)
-            field[i] = image::outcome_colours[static_cast<std::size_t>(result.outcomes[i])];
+        for (std::size_t i = 0; i < field.size(); ++i) field[i] = pixel::colour_of(result.outcomes[i]);
         return field;
     }
 
@@ -232,12 +209,16 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
-    require_open_files(request, options.drawn.size(), options.pixels_csv, options.folder);
-    if (!options.keep)
+    // In front of an hour of drawing titles.
+    const std::size_t of_row = (options.singles ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
+    file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
+                             "select fewer forms, formats or metrics");
+    const bool tabled = !options.keep && options.sheet_alone.empty();
+    if (tabled)
         p.summary.emplace(options.folder, "summary.csv",
                           options.by.empty() ? "One row per form and format" : "One row per form, format and group",
                           p.summary_columns());
-    if (!options.keep && asks_for_culprits(request.metrics))
+    if (tabled && asks_for_culprits(request.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
     p.sheets = sheets_of(request, options);
@@ -264,26 +245,8 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
     intersect::process::in_parallel(std::size_t{0}, p.rows.size(),
                                     [&](std::size_t r) { p.rows[r]->finish(summaries[r]); });
     for (const auto& row : p.rows) inside += row->inside();
-    for (MapSheet& sheet : p.sheets) {
-        const std::size_t m = index_of(p.request.metrics, sheet.metrics.front());
-        Total all{FormSummary(p.request.metrics)};
-        if (is_enveloped(p.options, sheet.paint.metric())) all.inside = inside;
-        FormSummary& total = all.summary;
-        std::vector<SheetCell> cells;
-        for (std::size_t r = 0; r < p.rows.size(); ++r) {
-            if (!sheet.paint.applies_to(p.request.rows[r])) continue;
-            cells.push_back({sheet.form_of(p.request.rows[r]), &summaries[r]});
-            total.rays += summaries[r].rays;
-            for (const Metric* each : sheet.metrics)
-                all.without += sheet.paint.without_value(summaries[r], index_of(p.request.metrics, each));
-            for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += summaries[r].outcomes[o];
-            for (std::size_t c = 0; c < total.categories[m].size(); ++c)
-                total.categories[m][c] += summaries[r].categories[m][c];
-        }
-        sheet.page->finish(sheet_legend(sheet.paint, all, m),
-                           best_first(sheet.forms.size(), cells,
-                                      index_of(p.request.metrics, measure::metric::find_metric("lost_bits"))));
-    }
+    for (MapSheet& sheet : p.sheets) sheet.finish(p.request, summaries, p.options, inside);
+    if (!p.summary) return;
     const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.name_of_ray ? p.options.name_of_ray(ray)
                                      : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);

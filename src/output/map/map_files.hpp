@@ -18,7 +18,8 @@ namespace lostbits::output::map {
 struct MapFilesOptions {
     std::filesystem::path folder;  ///< of this scene; made if missing
     std::vector<const measure::metric::Metric*>
-        drawn;                ///< one heatmap each; the first is also the contact sheet's and the preview's
+        drawn;                ///< on sheets, those that are drawn alike on one; the first is also the preview's
+    bool singles = false;     ///< also a picture of each metric of each row
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
     std::string named;        ///< what names the scene to `lostbits explain`: a word and perhaps options
     /// Draws lost bits paler where the problem explains them (`inside_envelope`); `excess_bits` must be measured then.
@@ -30,6 +31,9 @@ struct MapFilesOptions {
     std::optional<BarRange> range = {};         ///< of every colour bar; absent: what fits each format
     KeepPiece keep = {};                        ///< of a shard
     std::string by = {};                        ///< the column whose values rays are grouped by; empty: none
+    /// A file: the sheet of lost bits there, which is all that is drawn, is the only one. Its legend leaves out correct
+    /// hits without a value.
+    std::filesystem::path sheet_alone = {};
 };
 
 /// Opens every file of a map at once, before any work; serves as the sinks of its rows; and gives all files their final

@@ -12,6 +12,10 @@ using measure::evaluate::EvaluationRequest;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
+std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
+    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
+}
+
 std::string file_word(const Metric& metric) {
     std::string word(metric.name);
     std::ranges::replace(word, ':', '.');
@@ -30,7 +34,8 @@ std::vector<LegendEntry> possible_legend(const MapFilesOptions& options, const M
                                          const scene::file::Scene& scene) {
     auto entries = paint.widest(scene.pixels(), scene.mesh != nullptr);
     if (is_enveloped(options, paint.metric()))
-        entries.push_back(envelope_entry(*paint.scale(), fmt::format("{} (>99.9%)", scene.pixels())));
+        entries.push_back(envelope_entry(*paint.scale(), pixel::widest_count(scene.pixels())));
+    if (!options.sheet_alone.empty()) entries.pop_back();  // correct hits without a value
     return entries;
 }
 
@@ -45,11 +50,12 @@ void MapSheet::open(const EvaluationRequest& request, const MapFilesOptions& opt
         }
     }
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
-    const bool several = std::ranges::any_of(scales, differs);
+    const bool alone = !options.sheet_alone.empty();
+    const bool several = alone ? scales.size() > 1 : std::ranges::any_of(scales, differs);
     if (!scales.empty() && !several) scales.resize(1, scales.front());
     const std::string name = first ? "contact.png" : fmt::format("contact.{}.png", file_word(*metrics.front()));
     page = std::make_unique<image::ContactSheet>(
-        image::image_backend(), options.folder / name,
+        image::image_backend(), alone ? options.sheet_alone : options.folder / name,
         image::SheetSpec{
             .title = request.scene->title,
             .subtitle = sheet_subtitle(*request.scene, options.named,
@@ -59,10 +65,35 @@ void MapSheet::open(const EvaluationRequest& request, const MapFilesOptions& opt
             .field_width = request.scene->width,
             .field_height = request.scene->height,
             .scales = std::move(scales),
-            .unit = std::string(paint.metric().unit),
+            .unit = alone ? "lost bits" : std::string(paint.metric().unit),
             .legend = without_counts(possible_legend(options, paint, *request.scene)),
             .categories = !paint.scale(),
             .note_lines = cell_note_lines});
+}
+
+void MapSheet::finish(const EvaluationRequest& request, const std::vector<measure::evaluate::FormSummary>& summaries,
+                      const MapFilesOptions& options, std::uint64_t inside) {
+    pixel::CategoryCounts counts;
+    std::uint64_t rays = 0;
+    std::vector<SheetCell> cells;
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        if (!paint.applies_to(request.rows[r])) continue;
+        cells.push_back({form_of(request.rows[r]), &summaries[r]});
+        for (const Metric* each : metrics) {
+            const pixel::CategoryCounts of = paint.counts(summaries[r], index_of(request.metrics, each));
+            counts.resize(of.size());
+            std::ranges::transform(counts, of, counts.begin(), std::plus());
+            rays += summaries[r].rays;
+        }
+    }
+    if (!options.sheet_alone.empty()) counts[paint.place_of(measure::answer::Outcome::agree_hit)] = 0;
+    auto legend = paint.legend(counts, rays);
+    if (inside > 0 && is_enveloped(options, paint.metric())) legend.push_back(envelope_entry(*paint.scale(), ""));
+    if (options.sheet_alone.empty() && !legend.empty() &&
+        counts[paint.place_of(measure::answer::Outcome::agree_miss)] == rays)
+        legend.front().label += ": no ray hits anything";
+    page->finish(without_counts(std::move(legend)),
+                 best_first(forms.size(), cells, index_of(request.metrics, measure::metric::find_metric("lost_bits"))));
 }
 
 std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFilesOptions& options) {

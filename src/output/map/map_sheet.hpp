@@ -15,6 +15,8 @@ namespace lostbits::output::map {
 
 struct MapFilesOptions;
 
+std::size_t index_of(const std::vector<const measure::metric::Metric*>& all, const measure::metric::Metric* one);
+
 /// `contribution.c`: a metric's name where no colon may be.
 std::string file_word(const measure::metric::Metric& metric);
 
@@ -49,6 +51,10 @@ struct MapSheet {
     }
 
     void open(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options, bool first);
+    /// Draws the page, of which so many pixels are paler, and gives the file its name.
+    void finish(const measure::evaluate::EvaluationRequest& request,
+                const std::vector<measure::evaluate::FormSummary>& summaries, const MapFilesOptions& options,
+                std::uint64_t inside);
 };
 
 /// Metrics that are drawn alike share a sheet. None is opened in a shard.

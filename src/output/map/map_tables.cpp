@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "output/blame/explain_command.hpp"
-#include "output/file/machine.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::map {
@@ -127,13 +126,6 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
     table.add_exact({"t", "number", "t", "the form's answer, in its own unit",
                      [](const R& r) { return r.hit() ? r.t() : Cell(); }});
     return table.add(found_columns(metrics));
-}
-
-void require_open_files(const measure::evaluate::EvaluationRequest& request, std::size_t pictures, bool pixels_csv,
-                        const std::filesystem::path& folder) {
-    // In front of an hour of drawing titles.
-    file::require_open_files(request.rows.size() * (pictures + (pixels_csv ? 1 : 0)) + pictures + 2, folder.string(),
-                             "select fewer forms, formats or metrics");
 }
 
 }  // namespace lostbits::output::map

@@ -51,9 +51,4 @@ table::Table<BandRay> found_columns(const std::vector<const measure::metric::Met
 /// A row a pixel.
 table::Table<BandRay> pixel_table(const std::vector<const measure::metric::Metric*>& metrics);
 
-/// EnvironmentError where this machine does not let a process have the files of a map open at once: so many pictures of
-/// each row, a table of its pixels where wanted, and what all rows have in common.
-void require_open_files(const measure::evaluate::EvaluationRequest& request, std::size_t pictures, bool pixels_csv,
-                        const std::filesystem::path& folder);
-
 }  // namespace lostbits::output::map

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "measure/answer/against.hpp"
 #include "measure/blame/culprits.hpp"
@@ -79,12 +80,38 @@ std::string lost_and_kept(double lost, int precision) {
     return fmt::format("{:.1f} of {} lost, {:.{}f} kept", lost, precision, kept, kept < 9.95 ? 1 : 0);
 }
 
+/// The colour of a value that is one of the metric's categories.
+Rgb8 category_colour(const Metric& metric, std::size_t category) {
+    if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
+    if (metric.over == Over::pairs) return image::against_colours[category];
+    if (metric.over == Over::agreed_hits) return image::distinct_colour(category);  // slate is taken
+    return category == 0 ? no_culprit : image::distinct_colour(category - 1);
+}
+
 }  // namespace
 
 MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, image::ImageBackend& backend,
                          const std::optional<BarRange>& range)
     : metric_(&metric), precision_(format.precision), ranged_(range.has_value()) {
-    if (metric.ramp != measure::metric::Ramp::categories) scale_ = metric_scale(metric, format, backend, range);
+    auto& categories = look_.categories;
+    if (metric.ramp != measure::metric::Ramp::categories) {
+        look_.scale = metric_scale(metric, format, backend, range);
+        categories.push_back({""});
+    }
+    for (std::size_t c = 0; c < metric.categories.size(); ++c)
+        categories.push_back({in_words(metric.categories[c]), category_colour(metric, c)});
+    values_ = categories.size();
+    for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
+        const auto outcome = static_cast<Outcome>(o);
+        const std::string name = outcome == Outcome::agree_hit ? hit_without_value : plain_name(outcome);
+        categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
+    }
+    // Of two forms that do not both hit nothing is wrong: it recedes.
+    categories.push_back({is_distance() ? not_both_hit : "",
+                          pixel::colour_of(metric.over == Over::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
+    // What is no hit comes first in legends.
+    std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(values_),
+                categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
@@ -103,96 +130,68 @@ bool MetricPaint::shares_with(const Metric& other) const {
            m.over == other.over && m.categories.data() == other.categories.data();
 }
 
-Rgb8 MetricPaint::category_colour(std::size_t category) const {
-    if (metric_->by_run) return category == 0 ? no_culprit : image::distinct_colour(category - 1);
-    if (metric_->categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
-    if (metric_->over == Over::every || metric_->over == Over::blamed)
-        return category == 0 ? no_culprit : image::distinct_colour(category - 1);
-    return image::against_colours[category];
-}
-
-Rgb8 MetricPaint::colour(Outcome outcome, double value) const {
-    if (metric_->over == Over::agreed_hits || (metric_->over == Over::every && scale_ && std::isnan(value)))
-        return pixel_colour(*scale_, outcome, value);
-    if (metric_->over == Over::blamed && std::isnan(value))
-        return outcome == Outcome::agree_hit ? no_culprit : image::outcome_colours[static_cast<std::size_t>(outcome)];
-    if (std::isnan(value)) return colour_without_value();
-    return scale_ ? scale_->map(value) : category_colour(static_cast<std::size_t>(value));
-}
-
-Rgb8 MetricPaint::colour_without_value() const {
-    // Of two forms that do not both hit nothing is wrong: it recedes.
-    return image::outcome_colours[static_cast<std::size_t>(metric_->over == Over::pairs ? Outcome::agree_miss
-                                                                                        : Outcome::not_a_number)];
+pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
+    if (!std::isnan(value) && (!is_of_hits() || outcome == Outcome::agree_hit)) {
+        if (!look_.scale) return {static_cast<std::size_t>(value)};
+        return {0, is_of_hits() ? std::fabs(value) : value};
+    }
+    const bool by_outcome =
+        is_of_hits() || metric_->over == Over::blamed || (metric_->over == Over::every && look_.scale);
+    return {by_outcome ? place_of(outcome) : look_.categories.size() - 1};
 }
 
 std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels, bool of_mesh) const {
-    if (metric_->over == Over::agreed_hits) {
-        auto entries = widest_legend(pixels, of_mesh);
-        entries.push_back({hit_without_value, image::outcome_colours[0], fmt::format("{} (>99.9%)", pixels)});
-        return entries;
-    }
+    const std::string count = pixel::widest_count(pixels);
     if (metric_->by_run) {
-        std::vector<LegendEntry> entries(
-            most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, fmt::format("{} (>99.9%)", pixels)});
+        std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, count});
         for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
-            entries.push_back({plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)],
-                               fmt::format("{} (>99.9%)", pixels)});
+            entries.push_back({plain_name(o), pixel::colour_of(o), count});
         return entries;
     }
-    std::vector<LegendEntry> entries;
-    for (std::size_t c = 0; c < metric_->categories.size(); ++c)
-        entries.push_back({in_words(metric_->categories[c]), category_colour(c), fmt::format("{} (>99.9%)", pixels)});
-    if (is_distance()) entries.push_back({not_both_hit, colour_without_value(), fmt::format("{} (>99.9%)", pixels)});
+    auto entries = look_.widest_legend(pixels);
+    for (std::size_t o = measure::answer::outcomes_without_mesh;
+         is_of_hits() && !of_mesh && o < image::outcome_colours.size(); ++o)
+        std::erase_if(entries, [o](const LegendEntry& e) { return e.label == plain_name(static_cast<Outcome>(o)); });
     return entries;
 }
 
-std::uint64_t MetricPaint::without_value(const FormSummary& summary, std::size_t m) const {
-    if (is_distance()) return summary.rays - summary.metrics[m].count();
-    return metric_->over == Over::agreed_hits ? summary.count(Outcome::agree_hit) - summary.metrics[m].count() : 0;
+pixel::CategoryCounts MetricPaint::counts(const FormSummary& summary, std::size_t m) const {
+    pixel::CategoryCounts counts = summary.categories[m];
+    if (look_.scale) counts = {summary.metrics[m].count()};
+    const auto with_value = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    counts.resize(look_.categories.size());
+    for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
+        counts[place_of(static_cast<Outcome>(o))] = summary.outcomes[o];
+    if (is_of_hits()) counts[place_of(Outcome::agree_hit)] -= with_value;
+    counts.back() = summary.rays - with_value;
+    return counts;
 }
 
-std::vector<LegendEntry> MetricPaint::legend(const FormSummary& summary, std::size_t m, std::uint64_t without) const {
-    if (metric_->over == Over::agreed_hits) {
-        auto entries = outcome_legend(summary);
-        if (without > 0)
-            entries.push_back({hit_without_value, image::outcome_colours[0], count_text(without, summary.rays)});
-        return entries;
-    }
-    if (metric_->by_run) return culprit_legend(summary, m);
-    std::vector<LegendEntry> entries;
-    for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
-        const std::uint64_t n = summary.categories[m][c];
-        if (n > 0)
-            entries.push_back({in_words(metric_->categories[c]), category_colour(c), count_text(n, summary.rays)});
-    }
-    if (is_distance() && without > 0)
-        entries.push_back({not_both_hit, colour_without_value(), count_text(without, summary.rays)});
-    return entries;
+std::vector<LegendEntry> MetricPaint::legend(const pixel::CategoryCounts& counts, std::uint64_t rays) const {
+    return metric_->by_run ? culprit_legend(counts) : look_.legend(counts, rays);
 }
 
-std::vector<LegendEntry> MetricPaint::culprit_legend(const FormSummary& summary, std::size_t m) const {
-    const auto& counts = summary.categories[m];
+std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& all) const {
+    const pixel::CategoryCounts counts(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(values_));
     const std::uint64_t blamed = measure::blame::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
     std::uint64_t rest = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < most_culprits)
-            entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(c),
-                               count_text(counts[c], blamed)});
+            entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(*metric_, c),
+                               pixel::count_text(counts[c], blamed)});
         else rest += counts[c];
     }
     if (counts.front() > 0)
         entries.push_back(
             {shortened(metric_->categories.front(), longest_culprit), no_culprit, std::to_string(counts.front())});
     if (rest > 0)
-        entries.push_back({"other operations, each in its own colour", image::style::page, count_text(rest, blamed)});
-    for (std::size_t o = 0; o < summary.outcomes.size(); ++o) {
-        const auto outcome = static_cast<Outcome>(o);
-        const bool may_have_culprit =
-            outcome == Outcome::agree_hit || (outcome != Outcome::not_a_number && measure::evaluate::is_wrong(outcome));
-        if (summary.outcomes[o] == 0 || may_have_culprit) continue;
-        entries.push_back({plain_name(outcome), image::outcome_colours[o], std::to_string(summary.outcomes[o])});
+        entries.push_back(
+            {"other operations, each in its own colour", image::style::page, pixel::count_text(rest, blamed)});
+    // The others may have a culprit.
+    for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
+        if (const std::uint64_t n = all[place_of(o)])
+            entries.push_back({plain_name(o), pixel::colour_of(o), std::to_string(n)});
     }
     return entries;
 }
@@ -200,12 +199,12 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const FormSummary& summary,
 std::string MetricPaint::note(bool several) const {
     if (metric_->by_run)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
-    if (!scale_) return fmt::format("colour: {}", metric_->meaning);
+    if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
     if (ranged_)
         return fmt::format("colour: {} from {} to {}, as asked for; what is beyond has the colour of the end",
                            metric_->ramp == measure::metric::Ramp::magnitude ? "|" + name + "|" : name,
-                           short_number(scale_->lo()), short_number(scale_->hi()));
+                           short_number(look_.scale->lo()), short_number(look_.scale->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
         return fmt::format("colour: |{}|{}, clamped at both ends of the bar{}", name,
                            is_distance() ? ", where both forms hit" : "", several ? ", which fit the format" : "");
@@ -218,7 +217,7 @@ std::string MetricPaint::note(bool several) const {
 }
 
 std::string MetricPaint::quantile_note() const {
-    if (metric_->over != Over::agreed_hits) return "";
+    if (!names_worst()) return "";
     return fmt::format("p99: 99 of 100 agreed hits {} at most so much", metric_->name == "lost_bits"      ? "lose"
                                                                         : metric_->name == "correct_bits" ? "keep"
                                                                                                           : "have");
@@ -242,7 +241,7 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     }
     const measure::metric::Distribution& d = s.metrics[m];
     const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
-    if (metric_->over != Over::agreed_hits) {
+    if (!is_of_hits()) {
         if (d.count() == 0) return is_distance() ? "no ray that both hit" : "no value";
         return fmt::format("median {}{}\nlargest {}{}\nof {} rays{}", short_number(d.quantile(0.5)), unit,
                            short_number(d.quantile(1)), unit, d.count(), is_distance() ? " that both hit" : "");
@@ -278,7 +277,7 @@ std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
 
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
     if (metric_->by_run) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
-    if (metric_->over != Over::agreed_hits)
+    if (!is_of_hits())
         return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both hit", metric_->unit, pixels);
     return fmt::format(
         "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "output/map/map_colour.hpp"
+#include "output/pixel/look.hpp"
 
 namespace lostbits::output::map {
 
@@ -17,20 +18,27 @@ public:
 
     [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }
     /// None for categories.
-    [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return scale_; }
+    [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// Whether a row has such a picture.
     [[nodiscard]] bool applies_to(const measure::evaluate::TestedForm& row) const;
     /// Whether both are drawn alike, so that they may share a bar.
     [[nodiscard]] bool shares_with(const measure::metric::Metric& other) const;
 
-    [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const;
+    [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const {
+        return look_.colour(pixel(outcome, value));
+    }
     /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
     [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels, bool of_mesh) const;
-    /// Those that occurred; `m` is the metric's place in the summary, and `without` how many are `without_value`.
-    [[nodiscard]] std::vector<image::LegendEntry> legend(const measure::evaluate::FormSummary& summary, std::size_t m,
-                                                         std::uint64_t without) const;
-    /// Correct hits for which the metric does not exist; of two forms held against each other, rays that not both hit.
-    [[nodiscard]] std::uint64_t without_value(const measure::evaluate::FormSummary& summary, std::size_t m) const;
+    /// Rays of each of its classes: those with a value, or of each category; of each outcome, where correct hits are
+    /// those without a value if the metric is of hits; and all without a value. `m` is its place in the summary.
+    [[nodiscard]] pixel::CategoryCounts counts(const measure::evaluate::FormSummary& summary, std::size_t m) const;
+    /// Those that occurred.
+    [[nodiscard]] std::vector<image::LegendEntry> legend(const pixel::CategoryCounts& counts, std::uint64_t rays) const;
+    /// The place of an outcome in the counts.
+    [[nodiscard]] std::size_t place_of(measure::answer::Outcome o) const {
+        const auto k = static_cast<std::size_t>(o);
+        return values_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
+    }
 
     /// What the colours mean, in one line: in this format, or on a sheet of several.
     [[nodiscard]] std::string note(bool several = false) const;
@@ -40,24 +48,24 @@ public:
     /// then how far off the agreed hits are, and how many they are.
     [[nodiscard]] std::string glance(const measure::evaluate::FormSummary& summary, std::size_t m) const;
     /// Whether the row's worst ray is worst by what is drawn: it has the largest error of all.
-    [[nodiscard]] bool names_worst() const { return metric_->over == measure::metric::Over::agreed_hits; }
+    [[nodiscard]] bool names_worst() const { return is_of_hits() && look_.scale; }
     /// The same as a sentence, for below a picture.
     [[nodiscard]] std::string caption(const measure::evaluate::FormSummary& summary, std::size_t m) const;
     /// As long as captions of pictures of so many pixels get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
 private:
+    [[nodiscard]] bool is_of_hits() const { return metric_->over == measure::metric::Over::agreed_hits; }
     /// How far two forms are apart, which exists where both hit.
-    [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && scale_; }
-    [[nodiscard]] image::Rgb8 colour_without_value() const;
-    [[nodiscard]] image::Rgb8 category_colour(std::size_t category) const;
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const measure::evaluate::FormSummary& summary,
-                                                                 std::size_t m) const;
+    [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && look_.scale; }
+    [[nodiscard]] pixel::PixelValue pixel(measure::answer::Outcome outcome, double value) const;
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
 
     const measure::metric::Metric* metric_;
     int precision_;
     bool ranged_;
-    std::optional<image::ColourScale> scale_;
+    pixel::Look look_;
+    std::size_t values_ = 0;  ///< categories of what has a value
 };
 
 }  // namespace lostbits::output::map

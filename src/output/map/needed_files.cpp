@@ -8,15 +8,16 @@
 #include "measure/metric/statistics.hpp"
 #include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
+#include "output/pixel/look.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
 
 using file::Cell;
 using file::CsvWriter;
-using image::LegendEntry;
 using image::Rgb8;
 using intersect::Info;
+using measure::answer::Outcome;
 using measure::evaluate::NeededBand;
 using measure::evaluate::NeededRequest;
 using measure::evaluate::NeededSink;
@@ -29,20 +30,24 @@ using table::when;
 
 namespace {
 
-constexpr Rgb8 unresolved_colour =
-    image::outcome_colours[static_cast<std::size_t>(measure::answer::Outcome::unresolved)];
-
 std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-LegendEntry beyond_entry(std::string count) {
-    return {fmt::format("not even {} bits are enough", measure::evaluate::most_width), beyond_colour, std::move(count)};
-}
-LegendEntry unresolved_entry(std::string count) {
-    return {plain_name(measure::answer::Outcome::unresolved), unresolved_colour, std::move(count)};
+/// The width that a pixel needs, and what has no place on the scale.
+pixel::Look needed_look(image::ImageBackend& backend) {
+    using measure::evaluate::least_width, measure::evaluate::most_width;
+    return {{{""},
+             {fmt::format("not even {} bits are enough", most_width), beyond_colour},
+             {plain_name(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
+            image::ColourScale("viridis", backend.ramp("viridis", 256), least_width, most_width),
+            "bits"};
 }
 
-image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const image::ColourScale& scale) {
-    const auto widest = fmt::format("{} (>99.9%)", request.scene->pixels());
+pixel::PixelValue pixel_of(double needed) {
+    if (std::isnan(needed)) return {2};
+    return needed == measure::evaluate::needed_beyond ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
+}
+
+image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const pixel::Look& look) {
     return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
                                  request.bits == 1 ? "one" : "ones"),
             .subtitle = {request.scene->title, std::string(form.title),
@@ -52,9 +57,9 @@ image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, 
                                      request.bits, measure::evaluate::most_width)},
             .width = request.scene->width,
             .height = request.scene->height,
-            .scale = scale,
-            .unit = "bits",
-            .legend = {beyond_entry(widest), unresolved_entry(widest)}};
+            .scale = look.scale,
+            .unit = look.unit,
+            .legend = look.widest_legend(request.scene->pixels())};
 }
 
 struct NeededRow {
@@ -129,12 +134,11 @@ public:
                     image::ImageBackend& backend)
         : place_(place),
           pixel_table_(needed_pixel_table(request.bits)),
-          scale_("viridis", backend.ramp("viridis", 256), measure::evaluate::least_width,
-                 measure::evaluate::most_width),
+          look_(needed_look(backend)),
           options_(options) {
         const Info& form = *request.forms[place]->info;
         if (options.keep) return;
-        heatmap_.emplace(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, scale_));
+        heatmap_.emplace(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, look_));
         if (options.pixels_csv)
             csv_.emplace(options.folder, stem(form) + ".csv",
                          fmt::format("One row per pixel: bits needed by {}", form.name), pixel_table_);
@@ -143,7 +147,7 @@ public:
     void band(const NeededBand& result) override {
         MapPiece piece{.y0 = result.y0};
         std::vector<Rgb8>& field = piece.fields.emplace_back(result.needed.size());
-        for (std::size_t i = 0; i < field.size(); ++i) field[i] = colour(result.needed[i]);
+        for (std::size_t i = 0; i < field.size(); ++i) field[i] = look_.colour(pixel_of(result.needed[i]));
         if (options_.exr) piece.exr = options_.exr->rows_of(result, field);
         if (options_.pixels_csv) piece.lines = pixel_lines(result);
         if (options_.keep) options_.keep(place_, std::move(piece));
@@ -160,19 +164,12 @@ public:
     [[nodiscard]] const std::optional<table::TableFile<NeededPixel>>& table() const { return csv_; }
 
     void finish(const NeededSummary& s) {
-        std::vector<LegendEntry> legend;
-        if (const auto n = s.hits_beyond + s.misses_beyond) legend.push_back(beyond_entry(count_text(n, s.pixels())));
-        if (s.unresolved) legend.push_back(unresolved_entry(count_text(s.unresolved, s.pixels())));
-        heatmap_->finish(legend);
+        const std::uint64_t beyond = s.hits_beyond + s.misses_beyond;
+        heatmap_->finish(look_.legend({s.pixels() - beyond - s.unresolved, beyond, s.unresolved}, s.pixels()));
         if (csv_) csv_->close();
     }
 
 private:
-    [[nodiscard]] Rgb8 colour(double needed) const {
-        if (std::isnan(needed)) return unresolved_colour;
-        return needed == measure::evaluate::needed_beyond ? beyond_colour : scale_.map(needed);
-    }
-
     [[nodiscard]] std::string pixel_lines(const NeededBand& result) const {
         CsvWriter csv(pixel_table_.columns());
         for (std::size_t i = 0; i < result.needed.size(); ++i) pixel_table_.add_row(csv, {&result, i, result.truth(i)});
@@ -181,7 +178,7 @@ private:
 
     std::size_t place_;  ///< of the form in the request
     Table<NeededPixel> pixel_table_;
-    image::ColourScale scale_;
+    pixel::Look look_;
     const NeededFilesOptions& options_;
     std::optional<image::HeatmapWriter> heatmap_;
     std::optional<table::TableFile<NeededPixel>> csv_;

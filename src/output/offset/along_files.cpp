@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "output/image/image.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::offset {

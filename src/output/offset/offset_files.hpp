@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measure/offset/offsets.hpp"
+#include "output/offset/offset_pictures.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::offset {
@@ -13,7 +14,13 @@ namespace lostbits::output::offset {
 struct OffsetFilesOptions {
     std::filesystem::path folder;               ///< of this scene; made if missing
     bool pixels_csv = false;                    ///< also one row per pixel
+    bool singles = false;                       ///< also a picture for each cell of the sheet
     std::vector<file::DataResource> also = {};  ///< other tables in the folder
+};
+
+struct OffsetPixel {
+    const measure::offset::OffsetBand* band;
+    std::size_t i;
 };
 
 /// A strategy to one side.
@@ -29,28 +36,23 @@ struct StrategyRow {
 /// Every strategy to every side.
 [[nodiscard]] std::vector<StrategyRow> strategy_rows(const measure::offset::OffsetRequest& request,
                                                      const std::vector<measure::offset::OffsetSummary>& summaries);
-/// `sphere.half_b.f32.computed`
-[[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
-/// `away from the solid`, `into the solid`
-[[nodiscard]] std::string in_words(measure::offset::Side side);
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`.
 ///
-/// `<form>.<format>.<point>.<side>.safe.png` is the smallest safe offset of each point, and `….<strategy>.png` what
-/// becomes of the rays of a strategy; `<form>.<format>.<point>.csv` has one row per pixel.
+/// The pictures are those of `OffsetPictures`; `<form>.<format>.<point>.csv` has one row per pixel.
 class OffsetFiles final : public measure::offset::OffsetSink {
 public:
-    OffsetFiles(const measure::offset::OffsetRequest& request, const OffsetFilesOptions& options);
-    ~OffsetFiles() override;
-    OffsetFiles(const OffsetFiles&) = delete;
-    OffsetFiles& operator=(const OffsetFiles&) = delete;
+    OffsetFiles(const measure::offset::OffsetRequest& request, OffsetFilesOptions options);
 
     void band(std::size_t row, const measure::offset::OffsetBand& band) override;
     void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
 
 private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    const measure::offset::OffsetRequest& request_;
+    OffsetFilesOptions options_;
+    table::TableFile<StrategyRow> table_;
+    OffsetPictures pictures_;
+    std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
 };
 
 }  // namespace lostbits::output::offset

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "measure/offset/cheapest.hpp"
-#include "output/offset/offset_sheet.hpp"
+#include "output/offset/offset_pictures.hpp"
 
 namespace lostbits::output::offset {
 

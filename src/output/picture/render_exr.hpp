@@ -4,10 +4,9 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "measure/picture/render.hpp"
-#include "output/image/image.hpp"
+#include "output/pixel/exr_layers.hpp"
 
 namespace lostbits::output::picture {
 
@@ -19,17 +18,18 @@ namespace lostbits::output::picture {
 /// none, otherwise 1 + the sphere's number, counted from 0).
 class RenderExr {
 public:
-    RenderExr(image::ImageBackend& backend, const std::filesystem::path& path,
-              const measure::picture::RenderRequest& request, const measure::evaluate::TestedForm& row,
-              const std::string& command);
+    RenderExr(const std::filesystem::path& path, const measure::picture::RenderRequest& request,
+              const measure::evaluate::TestedForm& row, const std::string& command);
 
-    void write(const measure::picture::RenderBand& band);
+    void write(const measure::picture::RenderBand& band) {
+        const auto samples = layers_.samples(band, band.seen.size());
+        writer_->write_rows(band.y0, band.rows, std::as_bytes(std::span(samples)));
+    }
     void close() { writer_->close(); }
 
 private:
-    const measure::picture::RenderRequest& request_;
+    pixel::ExrLayers<measure::picture::RenderBand> layers_;
     std::unique_ptr<image::ExrWriter> writer_;
-    std::vector<std::uint32_t> samples_;
 };
 
 }  // namespace lostbits::output::picture

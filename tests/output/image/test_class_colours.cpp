@@ -7,9 +7,9 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
-#include "output/map/map_colour.hpp"
+#include "output/map/metric_paint.hpp"
 #include "output/map/needed_files.hpp"
-#include "output/picture/render_colour.hpp"
+#include "output/picture/render_pictures.hpp"
 
 namespace test_class_colours {
 
@@ -44,9 +44,11 @@ void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
     }
 }
 
-std::vector<Rgb8> colours_of(const std::vector<image::LegendEntry>& legend) {
+/// Of those that a legend lists.
+std::vector<Rgb8> colours_of(const std::vector<pixel::Category>& categories) {
     std::vector<Rgb8> colours;
-    for (const image::LegendEntry& entry : legend) colours.push_back(entry.colour);
+    for (const pixel::Category& category : categories)
+        if (!category.name.empty()) colours.push_back(category.colour);
     return colours;
 }
 
@@ -85,17 +87,18 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
     check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
     check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
     check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
-    auto seen = colours_of(picture::widest_seen_legend(1));
+    auto seen = colours_of(picture::seen_categories());
     seen.push_back(outcome_colours.front());
     check_apart("what is seen", seen);
-    check_apart("shadows", colours_of(picture::widest_shadow_legend(1)));
+    check_apart("shadows", colours_of(picture::shadow_categories()));
 }
 
 TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
-    const auto legend = map::widest_legend(1, true);
-    REQUIRE(legend.size() == outcome_colours.size() - 1);
-    CHECK(legend.back().label == "out of order");
-    CHECK(legend.back().colour == outcome_colours.back());
+    const auto& lost_bits = *lostbits::measure::metric::find_metric("lost_bits");
+    const auto legend = map::MetricPaint(lost_bits, lostbits::binary32, backend()).widest(1, true);
+    REQUIRE(legend.size() == outcome_colours.size());
+    CHECK(legend[legend.size() - 2].label == "out of order");
+    CHECK(legend[legend.size() - 2].colour == outcome_colours.back());
     CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
     for (const image::LegendEntry& entry : map::without_counts(legend)) CHECK(entry.count.empty());
 }

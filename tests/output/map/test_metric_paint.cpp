@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "catch.hpp"
+#include "measure/metric/metric_set.hpp"
 #include "measure/rows.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/helpers.hpp"
@@ -108,8 +109,7 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
     CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both hit");
-    CHECK(paint.without_value(s, 0) == 700);
-    const auto legend = paint.legend(s, 0, 700);
+    const auto legend = paint.legend(paint.counts(s, 0), 1000);
     REQUIRE(legend.size() == 1);
     CHECK(has_word(legend.front().label, "not both hit"));
     CHECK(legend.front().count == "700 (70.0%)");
@@ -118,6 +118,36 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     CHECK(paint.widest(1000, false).size() == 1);
     CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
+}
+
+TEST_CASE("every metric is a number with a scale or a category with a name, and can be drawn", "[metric_paint]") {
+    lostbits::measure::metric::MetricSet made;
+    std::vector<const Metric*> all;
+    for (const char* name : {"tolerance:0.1", "enough_bits:12", "contribution:c", "cancellation:c", "step:origin"})
+        all.push_back(made.find(name));
+    for (const Metric& m : lostbits::measure::metric::metrics())
+        if (!m.by_run) all.push_back(&m);
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (const Metric* m : all) {
+        REQUIRE(m != nullptr);
+        CAPTURE(m->name);
+        const MetricPaint paint(*m, binary32, backend());
+        CHECK(paint.scale().has_value() == m->categories.empty());
+        for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
+            const image::Rgb8 drawn = paint.colour(static_cast<Outcome>(o), none);
+            CHECK(std::ranges::find(image::outcome_colours, drawn) != image::outcome_colours.end());
+        }
+        const auto legend = paint.widest(1, true);
+        for (std::size_t c = 0; c < m->categories.size(); ++c) {
+            const image::Rgb8 drawn = paint.colour(Outcome::agree_hit, static_cast<double>(c));
+            CHECK(std::ranges::count(legend, drawn, &image::LegendEntry::colour) == 1);
+        }
+        // Of a row whose only ray is a hit without a value.
+        FormSummary s({m});
+        s.rays = s.true_hits = s.outcomes[0] = 1;
+        CHECK(paint.legend(paint.counts(s, 0), 1).size() <= 1);
+        CHECK((paint.glance(s, 0) + paint.caption(s, 0) + paint.note() + paint.widest_caption(1)).size() > 1);
+    }
 }
 
 TEST_CASE("shares of culprits are of the rays that have one, and the picture says so", "[metric_paint]") {
@@ -131,7 +161,7 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};
     CHECK(paint.glance(s, 0) == "75% of 200 culprits:\nb*b - c");
-    const auto legend = paint.legend(s, 0, 0);
+    const auto legend = paint.legend(paint.counts(s, 0), 1000);
     CHECK(paint.caption(s, 0) == "75% of 200 culprits: b*b - c");
     REQUIRE(legend.size() == 4);
     CHECK(legend[0].count == "150 (75.0%)");
@@ -167,12 +197,11 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
     CHECK(paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()) == image::outcome_colours[0]);
     FormSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
-    CHECK(paint.without_value(s, 0) == 0);
-    CHECK(paint.legend(s, 0, 0).size() == 1);
+    CHECK(paint.legend(paint.counts(s, 0), 1000).size() == 1);
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] += 7;
-    CHECK(paint.without_value(s, 0) == 7);
-    const auto legend = paint.legend(s, 0, 7);
+    const auto legend = paint.legend(paint.counts(s, 0), 1007);
     REQUIRE(legend.size() == 2);
+    CHECK(legend.back().count == "7 (0.7%)");
     CHECK(legend.back().label == "correct hit without a value");
     CHECK(legend.back().colour == image::outcome_colours[0]);
     CHECK(paint.colour(Outcome::wrong_object, 0) == image::outcome_colours[6]);

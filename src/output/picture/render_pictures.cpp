@@ -1,0 +1,240 @@
+#include "output/picture/render_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/map/sheet_words.hpp"
+
+namespace lostbits::output::picture {
+
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::evaluate::TestedForm;
+using measure::picture::RenderRequest;
+using measure::picture::RenderSummary;
+using measure::picture::Seen;
+using measure::picture::ShadeRule;
+using measure::picture::Shadow;
+using pixel::colour_of;
+using pixel::Look;
+using pixel::PixelColumn;
+using pixel::PixelValue;
+using pixel::share_text;
+using scene::file::Stage;
+
+namespace {
+
+using SharedLook = std::shared_ptr<const Look>;
+
+constexpr Rgb8 nan_colour{255, 0, 255}, lit{255, 255, 125};
+
+/// A difference map of numbers; of pixels that are not seen alike it has the classes.
+struct ErrorMap {
+    const char* title;
+    const char* unit;
+    const char* note;
+    double low, high;
+};
+constexpr ErrorMap of_colour{"difference of colour", "8-bit steps",
+                             "colour: largest |channel - true channel| x 255, clamped at both ends of the bar", 0x1p-18,
+                             0x1p8},
+    of_normal{"angle of the normal", "radians",
+              "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
+    of_residual{"hit point off the surface", "radii",
+                "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1};
+
+SharedLook error_look(const ErrorMap& map) {
+    return std::make_shared<const Look>(Look{seen_categories(), pixel::magnitude_scale(map.low, map.high), map.unit});
+}
+
+/// An unchanged background stays grey.
+PixelValue error_of(Seen seen, double value) {
+    const bool drawn = seen == Seen::same_sphere || (seen == Seen::background && value > 0);
+    return {static_cast<std::size_t>(seen), drawn ? value : measure::truth::missing};
+}
+
+PixelValue shadow_of(Seen seen, Shadow shadow) {
+    if (seen == Seen::same_sphere || seen == Seen::background) return {static_cast<std::size_t>(shadow)};
+    return {seen == Seen::unresolved ? static_cast<std::size_t>(Shadow::unresolved)
+                                     : measure::picture::shadow_names.size()};
+}
+
+PixelValue certified(const measure::picture::TrueColour& c) {
+    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}} : PixelValue{2};
+}
+
+constexpr const char* glance_means =
+    "wrong colour: a byte is not that of the certified picture; wrong sphere: another one is seen, none where there is "
+    "one, or one where there is none";
+
+/// The note under a thumbnail: what a glance should take away.
+std::string glance(const RenderSummary& s) {
+    std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = s.seen_wrong())
+        text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));
+    if (!s.rule.shadows) return text;
+    const auto acne = s.count(false, Shadow::own_shadow);
+    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, s.pixels));
+    if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
+    return text;
+}
+
+image::SheetSpec sheet_spec(const RenderRequest& request, const map::RowGrid& grid) {
+    const scene::file::Scene& scene = *request.scene;
+    image::SheetSpec spec{.title = scene.title,
+                          .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all of them", scene.id,
+                                                   scene.width, scene.height),
+                                       "the picture of each form in each format, beside the certified one",
+                                       glance_means, map::input_note(scene, request.rows)},
+                          .forms = {"certified"},
+                          .formats = {},
+                          .scales = {},
+                          .unit = "",
+                          .legend = {}};
+    std::erase(spec.subtitle, "");
+    spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
+    for (const Stage stage : request.stages)
+        for (const std::string& format : grid.formats)
+            spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
+    return spec;
+}
+
+/// The columns of a request.
+class RenderColumns {
+public:
+    RenderColumns(const RenderRequest& request, const map::RowGrid& grid) : request_(request), grid_(grid) {
+        for (std::size_t s = 0; s < request.stages.size(); ++s) add_reference(s);
+        for (std::size_t r = 0; r < request.rows.size(); ++r) add_row(r);
+    }
+    [[nodiscard]] std::vector<PixelColumn<RenderStrip>> take() { return std::move(columns_); }
+
+private:
+    void add_reference(std::size_t s) {
+        pixel::ColumnSpec spec{
+            .file = fmt::format("{}.reference.png", name_of(request_.stages[s])), .look = pictures_, .bare = true};
+        for (std::size_t f = 0; f < grid_.formats.size(); ++f) spec.places.push_back({0, s * grid_.formats.size() + f});
+        add(std::move(spec), request_.rows.size(),
+            [stage = static_cast<std::size_t>(request_.stages[s])](const RenderStrip& strip, std::size_t i) {
+                return certified(strip.truth[i].colours[stage]);
+            });
+    }
+
+    void add_row(std::size_t r) {
+        const std::string name = map::row_name(request_.rows[r]);
+        for (std::size_t s = 0; s < request_.stages.size(); ++s) {
+            const std::string stage(name_of(request_.stages[s]));
+            const map::RowGrid::Place at = grid_.places[r];
+            add({.file = fmt::format("{}.{}.png", stage, name),
+                 .look = pictures_,
+                 .places = {{1 + at.form, s * grid_.formats.size() + at.format}},
+                 .bare = true},
+                r, [s](const RenderStrip& strip, std::size_t i) { return pixel_of(strip.band->painted[s][i]); });
+            add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name), fmt::format("{}, {}", stage, of_colour.title),
+                         of_colour.note, colours_),
+                r, [s](const RenderStrip& strip, std::size_t i) {
+                    return error_of(strip.band->seen[i], strip.band->painted[s][i].error);
+                });
+        }
+        add(map_spec(r, name + ".residual.png", of_residual.title, of_residual.note, residuals_), r,
+            [](const RenderStrip& strip, std::size_t i) {
+                return error_of(strip.band->seen[i], strip.band->residual[i]);
+            });
+        if (any_stage(&ShadeRule::diffuse))
+            add(map_spec(r, name + ".normal.png", of_normal.title, of_normal.note, normals_), r,
+                [](const RenderStrip& strip, std::size_t i) {
+                    return error_of(strip.band->seen[i], strip.band->normal_angle[i]);
+                });
+        if (any_stage(&ShadeRule::shadows))
+            add(map_spec(r, name + ".shadow.png", "shadow decisions",
+                         "shadow decisions where both see the same: on spheres that face the light, and on the "
+                         "background if it is a plane",
+                         shadows_),
+                r, [](const RenderStrip& strip, std::size_t i) {
+                    return shadow_of(strip.band->seen[i], strip.band->shadow[i]);
+                });
+    }
+
+    [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
+                                             const char* note, SharedLook look) const {
+        const TestedForm& row = request_.rows[r];
+        return {.file = std::move(file),
+                .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
+                .subtitle = {map::title_of(*row.form->info), note},
+                .look = std::move(look)};
+    }
+
+    [[nodiscard]] bool any_stage(bool ShadeRule::*asks) const {
+        return std::ranges::any_of(request_.stages, [&](Stage s) {
+            return measure::picture::shade_rule(request_.scene->appearance, s).*asks;
+        });
+    }
+
+    template <class Of>
+    void add(pixel::ColumnSpec spec, std::size_t row, Of of) {
+        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderStrip>(of)});
+    }
+
+    const RenderRequest& request_;
+    const map::RowGrid& grid_;
+    SharedLook pictures_ = std::make_shared<const Look>(picture_look()),
+               shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(of_colour),
+               normals_ = error_look(of_normal), residuals_ = error_look(of_residual);
+    std::vector<PixelColumn<RenderStrip>> columns_;
+};
+
+}  // namespace
+
+std::vector<pixel::Category> seen_categories() {
+    return {{"", colour_of(Outcome::not_a_number)},
+            {"background", colour_of(Outcome::agree_miss)},
+            {"another sphere", colour_of(Outcome::wrong_object)},
+            {"sphere lost", colour_of(Outcome::false_miss)},
+            {"sphere where there is none", colour_of(Outcome::false_hit)},
+            {"not a number", colour_of(Outcome::not_a_number)},
+            {"not proved", colour_of(Outcome::unresolved)}};
+}
+
+std::vector<pixel::Category> shadow_categories() {
+    return {{"not compared", colour_of(Outcome::agree_miss)},
+            {"both lit", lit},
+            {"both in shadow", colour_of(Outcome::agree_hit)},
+            {"false shadow", colour_of(Outcome::false_hit)},
+            {"own shadow (acne)", colour_of(Outcome::wrong_object)},
+            {"false light", colour_of(Outcome::false_miss)},
+            {"not proved", colour_of(Outcome::unresolved)},
+            {"sees something else, or NaN", colour_of(Outcome::not_a_number)}};
+}
+
+const Look& picture_look() {
+    static const Look look{{{""}, {"not a number", nan_colour}, {"colour not proved", colour_of(Outcome::unresolved)}}};
+    return look;
+}
+
+PixelValue pixel_of(const measure::picture::Painted& p) {
+    if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z)) return {1};
+    return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
+}
+
+RenderPictures::RenderPictures(const RenderRequest& request, const std::filesystem::path& sheet,
+                               const std::filesystem::path& singles)
+    : request_(request),
+      grid_(request.rows),
+      files_({.scene = *request.scene,
+              .sheet = sheet,
+              .singles = singles,
+              .spec = sheet_spec(request, grid_),
+              .stop = request.limit.stop},
+             RenderColumns(request, grid_).take()) {}
+
+void RenderPictures::finish(const std::vector<RenderSummary>& summaries) {
+    const std::size_t stages = request_.stages.size();
+    for (std::size_t k = 0; k < summaries.size(); ++k) {
+        const map::RowGrid::Place at = grid_.places[k / stages];
+        files_.set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
+    }
+    files_.finish();
+}
+
+}  // namespace lostbits::output::picture

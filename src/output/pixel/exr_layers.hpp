@@ -1,0 +1,73 @@
+// Layers of an EXR: each says once which channels it has and what stands in them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output/image/exr_parts.hpp"
+#include "output/image/image.hpp"
+
+namespace lostbits::output::pixel {
+
+/// `0 agree_hit, 1 agree_miss`: names by their numbers, for an attribute.
+[[nodiscard]] std::string numbered(const auto& names, const char* between = ", ") {
+    std::string text;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        text += (k ? between : "") + std::to_string(k) + " " + std::string(names[k]);
+    return text;
+}
+
+/// Of a Band, which is pixels from left to right and from top to bottom.
+template <class Band>
+class ExrLayers {
+public:
+    /// `put(band, i, words)` writes the samples of pixel i, one a channel.
+    template <class Put>
+    void add(std::vector<image::Channel> channels, Put put) {
+        fills_.push_back(
+            {channels_.size(), [put](const Band& band, std::uint32_t* at, std::size_t n, std::size_t each) {
+                 for (std::size_t i = 0; i < n; ++i) put(band, i, at + i * each);
+             }});
+        channels_.insert(channels_.end(), channels.begin(), channels.end());
+    }
+    /// FLOAT: what `of(band, i)` is, rounded to binary32.
+    template <class Of>
+    void add_number(std::string name, Of of) {
+        add({{std::move(name)}},
+            [of](const Band& band, std::size_t i, std::uint32_t* at) { *at = image::float_word(of(band, i)); });
+    }
+    /// UINT.
+    template <class Of>
+    void add_count(std::string name, Of of) {
+        add({{std::move(name), image::Channel::Type::u32}}, [of](const Band& band, std::size_t i, std::uint32_t* at) {
+            *at = static_cast<std::uint32_t>(of(band, i));
+        });
+    }
+    /// R, G and B in linear light.
+    template <class Of>
+    void add_preview(Of of) {
+        add({{"R"}, {"G"}, {"B"}}, [of](const Band& band, std::size_t i, std::uint32_t* at) {
+            for (const std::uint32_t word : image::preview_words(of(band, i))) *at++ = word;
+        });
+    }
+
+    [[nodiscard]] const std::vector<image::Channel>& channels() const { return channels_; }
+    /// So many pixels, as `ExrWriter::write_rows` takes them.
+    [[nodiscard]] std::vector<std::uint32_t> samples(const Band& band, std::size_t pixels) const {
+        std::vector<std::uint32_t> all(pixels * channels_.size());
+        for (const auto& [place, fill] : fills_) fill(band, all.data() + place, pixels, channels_.size());
+        return all;
+    }
+
+private:
+    struct Fill {
+        std::size_t place;  ///< of its first channel
+        std::function<void(const Band&, std::uint32_t* at, std::size_t pixels, std::size_t each)> put;
+    };
+    std::vector<image::Channel> channels_;
+    std::vector<Fill> fills_;
+};
+
+}  // namespace lostbits::output::pixel
