@@ -146,7 +146,7 @@ public:
             const std::array<Point, 3> way{
                 {{right, y}, {legend_x - 6.0, frame_.y + *sample}, {legend_x - 1.0, frame_.y + *sample}}};
             stroke.polyline(way, 0.9);
-            stroke.paint(canvas, lines[k].colour, 0.7);
+            stroke.paint(canvas, lines[k].colour, 0.5);
         }
     }
 

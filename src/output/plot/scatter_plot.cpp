@@ -169,7 +169,7 @@ private:
         if (std::hypot(near.x - at.x, near.y - at.y) > leader_from) {
             const std::array<Point, 2> ends{at, near};
             stroke_.polyline(ends, 0.8);
-            stroke_.paint(canvas, colour, 0.6);
+            stroke_.paint(canvas, colour, 0.5);
         }
         canvas.text(static_cast<int>(std::lround(box.x)), static_cast<int>(std::lround(box.y)), text, colour);
     }
