@@ -8,14 +8,16 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "number/error.hpp"
+#include "output/image/canvas.hpp"
 #include "output/image/image_oiio.hpp"
 
 namespace lostbits::output::image {
 namespace {
 
-constexpr int widest = 32767;  // pixels: Cairo has no picture beyond
+constexpr double widest = 32767;  // pixels: Cairo has no picture beyond
 
 void check(cairo_status_t status) {
     if (status != CAIRO_STATUS_SUCCESS)
@@ -80,42 +82,78 @@ cairo_scaled_font_t* make_font(int size, bool bold) {
     return font;
 }
 
+cairo_scaled_font_t* font_of(int size, bool bold) {
+    static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
+    const auto place = fonts.find({size, bold});
+    return place != fonts.end() ? place->second
+                                : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
+}
+
+/// Letters of one size in their places.
+struct Letters {
+    cairo_scaled_font_t* font;
+    std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs;
+    int count;
+    double advance;
+};
+
+Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& from) {
+    cairo_glyph_t* made = nullptr;
+    int count = 0;
+    const auto glyphs_of = [&](std::string_view text) {
+        return cairo_scaled_font_text_to_glyphs(font, from.x, from.y, text.data(), static_cast<int>(text.size()), &made,
+                                                &count, nullptr, nullptr, nullptr);
+    };
+    cairo_status_t status = glyphs_of(utf8);
+    if (status == CAIRO_STATUS_INVALID_STRING) {
+        std::string plain(utf8);
+        std::ranges::replace_if(
+            plain, [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
+        status = glyphs_of(plain);
+    }
+    check(status);
+    cairo_text_extents_t extents;
+    cairo_scaled_font_glyph_extents(font, made, count, &extents);
+    return {font, {made, cairo_glyph_free}, count, extents.x_advance};
+}
+
+/// How many letters after a `^` are its exponent; 0 where it is none, as before a letter in the name of a form.
+std::size_t exponent_after(std::string_view text) {
+    if (!text.starts_with('^')) return 0;
+    const std::size_t sign = text.size() > 1 && (text[1] == '-' || text[1] == '+') ? 1 : 0;
+    const auto number = text.substr(1, text.find_first_not_of(".0123456789", 1 + sign) - 1);
+    return number.find_last_of("0123456789") + 1;  // no dot that ends a sentence; 0 after npos
+}
+
 }  // namespace
 
 TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     const KeepsFloatingPoint same;
     static std::mutex mutex;
-    static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
     const std::lock_guard lock(mutex);
-    const auto place = fonts.find({size, bold});
-    cairo_scaled_font_t* const font = place != fonts.end()
-                                          ? place->second
-                                          : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
-    // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
+    // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level. Its digits are
+    // 0.73 em high, so that raised ones stay inside.
     TextBitmap out;
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
-    cairo_glyph_t* made = nullptr;
-    int count = 0;
-    const auto lay_out = [&](std::string_view text) {
-        return cairo_scaled_font_text_to_glyphs(font, 0, out.baseline, text.data(), static_cast<int>(text.size()),
-                                                &made, &count, nullptr, nullptr, nullptr);
-    };
-    cairo_status_t status = lay_out(utf8);
-    if (status == CAIRO_STATUS_INVALID_STRING) {
-        std::string plain(utf8);
-        std::ranges::replace_if(
-            plain, [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
-        status = lay_out(plain);
+    const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = size * 2 / 5;
+    std::vector<Letters> line;
+    double pen = 0;
+    while (!utf8.empty()) {
+        const std::size_t raised = exponent_after(utf8);
+        if (raised > 0) utf8.remove_prefix(1);
+        const std::size_t end = raised > 0 ? raised : std::min(utf8.find('^', 1), utf8.size());
+        line.push_back(lay_out(font_of(raised > 0 ? small : size, bold), utf8.substr(0, end),
+                               {pen, out.baseline - (raised > 0 ? rise : 0.0)}));
+        pen += line.back().advance;
+        utf8.remove_prefix(end);
     }
-    check(status);
-    const std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs(made, cairo_glyph_free);
-    cairo_text_extents_t extents;
-    cairo_scaled_font_glyph_extents(font, made, count, &extents);
-    out.width = std::clamp(static_cast<int>(std::lround(extents.x_advance)), 0, widest);
+    out.width = static_cast<int>(std::lround(std::clamp(pen, 0.0, widest)));
     const Paper paper(out.width, out.height);
-    cairo_set_scaled_font(paper.pen(), font);
-    cairo_show_glyphs(paper.pen(), made, count);
+    for (const Letters& letters : line) {
+        cairo_set_scaled_font(paper.pen(), letters.font);
+        cairo_show_glyphs(paper.pen(), letters.glyphs.get(), letters.count);
+    }
     out.coverage = paper.coverage();
     return out;
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "output/plot/plot_frame.hpp"
 
 namespace lostbits::output::plot {
 
@@ -125,13 +124,7 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{{}, line, area};
-        auto whole = power_text(backend_, label, size);
-        if (whole.width <= text_room) {
-            entry.text.push_back(std::move(whole));
-        } else {
-            entry.text = image::wrap_text(backend_, label, size, false, text_room);
-        }
+        Entry entry{image::wrap_text(backend_, label, size, false, text_room), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -174,7 +167,6 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
         const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
         int text_y = y;
         for (const auto& text : entry.text) {
-            // Raised exponents make a line higher at its top; baselines stay where they are.
             canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, image::style::ink);
             text_y += image::style::line_height(size_);
         }
@@ -199,12 +191,7 @@ MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit
     for (const auto& mark : marks) {
         Placed placed{mark.x, {}};
         const int room = std::max(limit - static_cast<int>(mark.x), 40);
-        auto whole = power_text(backend, mark.label, image::style::small_size);
-        if (whole.width <= room) {
-            placed.text.push_back(std::move(whole));
-        } else {
-            placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
-        }
+        placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
         for (const auto& text : placed.text) {
             placed.width = std::max(placed.width, text.width);
             placed.height += text.height;

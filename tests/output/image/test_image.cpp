@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <random>
 #include <set>
 #include <thread>
@@ -263,6 +264,34 @@ TEST_CASE("letters beyond ASCII are themselves, and what the font lacks is a box
     CHECK(backend().render_text("\xE7\x90\x83", 16).coverage == backend().render_text("\xE4\xBA\xBA", 16).coverage);
     CHECK(backend().render_text("2²", 16).width ==
           backend().render_text("2", 16).width + backend().render_text("²", 16).width);
+}
+
+TEST_CASE("exponents are raised within the line box, and the names of forms stay as they are", "[text]") {
+    for (const int size : {9, 11, 13, 18}) {
+        INFO(size);
+        const auto drawn = [size](const char* text) { return backend().render_text(text, size); };
+        const output::image::TextBitmap power = drawn("2^-10"), flat = drawn("2-10");
+        CHECK(power.height == flat.height);
+        CHECK(power.baseline == flat.baseline);
+        // One `^` less, and smaller letters where there are any.
+        CHECK(power.width < drawn("2^").width + drawn("-10").width);
+        CHECK((power.width < flat.width || size == 9));
+        const auto ink_between = [&](const output::image::TextBitmap& text, int from, int to) {
+            const auto first = text.coverage.begin() + std::ptrdiff_t{from} * text.width;
+            return std::accumulate(first, text.coverage.begin() + std::ptrdiff_t{to} * text.width, 0);
+        };
+        // Nothing but the 2 stands on the baseline, and nothing is cut off at the top.
+        CHECK(ink_between(power, power.baseline - 2, power.baseline) ==
+              ink_between(drawn("2"), power.baseline - 2, power.baseline));
+        CHECK(ink_between(drawn("^10"), 0, power.baseline) > 0);
+        CHECK(ink_between(drawn("^10"), power.baseline - 1, power.height) == 0);
+        CHECK(drawn("box.a^box.b").width == drawn("box.a").width + drawn("^").width + drawn("box.b").width);
+        // A dot that ends a sentence stands on the line, and so does what follows a number.
+        CHECK(drawn("2^10.").width == drawn("2^10").width + drawn(".").width);
+        CHECK(drawn("2^10-3").width == drawn("2^10").width + drawn("-3").width);
+        CHECK(drawn("^").width > 0);
+        CHECK(drawn("^-").width == drawn("^").width + drawn("-").width);
+    }
 }
 
 TEST_CASE("a line of text may be longer than any picture", "[text]") {
