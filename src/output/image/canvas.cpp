@@ -73,9 +73,9 @@ void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) noexcept {
 void Canvas::ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity) noexcept {
     for (int j = std::max(0, -box.y); j < std::min(box.height, height_ - box.y); ++j) {
         for (int i = std::max(0, -box.x); i < std::min(box.width, width_ - box.x); ++i) {
-            const double whole = coverage[static_cast<std::size_t>(j * box.width + i)];
-            if (whole == 0) continue;
-            const int c = static_cast<int>(std::lround(whole * opacity));
+            const double covered = coverage[static_cast<std::size_t>(j * box.width + i)];
+            if (covered == 0) continue;
+            const int c = static_cast<int>(std::lround(covered * opacity));
             Rgb8& p = pixels_[static_cast<std::size_t>((box.y + j) * width_ + box.x + i)];
             p = {blend(p.r, colour.r, c), blend(p.g, colour.g, c), blend(p.b, colour.b, c)};
         }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-
 namespace lostbits::output::plot {
 
 using image::ImageBackend;
