@@ -68,13 +68,26 @@ public:
         return colours;
     }
     /// A letter is a block as dark as its code.
-    TextBitmap render_text(std::string_view ascii, int size, bool bold) override {
+    TextBitmap render_text(std::string_view utf8, int size, bool bold) override {
         const int wide = std::max(1, size / 2 + bold), high = size + size / 4;
-        TextBitmap out{wide * static_cast<int>(ascii.size()), high, size, {}};
+        TextBitmap out{wide * static_cast<int>(utf8.size()), high, size, {}};
         for (int y = 0; y < high; ++y)
-            for (const char c : ascii)
+            for (const char c : utf8)
                 out.coverage.insert(out.coverage.end(), static_cast<std::size_t>(wide), static_cast<std::uint8_t>(c));
         return out;
+    }
+    /// A figure is its corners, each as dark as the line is thick.
+    std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
+        std::vector<std::uint8_t> covered(static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height));
+        for (const Figure& figure : figures) {
+            for (const Point& p : figure.points) {
+                const auto x = static_cast<std::size_t>(std::clamp(p.x - box.x, 0.0, box.width - 1.0));
+                const auto y = static_cast<std::size_t>(std::clamp(p.y - box.y, 0.0, box.height - 1.0));
+                covered[y * static_cast<std::size_t>(box.width) + x] =
+                    static_cast<std::uint8_t>(255 - std::min(100 * figure.thickness, 200.0));
+            }
+        }
+        return covered;
     }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override { refuse(path); }
     ExrImage read_exr(const std::filesystem::path& path, std::size_t) override { refuse(path); }

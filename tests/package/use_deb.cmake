@@ -11,7 +11,7 @@ endif()
 
 # It asks for the libraries that it is linked with, and for its letters.
 step(dpkg-deb --field ${package} Depends)
-foreach(library libmpfr6 libmpfi0 libopenimageio libtbb fonts-dejavu-core)
+foreach(library libmpfr6 libmpfi0 libopenimageio libcairo2 libtbb fonts-dejavu-core)
     if(NOT last_output MATCHES "${library}")
         message(FATAL_ERROR "the package does not depend on ${library}: ${last_output}")
     endif()

@@ -1,6 +1,7 @@
 #include "output/image/canvas.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace lostbits::output::image {
@@ -19,18 +20,24 @@ std::string entry_text(const LegendEntry& entry) {
     return entry.count.empty() ? entry.label : entry.label + "  " + entry.count;
 }
 
-/// The most characters of `text` that fit `width`, at least one.
+/// The first end of a character of UTF-8 from byte `n` on.
+std::size_t whole(std::string_view text, std::size_t n) {
+    while (n < text.size() && (static_cast<unsigned char>(text[n]) & 0xC0) == 0x80) ++n;
+    return std::min(n, text.size());
+}
+
+/// The most bytes of `text` that fit `width`, at least one character.
 std::size_t fitting_prefix(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
         const std::size_t middle = (lo + hi + 1) / 2;
-        if (backend.render_text(text.substr(0, middle), size, bold).width <= width) {
+        if (backend.render_text(text.substr(0, whole(text, middle)), size, bold).width <= width) {
             lo = middle;
         } else {
             hi = middle - 1;
         }
     }
-    return lo;
+    return whole(text, lo);
 }
 
 }  // namespace
@@ -63,13 +70,14 @@ void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) noexcept {
     fill(x + width, y, 1, height, colour);
 }
 
-void Canvas::text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept {
-    for (int j = 0; j < text.height; ++j) {
-        for (int i = 0; i < text.width; ++i) {
-            const int c = text.coverage[static_cast<std::size_t>(j * text.width + i)];
-            if (c == 0 || x + i < 0 || y + j < 0 || x + i >= width_ || y + j >= height_) continue;
-            const Rgb8 p = row(y + j)[static_cast<std::size_t>(x + i)];
-            set(x + i, y + j, {blend(p.r, colour.r, c), blend(p.g, colour.g, c), blend(p.b, colour.b, c)});
+void Canvas::ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity) noexcept {
+    for (int j = std::max(0, -box.y); j < std::min(box.height, height_ - box.y); ++j) {
+        for (int i = std::max(0, -box.x); i < std::min(box.width, width_ - box.x); ++i) {
+            const double covered = coverage[static_cast<std::size_t>(j * box.width + i)];
+            if (covered == 0) continue;
+            const int c = static_cast<int>(std::lround(covered * opacity));
+            Rgb8& p = pixels_[static_cast<std::size_t>((box.y + j) * width_ + box.x + i)];
+            p = {blend(p.r, colour.r, c), blend(p.g, colour.g, c), blend(p.b, colour.b, c)};
         }
     }
 }
@@ -80,15 +88,47 @@ void Canvas::picture(int x, int y, const Canvas& other) noexcept {
     }
 }
 
+void Stroke::polyline(std::span<const Point> points, double thickness, std::span<const double> dashes) {
+    figures_.push_back({{points.begin(), points.end()}, thickness, {dashes.begin(), dashes.end()}});
+}
+
+void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
+    Figure between{{above.begin(), above.end()}};
+    between.points.insert(between.points.end(), below.rbegin(), below.rend());
+    figures_.push_back(std::move(between));
+}
+
+void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
+    // A marker on a large page reaches a few of its pixels.
+    double left = box_.x + box_.width, right = box_.x, top = box_.y + box_.height, foot = box_.y;
+    for (const Figure& figure : figures_) {
+        const double reach = figure.thickness / 2 + 1;
+        for (const Point& p : figure.points) {
+            left = std::min(left, p.x - reach);
+            right = std::max(right, p.x + reach);
+            top = std::min(top, p.y - reach);
+            foot = std::max(foot, p.y + reach);
+        }
+    }
+    PixelBox reached{std::max(box_.x, static_cast<int>(std::floor(left))),
+                     std::max(box_.y, static_cast<int>(std::floor(top)))};
+    reached.width = std::min(box_.x + box_.width, static_cast<int>(std::ceil(right))) - reached.x;
+    reached.height = std::min(box_.y + box_.height, static_cast<int>(std::ceil(foot))) - reached.y;
+    if (reached.width > 0 && reached.height > 0)
+        canvas.ink(reached, backend_.cover(figures_, reached), colour, opacity);
+    figures_.clear();
+}
+
 namespace {
 
 /// The words of each line of `wrap_text`.
 std::vector<std::string_view> wrapped(ImageBackend& backend, std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
-        // No letter is narrower than a pixel, and drawing a whole book to cut one line off it would take its square.
-        const auto most = static_cast<std::size_t>(std::max(width, 1));
-        std::size_t n = fitting_prefix(backend, text.substr(0, most), size, bold, width);
+        // No letter, of at most four bytes, is narrower than a pixel, and drawing a whole book to cut one line off it
+        // would take its square.
+        const auto most = 4 * static_cast<std::size_t>(std::max(width, 1));
+        std::size_t n = fitting_prefix(backend, text.substr(0, whole(text, most)), size, bold, width);
         if (n < text.size()) {
             const std::size_t space = text.substr(0, n + 1).rfind(' ');
             if (space != std::string_view::npos && space > 0) n = space;
@@ -132,9 +172,9 @@ TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool
     const int smallest = std::min(size, style::smallest_size);
     for (std::size_t kept = text.size(); out.width > width && kept > 1;) {
         --kept;
-        const std::size_t head = (kept + 1) / 2, tail = kept / 2;
-        const std::string shorter =
-            std::string(text.substr(0, head)) + ".." + std::string(text.substr(text.size() - tail));
+        std::string shorter(text.substr(0, whole(text, (kept + 1) / 2)));
+        shorter += "…";
+        shorter += text.substr(whole(text, text.size() - kept / 2));
         out = backend.render_text(shorter, smallest, bold);
     }
     return out;

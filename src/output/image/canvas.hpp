@@ -1,4 +1,4 @@
-// A picture in memory, text on it, and the furniture that heatmaps and contact sheets share.
+// A picture in memory, text and lines on it, and the furniture that heatmaps and contact sheets share.
 #pragma once
 
 #include <filesystem>
@@ -47,12 +47,42 @@ public:
     void fill(int x, int y, int width, int height, Rgb8 colour) noexcept;
     /// A line one pixel wide just outside the rectangle.
     void frame(int x, int y, int width, int height, Rgb8 colour) noexcept;
-    void text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept;
+    /// Blends `colour` in, as much of it as `coverage` says of each pixel of the box.
+    void ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity = 1) noexcept;
+    void text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept {
+        ink({x, y, text.width, text.height}, text.coverage, colour);
+    }
     void picture(int x, int y, const Canvas& other) noexcept;
 
 private:
     int width_, height_;
     std::vector<Rgb8> pixels_;
+};
+
+/// One coat of one colour: figures are gathered and painted together, so that a line that crosses itself, or the joint
+/// of two segments, is not darker than the rest. What lies outside the box is cut off.
+class Stroke {
+public:
+    Stroke(ImageBackend& backend, const PixelBox& box) : backend_(backend), box_(box) {}
+
+    /// The segments between the points, `thickness` pixels wide with round ends. `dashes` are the lengths of ink and
+    /// gap in turn, running on from segment to segment; empty = solid.
+    void polyline(std::span<const Point> points, double thickness, std::span<const double> dashes = {});
+
+    void disc(Point centre, double radius) { figures_.push_back({{centre, centre}, 2 * radius}); }
+
+    void polygon(std::span<const Point> corners) { figures_.push_back({{corners.begin(), corners.end()}}); }
+
+    /// What lies between two polylines.
+    void area(std::span<const Point> above, std::span<const Point> below);
+
+    /// Blends `colour` into the canvas and forgets the figures.
+    void paint(Canvas& canvas, Rgb8 colour, double opacity = 1);
+
+private:
+    ImageBackend& backend_;
+    PixelBox box_;
+    std::vector<Figure> figures_;
 };
 
 /// Writes the pixels as a PNG. Throws as `ImageBackend::open_png` does.
@@ -62,7 +92,7 @@ void save_png(ImageBackend& backend, const std::filesystem::path& path, const Ca
 [[nodiscard]] std::vector<TextBitmap> wrap_text(ImageBackend& backend, std::string_view text, int size, bool bold,
                                                 int width);
 
-/// `text` in one line of at most `width` pixels: smaller letters first, then `..` in the middle.
+/// `text` in one line of at most `width` pixels: smaller letters first, then `…` in the middle.
 [[nodiscard]] TextBitmap fit_text(ImageBackend& backend, std::string_view text, int size, bool bold, int width);
 
 /// `text` in at most that many lines of `width` pixels, the last of them as `fit_text` makes it.

@@ -1,6 +1,6 @@
-// The face of the image module: EXR, PNG, colour ramps and text, without a type of the library behind it.
+// The face of the image module: EXR, PNG, colour ramps, text and lines, without a type of the libraries behind it.
 //
-// OpenImageIO costs 180 ms to load, so it sits in a module of its own (`lostbits_image`) that
+// OpenImageIO, which brings Cairo, costs 180 ms to load, so they sit in a module of their own (`lostbits_image`) that
 // `image_backend()` loads when a command first writes a picture.
 #pragma once
 
@@ -74,6 +74,23 @@ struct TextBitmap {
     std::vector<std::uint8_t> coverage;
 };
 
+/// A place on a canvas: pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
+struct Point {
+    double x, y;
+};
+
+/// A line through points, with round ends and joints; of no thickness, the polygon between them.
+struct Figure {
+    std::vector<Point> points;
+    double thickness = 0;             ///< pixels
+    std::vector<double> dashes = {};  ///< the lengths of ink and gap in turn; empty: solid
+};
+
+/// Pixels of a canvas, from a corner on.
+struct PixelBox {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
 /// One channel as it was read back, bit for bit.
 struct ExrChannel {
     std::string name;
@@ -114,9 +131,13 @@ public:
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em. Latin letters lose their accents; any other character
-    /// outside ASCII becomes `?`. Throws EnvironmentError when DejaVu Sans is not installed.
-    [[nodiscard]] virtual TextBitmap render_text(std::string_view ascii, int size, bool bold = false) = 0;
+    /// One line of text with letters `size` pixels to the em; the exponent of `2^-10` is raised. A character that
+    /// DejaVu Sans lacks becomes a box; where the text is not UTF-8, every byte beyond ASCII `?`. Throws
+    /// EnvironmentError when that font is not installed.
+    [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size, bool bold = false) = 0;
+
+    /// How much of each pixel the figures cover together, 0 to 255, row by row.
+    [[nodiscard]] virtual std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) = 0;
 
     /// The names of an EXR's parts, in their order; of a file without parts one empty name. Throws InputError.
     [[nodiscard]] virtual std::vector<std::string> exr_parts(const std::filesystem::path& path) = 0;
@@ -135,7 +156,7 @@ protected:
 };
 
 /// Grows with every change of this header; a module of another build is refused rather than misread.
-inline constexpr int image_module_abi = 3;
+inline constexpr int image_module_abi = 4;
 
 /// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
 /// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says

@@ -33,7 +33,7 @@ fs::path find_module() {
     }
     throw EnvironmentError(
         "cannot write images: the image module is missing; build the target `lostbits_image` (needs "
-        "libopenimageio-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" +
+        "libopenimageio-dev and libcairo2-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked at:" +
         tried);
 }
 
@@ -42,7 +42,8 @@ fs::path find_module() {
         throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
                                "; all that it needs takes 500 MB of addresses: raise `ulimit -v`");
     throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
-                           "; install OpenImageIO (Debian: libopenimageio2.4) and rebuild the target `lostbits_image`");
+                           "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2) and rebuild the "
+                           "target `lostbits_image`");
 }
 
 ImageBackend& load() {

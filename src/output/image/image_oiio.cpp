@@ -1,5 +1,5 @@
 // The image module: all of OpenImageIO that the program touches. Built as `lostbits_image`, loaded at run time. Here
-// is what it reads and draws; image_oiio_write.cpp writes.
+// is what it reads; image_oiio_write.cpp writes, and image_cairo.cpp draws.
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
@@ -8,8 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <map>
-#include <mutex>
 #include <stdexcept>
 
 #include "number/error.hpp"
@@ -38,33 +36,6 @@ std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, 
 ClaimedPixels claimed(const OIIO::ImageSpec& spec, std::uint64_t most_of_a_byte) {
     return {static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height), spec.pixel_bytes(true),
             most_of_a_byte};
-}
-
-/// OpenImageIO 2.4 draws ASCII alone: Latin letters lose their accents, dashes and quotes become plain, and whatever
-/// else is left becomes one `?` a character.
-std::string plain_ascii(std::string_view utf8) {
-    static constexpr std::string_view latin =
-        "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo/ouuuuypy";  // U+00C0 to U+00FF
-    std::string text;
-    for (std::size_t i = 0; i < utf8.size();) {
-        const auto lead = static_cast<unsigned char>(utf8[i]);
-        std::size_t size = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-        size = std::min(size, utf8.size() - i);
-        char c = '?';
-        if (size == 1 && lead >= ' ' && lead <= '~') c = utf8[i];
-        if (size == 2) {
-            const unsigned code = (lead & 0x1FU) << 6 | (static_cast<unsigned char>(utf8[i + 1]) & 0x3FU);
-            if (code >= 0xC0 && code <= 0xFF) c = latin[code - 0xC0];
-            if (code == 0xB2) c = '2';
-        }
-        const std::string_view symbol = utf8.substr(i, size);
-        if (symbol == "\u2013" || symbol == "\u2014" || symbol == "\u2212") c = '-';
-        if (symbol == "\u2018" || symbol == "\u2019") c = '\'';
-        if (symbol == "\u201C" || symbol == "\u201D") c = '"';
-        text += c;
-        i += size;
-    }
-    return text;
 }
 
 class OiioBackend final : public ImageBackend {
@@ -101,22 +72,10 @@ public:
         return out;
     }
 
-    TextBitmap render_text(std::string_view ascii, int size, bool bold) override {
-        const std::string text = plain_ascii(ascii);
-        const std::lock_guard lock(glyphs_mutex_);
-        TextBitmap out = empty_line(size);
-        for (const char c : text) out.width += glyph(c, size, bold).advance;
-        out.width = std::max(out.width, 0);
-        out.coverage.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
-        int pen = 0;
-        for (const char c : text) {
-            const Glyph& drawn = glyph(c, size, bold);
-            add_ink(out, pen, size, drawn);
-            pen += drawn.advance;
-        }
-        return out;
+    TextBitmap render_text(std::string_view utf8, int size, bool bold) override { return cairo_text(utf8, size, bold); }
+    std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
+        return cairo_coverage(figures, box);
     }
-
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override;
     ExrImage read_exr(const std::filesystem::path& path, std::size_t part) override;
     PngImage read_png(const std::filesystem::path& path) override;
@@ -130,84 +89,6 @@ protected:
                                         const PngSpec& spec) override {
         return oiio_png(std::move(sink), path, spec);
     }
-
-private:
-    /// Where Debian and Fedora have it, or its name alone, by which the library looks through every folder of fonts:
-    /// that cost a map more than all of its drawing, for the library looks each time.
-    static const std::string& font_named(const std::string& name) {
-        static std::map<std::string, std::string> known;
-        const auto [place, fresh] = known.try_emplace(name, name);
-        if (!fresh) return place->second;
-        for (const char* folder : {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/"}) {
-            if (std::filesystem::exists(folder + name + ".ttf")) place->second = folder + name + ".ttf";
-        }
-        return place->second;
-    }
-
-    /// A letter as the library draws it at its pen, `size` pixels from the left edge of a box three times as wide.
-    struct Glyph {
-        int advance = 0;  ///< to the next letter's pen
-        std::vector<std::uint8_t> coverage;
-    };
-
-    static TextBitmap empty_line(int size) {
-        // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level.
-        TextBitmap out;
-        out.baseline = static_cast<int>(std::ceil(0.93 * size));
-        out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
-        return out;
-    }
-
-    static void add_ink(TextBitmap& line, int pen, int size, const Glyph& glyph) {
-        const int first = std::max(0, size - pen), end = std::min(3 * size, line.width + size - pen);
-        for (int y = 0; y < line.height; ++y) {
-            for (int x = first; x < end; ++x) {
-                auto& ink = line.coverage[static_cast<std::size_t>(y * line.width + pen - size + x)];
-                ink = std::max(ink, glyph.coverage[static_cast<std::size_t>(3 * size * y + x)]);
-            }
-        }
-    }
-
-    /// The library opens the font and hints each letter anew, several times a call. Letter by letter, once each, a map
-    /// of all forms takes two thirds of the time.
-    const Glyph& glyph(char c, int size, bool bold) {
-        const auto place = glyphs_.find({c, size, bold});
-        if (place != glyphs_.end()) return place->second;
-        return glyphs_.emplace(std::tuple(c, size, bold), draw_glyph(c, size, bold)).first->second;
-    }
-
-    static Glyph draw_glyph(char c, int size, bool bold) {
-        const KeepsFloatingPoint same;
-        const std::string& font = font_named(bold ? "DejaVuSans-Bold" : "DejaVuSans");
-        const auto width_of = [&](const std::string& text) {
-            const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(text, size, font);
-            if (box.defined()) return box.width();
-            // The library says nothing of why; it is as silent where it can open or hold no more.
-            throw EnvironmentError("cannot draw text: the font " + font +
-                                   " cannot be read; install the package fonts-dejavu-core, or where it is, select "
-                                   "fewer forms, or raise `ulimit -n` and `ulimit -v`");
-        };
-        Glyph out;
-        // A space has no ink, and text_size measures ink: frame it with two bars.
-        out.advance = width_of(std::string{'|', c, '|'}) - width_of("||");
-        const TextBitmap line = empty_line(size);
-        OIIO::ImageBuf ink(OIIO::ImageSpec(3 * size, line.height, 1, OIIO::TypeDesc::FLOAT));
-        OIIO::ImageBufAlgo::zero(ink);
-        std::vector<float> coverage(static_cast<std::size_t>(3 * size) * static_cast<std::size_t>(line.height));
-        if ((c != ' ' &&
-             !OIIO::ImageBufAlgo::render_text(ink, size, line.baseline, std::string(1, c), size, font, 1.0f)) ||
-            !ink.get_pixels(ink.roi(), OIIO::TypeDesc::FLOAT, coverage.data())) {
-            throw EnvironmentError("cannot draw text: " + ink.geterror());
-        }
-        out.coverage.resize(coverage.size());
-        std::ranges::transform(coverage, out.coverage.begin(), [](float share) {
-            return static_cast<std::uint8_t>(std::lround(std::clamp(share, 0.0f, 1.0f) * 255.0f));
-        });
-        return out;
-    }
-
-    std::mutex glyphs_mutex_;
-    std::map<std::tuple<char, int, bool>, Glyph> glyphs_;
 };
 
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {

@@ -30,6 +30,10 @@ using intersect::process::KeepsFloatingPoint;
 [[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const PngSpec& spec);
 
+/// What is behind ImageBackend::render_text and cover.
+[[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
+[[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
+
 /// A product of sizes, or as much as there can be where it is more: 2^30 × 2^30 pixels of 16 bytes would be none.
 inline std::uint64_t room_of(std::uint64_t a, std::uint64_t b) {
     constexpr auto most = std::numeric_limits<std::uint64_t>::max();

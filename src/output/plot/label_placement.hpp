@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "output/image/stroke.hpp"
+#include "output/image/image.hpp"
 
 namespace lostbits::output::plot {
 

@@ -28,7 +28,7 @@ constexpr int least_right = 120;        // room for the label of a mark at the r
 constexpr std::size_t few_points = 24;  // a line of at most so many shows each of them
 constexpr double marker_pitch = 58;     // pixels between markers on a line of many points
 constexpr double triangle_pitch = 11;
-constexpr double band_opacity = 0.16;
+constexpr double band_opacity = 0.12;
 
 /// What could not be drawn, for the footnotes.
 struct Lacking {
@@ -112,8 +112,14 @@ std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
 /// The plot with its axes; draws one layer at a time.
 class Plot {
 public:
-    Plot(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
-        : spec_(spec), x_(x), y_(y), frame_(frame), stroke_(frame.x, frame.y, frame.width, frame.height) {}
+    Plot(image::ImageBackend& backend, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y,
+         const PlotFrame& frame)
+        : backend_(backend),
+          spec_(spec),
+          x_(x),
+          y_(y),
+          frame_(frame),
+          stroke_(backend, {frame.x, frame.y, frame.width, frame.height}) {}
 
     void shades(Canvas& canvas) const {
         for (const PlotShade& shade : spec_.shades) {
@@ -131,7 +137,7 @@ public:
     /// From where lines end to their names in the legend at pixel x. One that ends before the axis does has no way
     /// there that would not cross others; its name says where it ends.
     void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
-        image::Stroke stroke(frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40);
+        image::Stroke stroke(backend_, {frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {
             const auto end = end_of(lines[k], x_, y_);
             const auto sample = legend.sample_of(k);
@@ -140,7 +146,7 @@ public:
             const std::array<Point, 3> way{
                 {{right, y}, {legend_x - 6.0, frame_.y + *sample}, {legend_x - 1.0, frame_.y + *sample}}};
             stroke.polyline(way, 0.9);
-            stroke.paint(canvas, lines[k].colour, 0.7);
+            stroke.paint(canvas, lines[k].colour, 0.5);
         }
     }
 
@@ -237,6 +243,7 @@ private:
         return out;
     }
 
+    image::ImageBackend& backend_;
     const LinePlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
@@ -282,7 +289,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
     }
     const MarkLabels labels(backend, marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
-    Plot measured(spec, x, y, frame);
+    Plot measured(backend, spec, x, y, frame);
     for (const auto& series : spec.series) measured.count(series, lacking);
     if (spec.envelope) measured.count(*spec.envelope, lacking);
     std::vector<std::string> said = lacking.notes();
@@ -297,7 +304,7 @@ void write_line_plot(image::ImageBackend& backend, const std::filesystem::path& 
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
-    Plot plot(spec, x, y, frame);
+    Plot plot(backend, spec, x, y, frame);
     plot.shades(page);
     if (spec.envelope) plot.envelope(page);
     axes.draw_grid(page, frame);

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "output/plot/plot_frame.hpp"
-
 namespace lostbits::output::plot {
 
 using image::ImageBackend;
@@ -83,7 +81,7 @@ std::vector<double> places_near(std::span<const double> wishes, std::span<const 
 
 PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
                        bool markers, Room room)
-    : markers_(markers) {
+    : backend_(backend), markers_(markers) {
     struct Try {
         int size, columns, per_cent;  // of the width, for all columns
     };
@@ -91,7 +89,7 @@ PlotLegend::PlotLegend(ImageBackend& backend, std::span<const PlotLine> lines, s
          {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
           Try{image::style::small_size, 2, 40}, Try{10, 2, 40}}) {
         const int column_width = (room.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
-        arrange(backend, lines, areas, {size, columns, column_width});
+        arrange(lines, areas, {size, columns, column_width});
         if (height_ <= room.height) return;
     }
 }
@@ -118,21 +116,14 @@ std::optional<double> PlotLegend::sample_of(std::size_t line) const {
     return entries_[line].y + size_ - image::style::digit_rise(size_) + 0.5;
 }
 
-void PlotLegend::arrange(ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
-                         const Layout& layout) {
+void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout) {
     const int size = layout.size, columns = layout.columns;
     entries_.clear();
     size_ = size;
     const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{{}, line, area};
-        auto whole = power_text(backend, label, size);
-        if (whole.width <= text_room) {
-            entry.text.push_back(std::move(whole));
-        } else {
-            entry.text = image::wrap_text(backend, label, size, false, text_room);
-        }
+        Entry entry{image::wrap_text(backend_, label, size, false, text_room), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -175,7 +166,6 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
         const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
         int text_y = y;
         for (const auto& text : entry.text) {
-            // Raised exponents make a line higher at its top; baselines stay where they are.
             canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, image::style::ink);
             text_y += image::style::line_height(size_);
         }
@@ -185,7 +175,7 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, entry.area->edge);
             continue;
         }
-        Stroke stroke(x, y - 6, sample_width, image::style::line_height(size_) + 12);
+        Stroke stroke(backend_, {x, y - 6, sample_width, image::style::line_height(size_) + 12});
         stroke.polyline(std::array<Point, 2>{{{x + 1.5, middle}, {x + sample_width - 1.5, middle}}}, line_thickness,
                         entry.line->dashes);
         if (markers_ || entry.line->marker > 0) {
@@ -195,17 +185,12 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
     }
 }
 
-MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit) {
+MarkLabels::MarkLabels(ImageBackend& backend, std::vector<Mark> marks, int limit) : backend_(backend) {
     std::ranges::stable_sort(marks, {}, &Mark::x);
     for (const auto& mark : marks) {
         Placed placed{mark.x, {}};
         const int room = std::max(limit - static_cast<int>(mark.x), 40);
-        auto whole = power_text(backend, mark.label, image::style::small_size);
-        if (whole.width <= room) {
-            placed.text.push_back(std::move(whole));
-        } else {
-            placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
-        }
+        placed.text = image::wrap_text(backend, mark.label, image::style::small_size, false, room);
         for (const auto& text : placed.text) {
             placed.width = std::max(placed.width, text.width);
             placed.height += text.height;
@@ -229,7 +214,7 @@ void MarkLabels::draw(image::Canvas& canvas, int top, int foot) const {
     for (const auto& one : placed_) {
         const int x = static_cast<int>(std::floor(one.x));
         const int label_foot = top - one.rise;
-        Stroke stroke(x - 2, label_foot, 5, foot - label_foot);
+        Stroke stroke(backend_, {x - 2, label_foot, 5, foot - label_foot});
         stroke.polyline(std::array<Point, 2>{{{x + 0.5, label_foot + 0.5}, {x + 0.5, foot + 1.0}}}, 1, dashes);
         stroke.paint(canvas, image::style::soft_ink);
         int y = label_foot - one.height;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "output/image/stroke.hpp"
+#include "output/image/canvas.hpp"
 #include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::plot {
@@ -81,10 +81,10 @@ private:
     struct Layout {
         int size, columns, column_width;
     };
-    void arrange(image::ImageBackend& backend, std::span<const PlotLine> lines, std::span<const PlotArea> areas,
-                 const Layout& layout);
+    void arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout);
     [[nodiscard]] int height_of(const Entry& entry) const;
 
+    image::ImageBackend& backend_;
     std::vector<Entry> entries_;
     bool markers_, aligned_ = false;
     std::vector<int> column_x_;
@@ -114,6 +114,7 @@ private:
         int width = 0, height = 0;
         int rise = 0;  // of the label's foot above the frame
     };
+    image::ImageBackend& backend_;
     std::vector<Placed> placed_;
     int height_ = 0;
 };

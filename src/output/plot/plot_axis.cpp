@@ -88,7 +88,7 @@ double AxisRange::scaled(double value) const noexcept {
 
 double AxisRange::place(double s) const noexcept {
     // Halves first: hi - lo may overflow.
-    const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e4, 1e4);
+    const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
     return zero_ ? below_low_end + (1 - below_low_end) * share : share;
 }
 

@@ -29,7 +29,7 @@ public:
     /// zero that has a place of its own.
     [[nodiscard]] bool has_place(double value) const noexcept;
 
-    /// 0 at the low end, 1 at the high one, beyond them outside (at most 10^4, so that pixels stay countable); an
+    /// 0 at the low end, 1 at the high one, beyond them outside (at most 10^3, so that pixels stay countable); an
     /// infinite value lies at its end. Meaningless without a place.
     [[nodiscard]] double position(double value) const noexcept;
 

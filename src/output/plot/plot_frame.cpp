@@ -14,21 +14,6 @@ constexpr image::Rgb8 grid_colour{228, 228, 226};
 constexpr int tick_length = 5, minor_length = 3, label_gap = 4, title_gap = 6;
 constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels a labelled tick should have
 
-/// Puts `part` beside what is there; `top` rows below the top of `whole`, which is high enough.
-void append(TextBitmap& whole, const TextBitmap& part, int top) {
-    TextBitmap out{whole.width + part.width, whole.height, whole.baseline, {}};
-    out.coverage.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
-    const auto copy = [&](const TextBitmap& from, int x, int y) {
-        for (int j = 0; j < from.height && y + j < out.height; ++j) {
-            const auto row = from.coverage.begin() + static_cast<std::ptrdiff_t>(j) * from.width;
-            std::copy(row, row + from.width, out.coverage.begin() + static_cast<std::ptrdiff_t>(y + j) * out.width + x);
-        }
-    };
-    copy(whole, 0, 0);
-    copy(part, whole.width, top);
-    whole = std::move(out);
-}
-
 }  // namespace
 
 TextBitmap turned(const TextBitmap& text) {
@@ -39,24 +24,6 @@ TextBitmap turned(const TextBitmap& text) {
             out.coverage[static_cast<std::size_t>((text.width - 1 - x) * text.height + y)] =
                 text.coverage[static_cast<std::size_t>(y * text.width + x)];
         }
-    }
-    return out;
-}
-
-TextBitmap power_text(ImageBackend& backend, std::string_view text, int size, bool bold) {
-    if (text.find('^') == std::string_view::npos) return backend.render_text(text, size, bold);
-    const int small = std::max(size * 3 / 4, image::style::smallest_size - 1), rise = (size * 2 + 2) / 5;
-    const TextBitmap base = backend.render_text("0", size, bold), raised = backend.render_text("0", small, bold);
-    const int extra = std::max(0, raised.baseline + rise - base.baseline);
-    TextBitmap out{0, base.height + extra, base.baseline + extra, {}};
-    while (!text.empty()) {
-        const bool power = text.front() == '^' && text.find_first_of("-+.0123456789", 1) == 1;
-        if (power) text.remove_prefix(1);
-        const std::size_t from = power ? 0 : 1;
-        const std::size_t end = power ? text.find_first_not_of("-+.0123456789") : text.find('^', from);
-        const auto part = backend.render_text(text.substr(0, end), power ? small : size, bold);
-        append(out, part, out.baseline - part.baseline - (power ? rise : 0));
-        text.remove_prefix(std::min(end, text.size()));
     }
     return out;
 }
@@ -72,7 +39,7 @@ double PlotFrame::up(double position) const noexcept {
 std::vector<PlotAxes::Tick> PlotAxes::render(ImageBackend& backend, const AxisRange& range, int most) {
     std::vector<Tick> out;
     for (const auto& [position, label] : range.ticks(most)) {
-        out.push_back({position, label.empty() ? TextBitmap{} : power_text(backend, label, image::style::text_size)});
+        out.push_back({position, label.empty() ? TextBitmap{} : backend.render_text(label, image::style::text_size)});
     }
     return out;
 }
@@ -92,10 +59,6 @@ PlotAxes::PlotAxes(ImageBackend& backend, const AxisRange& x, const AxisRange& y
     below_ = 1 + tick_length + label_gap + highest;
     if (!x.title().empty()) {
         x_title_ = image::fit_text(backend, x.title(), image::style::text_size, false, width);
-        if (x.title().find('^') != std::string::npos) {
-            auto raised = power_text(backend, x.title(), image::style::text_size);
-            if (raised.width <= width) x_title_ = std::move(raised);
-        }
         below_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {

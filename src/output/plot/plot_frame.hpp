@@ -1,17 +1,12 @@
-// What the plots share: powers as text, and the frame with its grid, ticks and titles.
+// What the plots share: text that is turned, and the frame with its grid, ticks and titles.
 #pragma once
 
-#include <string_view>
 #include <vector>
 
 #include "output/image/canvas.hpp"
 #include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
-
-/// One line of text in which `2^-10` has a raised exponent. Its height grows by what rises above the letters.
-[[nodiscard]] image::TextBitmap power_text(image::ImageBackend& backend, std::string_view text, int size,
-                                           bool bold = false);
 
 /// A quarter turn against the clock: to be read from the right.
 [[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);

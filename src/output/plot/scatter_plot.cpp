@@ -53,7 +53,7 @@ Box2 around(Point a, Point b) {
 /// The keys side by side, in as many lines as they need.
 class Keys {
 public:
-    Keys(ImageBackend& backend, const std::vector<ScatterPlotSpec::Key>& keys, int width) {
+    Keys(ImageBackend& backend, const std::vector<ScatterPlotSpec::Key>& keys, int width) : backend_(backend) {
         int x = 0, y = 0;
         for (const auto& key : keys) {
             TextBitmap text = backend.render_text(key.label, image::style::text_size);
@@ -70,7 +70,7 @@ public:
     [[nodiscard]] int height() const { return height_; }
 
     void draw(Canvas& canvas, int x, int y) const {
-        Stroke stroke(0, 0, canvas.width(), canvas.height());
+        Stroke stroke(backend_, {0, 0, canvas.width(), canvas.height()});
         for (const auto& p : placed_) {
             const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
             paint_marker(canvas, stroke, at, {p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow});
@@ -85,6 +85,7 @@ private:
         TextBitmap text;
         int x, y;
     };
+    ImageBackend& backend_;
     std::vector<Placed> placed_;
     int height_ = 0;
 };
@@ -96,15 +97,16 @@ bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
 /// Draws what is inside the frame.
 class Scatter {
 public:
-    Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame, Canvas& canvas)
-        : spec_(spec),
+    Scatter(ImageBackend& backend, const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y,
+            const PlotFrame& frame)
+        : backend_(backend),
+          spec_(spec),
           x_(x),
           y_(y),
           frame_(frame),
-          canvas_(canvas),
-          stroke_(frame.x, frame.y, frame.width, frame.height) {}
+          stroke_(backend, {frame.x, frame.y, frame.width, frame.height}) {}
 
-    void front() {
+    void front(Canvas& canvas) {
         for (const bool firm : {true, false}) {
             for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
                 if (spec_.front[i].firm != firm) continue;
@@ -113,24 +115,24 @@ public:
                 const std::array<Point, 3> step{a, {b.x, a.y}, b};
                 stroke_.polyline(step, front_thickness, firm ? std::span<const double>() : dashes);
             }
-            stroke_.paint(canvas_, front_colour);
+            stroke_.paint(canvas, front_colour);
         }
     }
 
-    void points(bool faint) {
+    void points(Canvas& canvas, bool faint) {
         for (const auto& p : spec_.points) {
             if (p.faint != faint || !has_place(p, x_, y_)) continue;
             const Rgb8 colour = colour_of(p.colour, p.faint);
             if (!faint) {
                 const std::array<Point, 2> spread{place(p.x_low, p.y), place(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
-                stroke_.paint(canvas_, colour);
+                stroke_.paint(canvas, colour);
             }
-            paint_marker(canvas_, stroke_, place(p.x, p.y), {p.marker, colour, p.hollow});
+            paint_marker(canvas, stroke_, place(p.x, p.y), {p.marker, colour, p.hollow});
         }
     }
 
-    void labels(ImageBackend& backend) {
+    void labels(Canvas& canvas) {
         std::vector<Box2> taken, avoided;
         std::vector<LabelWish> wishes;
         std::vector<TextBitmap> texts;
@@ -139,7 +141,7 @@ public:
             if (!has_place(p, x_, y_)) continue;
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
             if (p.faint || p.label.empty()) continue;
-            texts.push_back(backend.render_text(p.label, image::style::text_size));
+            texts.push_back(backend_.render_text(p.label, image::style::text_size));
             wishes.push_back(
                 {place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
@@ -152,7 +154,9 @@ public:
         }
         const Box2 room{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
         const auto placed = place_labels(wishes, {room, taken, avoided});
-        for (std::size_t i = 0; i < placed.size(); ++i) draw_label(wishes[i].at, placed[i], texts[i], colours[i]);
+        for (std::size_t i = 0; i < placed.size(); ++i) {
+            if (placed[i]) draw_label(canvas, wishes[i].at, *placed[i], texts[i], colours[i]);
+        }
     }
 
 private:
@@ -160,21 +164,20 @@ private:
         return {frame_.across(x_.position(x)), frame_.up(y_.position(y))};
     }
 
-    void draw_label(Point at, const std::optional<Box2>& box, const TextBitmap& text, Rgb8 colour) {
-        if (!box) return;
-        const Point near = box->nearest(at);
+    void draw_label(Canvas& canvas, Point at, const Box2& box, const TextBitmap& text, Rgb8 colour) {
+        const Point near = box.nearest(at);
         if (std::hypot(near.x - at.x, near.y - at.y) > leader_from) {
             const std::array<Point, 2> ends{at, near};
             stroke_.polyline(ends, 0.8);
-            stroke_.paint(canvas_, colour, 0.6);
+            stroke_.paint(canvas, colour, 0.5);
         }
-        canvas_.text(static_cast<int>(std::lround(box->x)), static_cast<int>(std::lround(box->y)), text, colour);
+        canvas.text(static_cast<int>(std::lround(box.x)), static_cast<int>(std::lround(box.y)), text, colour);
     }
 
+    ImageBackend& backend_;
     const ScatterPlotSpec& spec_;
     const AxisRange &x_, &y_;
     const PlotFrame& frame_;
-    Canvas& canvas_;
     Stroke stroke_;
 };
 
@@ -215,11 +218,11 @@ void write_scatter_plot(ImageBackend& backend, const std::filesystem::path& path
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
-    Scatter scatter(spec, x, y, frame, page);
-    scatter.points(true);
-    scatter.front();
-    scatter.points(false);
-    scatter.labels(backend);
+    Scatter scatter(backend, spec, x, y, frame);
+    scatter.points(page, true);
+    scatter.front(page);
+    scatter.points(page, false);
+    scatter.labels(page);
     axes.draw(page, frame);
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);

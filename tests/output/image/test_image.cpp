@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "catch.hpp"
@@ -236,9 +238,8 @@ TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", 
     CHECK(std::ranges::count(b.coverage, 255) > 0);
     CHECK(backend().render_text("x ", 16).width > b.width);
     CHECK(backend().render_text("x", 16, true).coverage != b.coverage);
-    CHECK(backend().render_text("\xC3\xA9", 16).coverage == backend().render_text("e", 16).coverage);
-    CHECK(backend().render_text("\xE7\x90\x83", 16).coverage == backend().render_text("?", 16).coverage);
     CHECK(backend().render_text("\xFF", 16).coverage == backend().render_text("?", 16).coverage);
+    CHECK(backend().render_text("x\xC3\xFFy", 16).coverage == backend().render_text("x??y", 16).coverage);
     CHECK(backend().render_text("", 16).width == 0);
     // No letter touches the upper or lower edge of the line box, or is cut at its sides.
     for (char c = '!'; c <= '~'; ++c) {
@@ -248,6 +249,55 @@ TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", 
         CHECK(std::ranges::count(std::span(t.coverage).last(w), 0) == t.width);
         CHECK(std::ranges::count(std::span(t.coverage).first(w), 0) == t.width);
     }
+}
+
+TEST_CASE("letters beyond ASCII are themselves, and what the font lacks is a box", "[text]") {
+    std::set<std::vector<std::uint8_t>> seen;
+    const std::vector<const char*> letters{"?", "e", "é", "×", "°", "²", "≤", "−", "…", "→", "θ", "ä", "\xE7\x90\x83"};
+    for (const char* letter : letters) {
+        const output::image::TextBitmap drawn = backend().render_text(letter, 16);
+        INFO(letter);
+        CHECK(std::ranges::any_of(drawn.coverage, [](std::uint8_t c) { return c > 200; }));
+        CHECK(seen.insert(drawn.coverage).second);
+    }
+    // DejaVu Sans has no ideographs: they are one box.
+    CHECK(backend().render_text("\xE7\x90\x83", 16).coverage == backend().render_text("\xE4\xBA\xBA", 16).coverage);
+    CHECK(backend().render_text("2²", 16).width ==
+          backend().render_text("2", 16).width + backend().render_text("²", 16).width);
+}
+
+TEST_CASE("exponents are raised within the line box, and the names of forms stay as they are", "[text]") {
+    for (const int size : {9, 11, 13, 18}) {
+        INFO(size);
+        const auto drawn = [size](const char* text) { return backend().render_text(text, size); };
+        const output::image::TextBitmap power = drawn("2^-10"), flat = drawn("2-10");
+        CHECK(power.height == flat.height);
+        CHECK(power.baseline == flat.baseline);
+        // One `^` less, and smaller letters where there are any.
+        CHECK(power.width < drawn("2^").width + drawn("-10").width);
+        CHECK((power.width < flat.width || size == 9));
+        const auto ink_between = [&](const output::image::TextBitmap& text, int from, int to) {
+            const auto first = text.coverage.begin() + std::ptrdiff_t{from} * text.width;
+            return std::accumulate(first, text.coverage.begin() + std::ptrdiff_t{to} * text.width, 0);
+        };
+        // Nothing but the 2 stands on the baseline, and nothing is cut off at the top.
+        CHECK(ink_between(power, power.baseline - 2, power.baseline) ==
+              ink_between(drawn("2"), power.baseline - 2, power.baseline));
+        CHECK(ink_between(drawn("^10"), 0, power.baseline) > 0);
+        CHECK(ink_between(drawn("^10"), power.baseline - 1, power.height) == 0);
+        CHECK(drawn("box.a^box.b").width == drawn("box.a").width + drawn("^").width + drawn("box.b").width);
+        // A dot that ends a sentence stands on the line, and so does what follows a number.
+        CHECK(drawn("2^10.").width == drawn("2^10").width + drawn(".").width);
+        CHECK(drawn("2^10-3").width == drawn("2^10").width + drawn("-3").width);
+        CHECK(drawn("^").width > 0);
+        CHECK(drawn("^-").width == drawn("^").width + drawn("-").width);
+    }
+}
+
+TEST_CASE("a line of text may be longer than any picture", "[text]") {
+    const output::image::TextBitmap text = backend().render_text(std::string(9000, 'W'), 16);
+    CHECK(text.width > 30000);
+    CHECK(text.coverage.size() == static_cast<std::size_t>(text.width) * static_cast<std::size_t>(text.height));
 }
 
 // Hidden: it needs a process in which no test has loaded the module yet. The next test starts one.

@@ -130,6 +130,35 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
     }
 }
 
+TEST_CASE("text is broken and shortened between letters of any size", "[text]") {
+    const std::string text = [] {
+        std::string many;
+        for (int i = 0; i < 40; ++i) many += i % 2 == 0 ? "≤" : "²";
+        return many;
+    }();
+    const int all = backend().render_text(text, 13).width;
+    for (const int width : {1, 20, 37, 100, all}) {
+        INFO(width);
+        int sum = 0;
+        for (const TextBitmap& line : wrap_text(backend(), text, 13, false, width)) sum += line.width;
+        CHECK(sum == all);  // a `?` would be of another width
+        const TextBitmap fitted = fit_text(backend(), text, 9, false, width);
+        CHECK((fitted.width <= width || width == 1));
+        // Letters that are whole: some from the head, some from the tail.
+        bool found = fitted.coverage == backend().render_text(text, 9).coverage;
+        for (std::size_t head = 1; head <= 20; ++head) {
+            for (std::size_t tail = 0; tail <= 20; ++tail) {
+                std::string shorter;
+                for (std::size_t i = 0; i < head; ++i) shorter += i % 2 == 0 ? "≤" : "²";
+                shorter += "…";
+                for (std::size_t i = 40 - tail; i < 40; ++i) shorter += i % 2 == 0 ? "≤" : "²";
+                found |= fitted.coverage == backend().render_text(shorter, 9).coverage;
+            }
+        }
+        CHECK(found);
+    }
+}
+
 TEST_CASE("the legend shows what occurred and nothing else, the bar is there when a scale is", "[heatmap]") {
     const Scratch folder;
     const auto make = [&](std::vector<lostbits::output::image::LegendEntry> entries, bool bar) {

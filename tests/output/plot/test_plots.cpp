@@ -118,7 +118,8 @@ TEST_CASE("a level line has its colour in the row of its value", "[line_plot]") 
         const bool full = std::fabs(place - row - 0.5) < 0.39;
         exact += full;
         int wrong = 0;
-        for (int x = frame.x + frame.pad; x < frame.x + frame.width - frame.pad; ++x) {
+        // But for its first and its last pixel, of which a round end leaves the corners.
+        for (int x = frame.x + frame.pad + 1; x < frame.x + frame.width - frame.pad - 1; ++x) {
             wrong += full && at(image, x, row) != first_colour;
             wrong += at(image, x, row - 2) == first_colour || at(image, x, row + 2) == first_colour;
         }
@@ -257,7 +258,7 @@ TEST_CASE("marks stand at their places and their labels do not run into each oth
     CHECK(std::ranges::count(canvas.pixels(), image::style::ink) == alone);  // nothing is over anything
     for (const auto& mark : marks) {
         const auto x = static_cast<std::size_t>(mark.x);
-        CHECK((canvas.row(386)[x] == image::style::soft_ink || canvas.row(382)[x] == image::style::soft_ink));
+        CHECK(std::min(canvas.row(386)[x].r, canvas.row(382)[x].r) < 128);  // a dash, or its round end
     }
 
     auto spec = spec_of({level("a", 10)});

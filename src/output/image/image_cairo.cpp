@@ -1,0 +1,183 @@
+// What the image module draws with Cairo: text, in a font that is known by its file, and lines and polygons. Both come
+// as coverage, made of whole numbers and without looking up any setting of the user's: it is the same on every machine.
+#include <cairo-ft.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "number/error.hpp"
+#include "output/image/canvas.hpp"
+#include "output/image/image_oiio.hpp"
+
+namespace lostbits::output::image {
+namespace {
+
+constexpr double widest = 32767;  // pixels: Cairo has no picture beyond
+
+void check(cairo_status_t status) {
+    if (status != CAIRO_STATUS_SUCCESS)
+        throw EnvironmentError(std::string("cannot draw: ") + cairo_status_to_string(status));
+}
+
+/// A picture of coverage alone, nothing covered, and a pen for it.
+class Paper {
+public:
+    Paper(int width, int height)
+        : surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height), cairo_surface_destroy),
+          pen_(cairo_create(surface_.get()), cairo_destroy) {}
+
+    [[nodiscard]] cairo_t* pen() const { return pen_.get(); }
+
+    [[nodiscard]] std::vector<std::uint8_t> coverage() const {
+        check(cairo_status(pen()));
+        cairo_surface_flush(surface_.get());
+        const auto* row = cairo_image_surface_get_data(surface_.get());
+        std::vector<std::uint8_t> all;
+        for (int y = 0; y < cairo_image_surface_get_height(surface_.get()); ++y) {
+            all.insert(all.end(), row, row + cairo_image_surface_get_width(surface_.get()));
+            row += cairo_image_surface_get_stride(surface_.get());
+        }
+        return all;
+    }
+
+private:
+    std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface_;
+    std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen_;
+};
+
+/// DejaVu Sans where Debian, Fedora or Arch has it.
+FT_Face open_font(bool bold) {
+    static FT_Library library = nullptr;
+    const std::string file = bold ? "DejaVuSans-Bold.ttf" : "DejaVuSans.ttf";
+    FT_Face face = nullptr;
+    if (library != nullptr || FT_Init_FreeType(&library) == 0) {
+        for (const char* folder :
+             {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/"})
+            if (FT_New_Face(library, (folder + file).c_str(), 0, &face) == 0) return face;
+    }
+    throw EnvironmentError("cannot draw text: the font " + file +
+                           " cannot be read; install the package fonts-dejavu-core, or where it is, select fewer "
+                           "forms, or raise `ulimit -n` and `ulimit -v`");
+}
+
+/// Hinted as FreeType does by itself, in greys: at 9 to 18 pixels letters are crisper so. Lives as long as the module.
+cairo_scaled_font_t* make_font(int size, bool bold) {
+    cairo_font_options_t* options = cairo_font_options_create();
+    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_FULL);
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_ON);
+    cairo_matrix_t identity, scale;
+    cairo_matrix_init_identity(&identity);
+    cairo_matrix_init_scale(&scale, size, size);
+    cairo_font_face_t* face = cairo_ft_font_face_create_for_ft_face(open_font(bold), 0);
+    cairo_scaled_font_t* font = cairo_scaled_font_create(face, &scale, &identity, options);
+    cairo_font_face_destroy(face);
+    cairo_font_options_destroy(options);
+    check(cairo_scaled_font_status(font));
+    return font;
+}
+
+cairo_scaled_font_t* font_of(int size, bool bold) {
+    static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
+    const auto place = fonts.find({size, bold});
+    return place != fonts.end() ? place->second
+                                : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
+}
+
+/// Letters of one size in their places.
+struct Letters {
+    cairo_scaled_font_t* font;
+    std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs;
+    int count;
+    double advance;
+};
+
+Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& from) {
+    cairo_glyph_t* made = nullptr;
+    int count = 0;
+    const auto glyphs_of = [&](std::string_view text) {
+        return cairo_scaled_font_text_to_glyphs(font, from.x, from.y, text.data(), static_cast<int>(text.size()), &made,
+                                                &count, nullptr, nullptr, nullptr);
+    };
+    cairo_status_t status = glyphs_of(utf8);
+    if (status == CAIRO_STATUS_INVALID_STRING) {
+        std::string plain(utf8);
+        std::ranges::replace_if(
+            plain, [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
+        status = glyphs_of(plain);
+    }
+    check(status);
+    cairo_text_extents_t extents;
+    cairo_scaled_font_glyph_extents(font, made, count, &extents);
+    return {font, {made, cairo_glyph_free}, count, extents.x_advance};
+}
+
+/// How many letters after a `^` are its exponent; 0 where it is none, as before a letter in the name of a form.
+std::size_t exponent_after(std::string_view text) {
+    if (!text.starts_with('^')) return 0;
+    const std::size_t sign = text.size() > 1 && (text[1] == '-' || text[1] == '+') ? 1 : 0;
+    const auto number = text.substr(1, text.find_first_not_of(".0123456789", 1 + sign) - 1);
+    return number.find_last_of("0123456789") + 1;  // no dot that ends a sentence; 0 after npos
+}
+
+}  // namespace
+
+TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
+    const KeepsFloatingPoint same;
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    // The box of DejaVu Sans in em: a common line box keeps the baselines of different words level. Its digits are
+    // 0.73 em high, so that raised ones stay inside.
+    TextBitmap out;
+    out.baseline = static_cast<int>(std::ceil(0.93 * size));
+    out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
+    const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = size * 2 / 5;
+    std::vector<Letters> line;
+    double pen = 0;
+    while (!utf8.empty()) {
+        const std::size_t raised = exponent_after(utf8);
+        if (raised > 0) utf8.remove_prefix(1);
+        const std::size_t end = raised > 0 ? raised : std::min(utf8.find('^', 1), utf8.size());
+        line.push_back(lay_out(font_of(raised > 0 ? small : size, bold), utf8.substr(0, end),
+                               {pen, out.baseline - (raised > 0 ? rise : 0.0)}));
+        pen += line.back().advance;
+        utf8.remove_prefix(end);
+    }
+    out.width = static_cast<int>(std::lround(std::clamp(pen, 0.0, widest)));
+    const Paper paper(out.width, out.height);
+    for (const Letters& letters : line) {
+        cairo_set_scaled_font(paper.pen(), letters.font);
+        cairo_show_glyphs(paper.pen(), letters.glyphs.get(), letters.count);
+    }
+    out.coverage = paper.coverage();
+    return out;
+}
+
+std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box) {
+    const KeepsFloatingPoint same;
+    const Paper paper(box.width, box.height);
+    cairo_t* const pen = paper.pen();
+    cairo_translate(pen, -box.x, -box.y);
+    cairo_set_antialias(pen, CAIRO_ANTIALIAS_BEST);
+    cairo_set_tolerance(pen, 0.01);  // markers are circles of three pixels
+    cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
+    for (const Figure& figure : figures) {
+        for (const Point& p : figure.points) cairo_line_to(pen, p.x, p.y);
+        if (figure.thickness > 0) {
+            cairo_set_line_width(pen, figure.thickness);
+            cairo_set_dash(pen, figure.dashes.data(), static_cast<int>(figure.dashes.size()), 0);
+            cairo_stroke(pen);
+        } else {
+            cairo_fill(pen);
+        }
+    }
+    return paper.coverage();
+}
+
+}  // namespace lostbits::output::image
