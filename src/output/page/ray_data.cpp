@@ -22,39 +22,46 @@ using measure::evaluate::TestedForm;
 namespace {
 
 /// The pixel of the median error of the finite ones, the first of equal ones; none where there are none.
-std::vector<std::size_t> median_of(std::span<const float> sizes) {
+std::optional<std::size_t> median_of(std::span<const float> sizes) {
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         if (std::isfinite(sizes[i])) all.push_back(i);
     }
-    if (all.empty()) return all;
+    if (all.empty()) return {};
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
     std::ranges::nth_element(all, middle, {}, [&](std::size_t i) { return std::pair{sizes[i], i}; });
-    return {*middle};
+    return *middle;
 }
 
-/// Of each part of a picture its worst pixel, the first of equally bad ones; of parts without an error none.
-std::vector<std::size_t> worst_of_parts(std::span<const float> sizes, std::size_t width) {
-    constexpr std::size_t parts = parts_each_way;
-    const std::size_t height = sizes.size() / width;
-    std::vector<std::size_t> all;
-    for (std::size_t part = 0; part < parts * parts; ++part) {
-        const std::size_t column = part % parts, line = part / parts;
-        float largest = -1;
-        std::size_t found = 0;
-        for (std::size_t y = line * height / parts; y < (line + 1) * height / parts; ++y) {
-            for (std::size_t x = column * width / parts; x < (column + 1) * width / parts; ++x) {
-                if (!(sizes[y * width + x] > largest)) continue;
-                found = y * width + x;
-                largest = sizes[found];
-            }
-        }
-        if (largest >= 0) all.push_back(found);
+/// Places from `first` to before `last`, and half the way between them.
+struct Stretch {
+    std::size_t first, last;
+    [[nodiscard]] double from_middle(std::size_t i) const {
+        return static_cast<double>(i) + 0.5 - static_cast<double>(first + last) / 2;
     }
-    return all;
+};
+
+/// Of `n` pixels side by side those of part k.
+Stretch part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
+
+/// The worst pixel of a part of a picture, of equally bad ones the nearest to its middle; nothing where there is no
+/// error.
+std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, Stretch across, Stretch down) {
+    std::optional<std::size_t> found;
+    std::pair<float, double> worst{-1, 0};  // the error, and how far from the middle, below 0
+    for (std::size_t y = down.first; y < down.last; ++y) {
+        for (std::size_t x = across.first; x < across.last; ++x) {
+            const std::size_t i = y * width + x;
+            const std::pair seen{sizes[i], -std::hypot(across.from_middle(x), down.from_middle(y))};
+            if (std::isnan(sizes[i]) || seen <= worst) continue;
+            found = i;
+            worst = seen;
+        }
+    }
+    return found;
 }
 
-Json row_json(const blame::OperationRow& r) {
+Json operation_json(const blame::OperationRow& r) {
     const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
     return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.off, r.cancelled,
                         r.local, r.own, r.share, r.culprit, r.turned});
@@ -84,7 +91,7 @@ Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<bla
               {"sums", lines_json(blame::sums_text(x, words))},
               {"subject", words.subject()},
               {"earlier", table.first},
-              {"rows", array_of(table.rows, row_json)}};
+              {"rows", array_of(table.rows, operation_json)}};
     if (x.solids > 1 && is_solid(x.form->shape)) json["solid"] = x.solid;
     return json;
 }
@@ -98,8 +105,8 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
         if (found == all.end()) all.push_back({static_cast<int>(x), y, {std::move(why)}});
         else found->why.push_back(std::move(why));
     };
+    const auto w = static_cast<std::size_t>(width);
     const auto add_pixel = [&](std::size_t i, const char* why) {
-        const auto w = static_cast<std::size_t>(width);
         add(static_cast<std::int64_t>(i % w), static_cast<int>(i / w), why);
     };
     if (const auto* const worst = summary.worst_ray()) add(worst->x, worst->y, "worst ray");
@@ -109,9 +116,12 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
                 fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
     }
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
-    for (const std::size_t i : median_of(sizes)) add_pixel(i, "median error");
-    for (const std::size_t i : worst_of_parts(sizes, static_cast<std::size_t>(width)))
-        add_pixel(i, "worst of its part");
+    if (const auto i = median_of(sizes)) add_pixel(*i, "median error");
+    for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
+        const Stretch across = part_of(w, part % parts_each_way),
+                      down = part_of(sizes.size() / w, part / parts_each_way);
+        if (const auto i = worst_of(sizes, w, across, down)) add_pixel(*i, "worst of its part");
+    }
     return all;
 }
 

@@ -17,7 +17,7 @@ struct ChosenRay {
 };
 
 /// A picture is cut into so many parts each way, and the worst ray of each part is chosen.
-inline constexpr int parts_each_way = 4;
+inline constexpr std::size_t parts_each_way = 4;
 
 /// The worst ray first, then the first of each kind of wrong decision, the largest and the median error, and the worst
 /// of each part of the picture, each once. `sizes`: a pixel each, |ulp_error| of a correct hit, infinity of a wrong

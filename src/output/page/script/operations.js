@@ -45,7 +45,7 @@ function rayButtons(rays, x, y) {
         "Rays whose operations this page holds: ", ...buttons);
 }
 
-/** `held` is in the order of `row_json` (ray_data.cpp). */
+/** `held` is in the order of `operation_json` (ray_data.cpp). */
 function operationRow(held) {
     const [node, name, formula, computed, exact, digits, off, cancelled, local, own, share, culprit, turned] = held;
     const shown = (x) => {
