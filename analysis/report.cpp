@@ -133,6 +133,9 @@ std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedF
     return rows;
 }
 
+/// A map of so many rays names the culprit of each without being asked to; a larger one where `--metric` asks.
+constexpr std::size_t small_map = 4096;
+
 struct Work {
     measure::metric::MetricSet made;  ///< outlives the maps, whose metrics it keeps
     std::vector<MapWork> maps;
@@ -204,6 +207,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
+            if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
             auto all = work.made.for_forms(choice::measured(wanted, fit), measure::evaluate::forms_of(fit),
                                            [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.

@@ -71,11 +71,10 @@ struct TapeOpRow {
     TapeOp op;
     std::string_view name;
     OperationKind kind;
-    std::string_view kind_name;
     std::size_t operands;
 };
 
-#define LOSTBITS_ROW(name, kind, operands) TapeOpRow{TapeOp::name, #name, OperationKind::kind, #kind, operands},
+#define LOSTBITS_ROW(name, kind, operands) TapeOpRow{TapeOp::name, #name, OperationKind::kind, operands},
 inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
 #undef LOSTBITS_ROW
 

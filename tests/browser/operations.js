@@ -1,8 +1,10 @@
-// The operations of a ray as the page runs them, held against the table and the JSON of `lostbits explain`.
+// The rays whose operations the page holds: which they are, the way to them, and that what is shown of them is what
+// `lostbits explain` says of the same ray.
 "use strict";
 
 const assert = require("node:assert/strict");
 const { readNumber } = require("./files.js");
+const { settled, stateOf } = require("./common.js");
 
 const scenes = [
     "near-benign", "rtg-fig-7-3-4100-oblique", "rtg-fig-7-4.r1e6", "camera-inside", "grazing", "world-offset-own",
@@ -18,231 +20,238 @@ const pageOf = [
     size, "--no-claims"
 ];
 
-/** Run again on the page, a form gives every answer to the bit. */
-async function reruns({ browser, taped }) {
+/** The held rays are the worst, the first of each wrong decision, the median, and the worst of each part. */
+async function chosen({ browser, taped }) {
     const page = await browser.page(taped);
-    const counts = await page.evaluate(async () => {
-        const found = { rays: 0, wrong: [] };
+    const seen = await page.evaluate(async () => {
+        const found = { rows: 0, rays: 0, medians: 0, wrong: [] };
         for (const map of index.maps) {
             for (const row of map.rows) {
-                if (!row.taped) continue;
-                const pixels = await pixelsOf(map, row);
-                for (let i = map.rows.indexOf(row) % 19; i < map.width * map.height; i += 19) {
-                    const [x, y] = [i % map.width, Math.floor(i / map.width)], { walk } = await walkOf(map, row, x, y);
-                    const hit = walk.at(walk.hit).value, t = walk.at(walk.t).value;
-                    ++found.rays;
-                    if (hit !== pixels.object[i] > 0 || (hit && !Object.is(t, pixels.t[i])))
-                        found.wrong.push(`${map.id} ${keyOf(row)} ${x}, ${y}: ${t}, not ${pixels.t[i]}`);
+                const rays = await raysOf(map, row), pixels = await pixelsOf(map, row),
+                      where = `${map.id} ${keyOf(row)}`;
+                const held = (x, y) => rays.find(isAt(x, y)),
+                      complain = (what) => found.wrong.push(`${where}: ${what}`);
+                const isWrong = (i) => ![0, 1, 5, 9].includes(pixels.outcome[i]);
+                const sizes = Array.from(
+                    pixels.outcome,
+                    (o, i) =>
+                        (isWrong(i)         ? Infinity :
+                             o === agreeHit ? Math.fround(Math.abs(derived.ulp_error(sampleAt(pixels, i)))) :
+                                              -1));
+                ++found.rows;
+                found.rays += rays.length;
+                if (new Set(rays.map((r) => `${r.x},${r.y}`)).size !== rays.length) complain("a ray is held twice");
+                if (row.worst && !isAt(row.worst.x, row.worst.y)(rays[0])) complain("the worst ray is not the first");
+                for (const [o, [name]] of index.outcomes.entries()) {
+                    const first = pixels.outcome.indexOf(o);
+                    if (first < 0 || !isWrong(first)) continue;
+                    const ray = held(first % map.width, Math.floor(first / map.width));
+                    if (!ray?.why.includes(`${name}: the first`)) complain(`the first ${name} is not held`);
+                }
+                const hits = sizes.filter((s, i) => pixels.outcome[i] === agreeHit && Number.isFinite(s));
+                const median = rays.find((r) => r.why.includes("median error"));
+                if ((median !== undefined) !== hits.length > 0) complain("the median");
+                if (median) {
+                    const middle = sizes[median.y * map.width + median.x];
+                    const below = hits.filter((s) => s < middle * (1 - 1e-6) - 1e-6).length,
+                          above = hits.filter((s) => s > middle * (1 + 1e-6) + 1e-6).length;
+                    found.medians += middle > 0;
+                    if (2 * below > hits.length || 2 * above > hits.length) complain(`${middle} is not the median`);
+                }
+                for (let part = 0; part < 16; ++part) {
+                    const inPart = (x, y) => Math.floor(4 * (x + 0.5) / map.width) === part % 4 &&
+                        Math.floor(4 * (y + 0.5) / map.height) === part >> 2;
+                    const worst =
+                        Math.max(...sizes.map((s, i) => (inPart(i % map.width, Math.floor(i / map.width)) ? s : -1)));
+                    const best =
+                        Math.max(-1, ...rays.filter((r) => inPart(r.x, r.y)).map((r) => sizes[r.y * map.width + r.x]));
+                    if (worst === Infinity ? best !== worst : best < worst * (1 - 1e-6) - 1e-6)
+                        complain(`part ${part}: ${best} is held of ${worst}`);
                 }
             }
         }
         return found;
     });
-    assert.ok(counts.rays > 8000, `${counts.rays} rays`);
-    assert.deepEqual(counts.wrong, []);
+    assert.deepEqual(seen.wrong, []);
+    assert.ok(seen.rows > 400 && seen.rays > 4000 && seen.medians > 300, JSON.stringify(seen));
 }
 
-/**
- * A relative 1e-12: what is beyond doubles on both sides is cut to 2048 bits, but a rounding is good to 2^-50 of
- * itself only.
- */
-const agree = (a, b) =>
-    Object.is(a, b) || (Number.isNaN(a) && Number.isNaN(b)) || a === b || Math.abs(a - b) <= 1e-12 * Math.abs(b);
-
-function compare(walk, operations, where) {
-    assert.equal(walk.nodes.length, operations.length, where);
-    operations.forEach((o, i) => {
-        const n = walk.nodes[i], place = `${where}, ${o.name} = ${o.expression}`;
-        assert.equal(n.op, o.operation, place);
-        assert.equal(n.turned, o.turned, `${place}: turned`);
-        if (typeof o.computed === "boolean") return assert.deepEqual([n.value, n.exact], [o.computed, o.exact], place);
-        assert.ok(agree(n.value, readNumber(o.computed.decimal)), `${place}: ${n.value}, not ${o.computed.decimal}`);
-        assert.deepEqual([n.cancelled, n.live], [o.cancelled_bits, o.live], `${place}: cancelled, live`);
-        if (n.cancelled > 0) assert.equal(n.carried, o.cancellation === "catastrophic", place);
-        for (const [mine, theirs] of [
-                 ["exact", "exact"], ["error", "error"], ["local", "local_error_bits"], ["rounding", "rounding"],
-                 ["adjoint", "adjoint"], ["contribution", "contribution"]]) {
-            assert.ok(
-                agree(n[mine], readNumber(o[theirs])), `${place}: ${theirs} is ${n[mine]}, explain has ${o[theirs]}`);
+/** Rays of a page with what is shown of each: sentences, cells, exact values, marks. */
+const shownOf = (page, every) => page.evaluate(async (every) => {
+    const picked = [];
+    let k = 0;
+    for (const map of index.maps) {
+        for (const row of map.rows) {
+            const rays = await raysOf(map, row);
+            if (rays.length === 0 || k++ % every !== 0) continue;
+            const ray = rays[k % rays.length], shown = document.createElement("div");
+            shown.append(...operationTable(row, ray));
+            picked.push({
+                id: map.id,
+                form: row.form,
+                format: row.format,
+                x: ray.x,
+                y: ray.y,
+                caption: shown.querySelector("caption").textContent,
+                sentences: [...shown.querySelectorAll(".sentence")].map((e) => e.textContent),
+                rows: [...shown.querySelectorAll("tbody tr")].map((e) => ({
+                                                                      node: Number(e.dataset.node),
+                                                                      culprit: e.className === "culprit",
+                                                                      cells: [...e.children].map((c) => c.textContent),
+                                                                      exactly: e.children[2].title,
+                                                                      meant: e.children[3].title
+                                                                  }))
+            });
         }
-    });
-}
-
-/** The script knows every operation that a tape can have, and no other. */
-async function rules({ browser, taped }) {
-    const page = await browser.page(taped);
-    const { known, all } = await page.evaluate(async () => {
-        const { operations } = await tapeOf(index.maps[0].rows[0]);
-        return { known: Object.keys(operationRules), all: Object.keys(operations) };
-    });
-    assert.deepEqual(known, all);
-}
-
-/**
- * Exact values, roundings, adjoints, contributions, culprits and the sentences about them are those of `lostbits
- * explain`.
- */
-async function attributes({ browser, taped, lostbits }) {
-    const page = await browser.page(taped);
-    const rays = await page.evaluate(async () => {
-        const picked = [];
-        for (const map of index.maps) {
-            for (const [r, row] of map.rows.entries()) {
-                if ((r + index.maps.indexOf(map)) % 3 !== 0)
-                    continue;  // three is prime to the four formats: all forms, each in some
-                if (!row.taped) continue;
-                const { worst } = row, k = (r * 7919 + index.maps.indexOf(map) * 104729) % (map.width * map.height);
-                const [x, y] = r % 2 === 0 && worst ? [worst.x, worst.y] : [k % map.width, Math.floor(k / map.width)],
-                          found = await walkOf(map, row, x, y), { walk } = found;
-                // Through JSON: NaN and infinities as text.
-                const plain = JSON.parse(JSON.stringify(
-                    walk.nodes,
-                    (key, v) =>
-                        (key === "full"                                   ? undefined :
-                             typeof v === "number" && !Number.isFinite(v) ? decimal(v) :
-                             Object.is(v, -0)                             ? "-0" :
-                                                                            v)));
-                picked.push({
-                    id: map.id,
-                    form: row.form,
-                    format: row.format,
-                    x,
-                    y,
-                    nodes: plain,
-                    culprit: walk.culprit,
-                    equals: walk.equals,
-                    explained: decimal(walk.explained),
-                    sentence: culpritSentence(found, row, walk.subject < 0 ? NaN : walk.ulpOfSubject(row)),
-                    verdict: verdictText(map, found.pixels, found.i)
-                });
-            }
-        }
-        return picked;
-    });
-    assert.ok(rays.length > 150, `${rays.length} rays`);
-    let culprits = 0, turned = 0, ties = 0;
-    for (const ray of rays) {
-        const where = `${ray.id} --size ${size} --pixel ${ray.x},${ray.y} -i ${ray.form} -f ${ray.format}`;
-        const told = JSON.parse(lostbits(
-            "explain", ray.id, "--size", size, "--pixel", `${ray.x},${ray.y}`, "-i", ray.form, "-f", ray.format,
-            "--json"));
-        for (const n of ray.nodes) {
-            for (const key of ["value", "exact", "error", "rounding", "adjoint", "contribution", "local"]) {
-                if (typeof n[key] !== "boolean") n[key] = readNumber(n[key]);
-            }
-            turned += n.turned;
-        }
-        compare(ray, told.operations, where);
-        const place = (name) => told.operations.findIndex((o) => o.name === name);
-        assert.equal(ray.culprit, place(told.culprit), `${where}: culprit`);
-        assert.deepEqual(ray.equals, told.equals.map(place), `${where}: equals`);
-        assert.equal(ray.sentence, told.sentence, where);
-        assert.equal(ray.verdict, told.verdict, where);
-        culprits += ray.culprit >= 0;
-        ties += ray.equals.length > 0;
-        if (told.attribution.subject !== null)
-            assert.ok(
-                agree(readNumber(ray.explained), readNumber(told.attribution.explained)),
-                `${where}: contributions sum to ${ray.explained}, not ${told.attribution.explained}`);
     }
-    assert.ok(
-        culprits > 80 && turned > 5 && ties > 5,
-        `${culprits} culprits, ${turned} turned decisions, ${ties} rays with equals`);
+    return picked;
+}, every);
+
+/** A row of the page against the operation of the JSON, bit by bit, and against the line of the text. */
+function compare(row, operation, line, where) {
+    const [name, , computed, exact, off, cancelled, local, own, share] = row.cells, place = `${where}, ${name}`;
+    if (typeof operation.computed === "boolean")
+        return assert.deepEqual([computed, exact], [String(operation.computed), String(operation.exact)], place);
+    assert.equal(row.exactly, operation.computed.hex.replace("-nan", "nan"), place);
+    assert.ok(Object.is(readNumber(row.meant), readNumber(operation.exact)), `${place}: ${row.meant}`);
+    const digits = 1 + Math.ceil(operation.precision * 0.30103),
+          close = (text, x) =>
+              Object.is(readNumber(text), x) || Math.abs(Number(text) - x) <= 10 ** (1 - digits) * Math.abs(x);
+    assert.ok(close(computed, readNumber(operation.computed.decimal)), `${place}: ${computed}`);
+    assert.ok(close(exact, readNumber(operation.exact)), `${place}: ${exact}`);
+    if (line.includes("(an earlier sample)")) return undefined;
+    assert.equal(
+        cancelled, operation.cancelled_bits === 0 ? "" : `${operation.cancelled_bits} ${operation.cancellation}`,
+        place);
+    assert.equal(row.culprit, line.startsWith("*"), `${place}: culprit`);
+    const tail = [off, cancelled, local, own, share].filter((text) => text !== "").join(" ");
+    const told = line.replace(/ {2}rounding chose the other side$/, "").split(/\s+/).join(" ");
+    assert.ok(told.endsWith(` ${tail}`), `${place}: ${tail}\n${line}`);
+    return assert.equal(
+        operation.turned && operation.rounding !== 0, row.cells[1].endsWith("chose the other side"), place);
 }
 
-/** The culprit is the same operation in whatever order the tape stands, each operation after its operands. */
-async function ties({ browser, taped }) {
-    const page = await browser.page(taped);
-    const counts = await page.evaluate(async () => {
-        const found = { rays: 0, ties: 0, wrong: [] };
-        let seed = 1;
-        const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
-        const shuffle = (tape) => {
-            const isGivenNode = ([op]) => tape.operations[op] === "given", place = tape.nodes.map(() => -1), nodes = [],
-                  waiting = tape.nodes.map((_, i) => i);
-            while (waiting.length > 0) {
-                const ready = waiting.filter(
-                          (i) => isGivenNode(tape.nodes[i]) || tape.nodes[i].slice(2).every((o) => place[o] >= 0)),
-                      i = ready[random(ready.length)], [op, format, ...operands] = tape.nodes[i];
-                waiting.splice(waiting.indexOf(i), 1);
-                place[i] = nodes.length;
-                nodes.push([op, format, ...(isGivenNode(tape.nodes[i]) ? operands : operands.map((o) => place[o]))]);
-            }
-            return { tape: {...tape, nodes, outputs: tape.outputs.map((i) => place[i]) }, place };
-        };
-        for (const map of index.maps) {
-            for (const [r, row] of map.rows.entries()) {
-                if (!row.taped) continue;
-                const k = (r * 7919 + 11 * index.maps.indexOf(map)) % (map.width * map.height), x = k % map.width,
-                      y = Math.floor(k / map.width), { tape, walk } = await walkOf(map, row, x, y),
-                      { tape: other, place } = shuffle(tape), again = new Walk(other, walk.inputs),
-                      at = (i) => (i < 0 ? -1 : place[i]);
-                ++found.rays;
-                found.ties += walk.equals.length > 0;
-                if (again.culprit !== at(walk.culprit) || String(again.equals) !== String(walk.equals.map(at)))
-                    found.wrong.push(`${map.id} ${keyOf(row)} ${x}, ${y}`);
-            }
+/** Holds a ray's table and sentences against `explain`, the text and the JSON; how many operations it has. */
+function hold(ray, lostbits, options) {
+    const where = `${ray.id} --pixel ${ray.x},${ray.y} -i ${ray.form} -f ${ray.format}`;
+    const asked = ["explain", ray.id, ...options, "--pixel", `${ray.x},${ray.y}`, "-i", ray.form, "-f", ray.format];
+    const text = lostbits(...asked), { operations } = JSON.parse(lostbits(...asked, "--json"));
+    const lines = text.replace(/\n {54}/g, "   ").split("\n");
+    const table =
+        lines.slice(lines.findIndex((line) => line.startsWith("  operation ")) + 1).filter((line) => / = /.test(line));
+    assert.equal(ray.caption, `The ray of pixel ${ray.x}, ${ray.y}`);
+    assert.ok(ray.sentences.length >= 3, where);
+    for (const sentence of ray.sentences) assert.ok(lines.includes(sentence), `${where}: ${sentence}`);
+    ray.rows.forEach((row, k) => {
+        assert.ok(table[k].slice(2).startsWith(`${row.cells[0]} `), `${where}: ${row.cells[0]} beside ${table[k]}`);
+        compare(row, operations[row.node], table[k], where);
+    });
+    return ray.rows.length;
+}
+
+/** What is shown of a held ray is what `lostbits explain` says of it, bit by bit. */
+async function table({ browser, taped, report, lostbits }) {
+    let operations = 0, culprits = 0, turned = 0;
+    const rays = await shownOf(await browser.page(taped), 13);
+    assert.ok(rays.length > 30, `${rays.length} rays`);
+    for (const ray of rays) {
+        operations += hold(ray, lostbits, ["--size", size]);
+        culprits += ray.rows.some((row) => row.culprit);
+        turned += ray.sentences.some((sentence) => sentence.startsWith("Rounding changed"));
+    }
+    assert.ok(operations > 300 && culprits > 10 && turned > 2, `${operations}, ${culprits}, ${turned}`);
+    const marches = (await shownOf(await browser.page(report), 1)).filter((ray) => ray.form.startsWith("sdf."));
+    assert.ok(marches.length > 0);
+    for (const ray of marches) assert.ok(hold(ray, lostbits, []) > 5);
+}
+
+/** A map of few rays names the culprit of each without being asked to, a large one does not. */
+async function few({ browser, taped, large }) {
+    const named = async (file) => (await browser.page(file)).evaluate(async () => {
+        const map = index.maps[0], metric = map.metrics.find((m) => m.name === "culprit");
+        return metric === undefined ? -1 :
+                                      (await pixelsOf(map, map.rows[0])).stored.culprit.filter((c) => c > 0).length;
+    });
+    assert.ok(await named(taped) > 20);
+    assert.equal(await named(large), -1);
+}
+
+const oblique = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32";
+
+/** Every held ray can be reached by the mouse and by the keyboard, and what is shown says whose it is. */
+async function reach({ browser, report, lostbits }) {
+    const page = await browser.page(report, { hash: oblique });
+    const rays = await page.evaluate(() => raysOf(mapNow(), rowNow())), [first] = rays;
+    assert.ok(rays.length > 4, `${rays.length} rays`);
+    const isShown = async ({ x, y }) => {
+        await page.waitForFunction((at) => document.getElementById("operations").dataset.pixel === at, `${x},${y}`);
+        assert.deepEqual([(await stateOf(page)).x, (await stateOf(page)).y], [x, y]);
+        const shown = page.locator("#operations");
+        assert.ok((await shown.locator("h3").innerText()).includes(`pixel ${x}, ${y} (`));
+        assert.equal(await shown.locator("caption").innerText(), `The ray of pixel ${x}, ${y}`);
+        assert.equal(await shown.locator("[aria-pressed=true]").getAttribute("id"), `ray-${x}-${y}`);
+        assert.match(await page.locator("#inspector h3").innerText(), new RegExp(`Pixel ${x}, ${y}$`));
+    };
+    for (const ray of rays) {
+        await page.locator(`#ray-${ray.x}-${ray.y}`).click();
+        await isShown(ray);
+    }
+    for (const ray of [...rays, first]) {
+        await page.locator("#map").press("n");
+        await isShown(ray);
+    }
+    await page.locator("#map").press("N");
+    await isShown(rays.at(-1));
+    await page.locator(`#ray-${first.x}-${first.y}`).focus();
+    for (const ray of [first, rays[1]]) {
+        await page.keyboard.press("Enter");
+        await isShown(ray);
+        assert.equal(await page.evaluate(() => document.activeElement.id), `ray-${ray.x}-${ray.y}`);
+        await page.keyboard.press("Tab");  // to the next of them
+    }
+    // Of another pixel there is no table, but the way to the nearest, and the command.
+    const beside = rays.some((r) => r.x === first.x + 1 && r.y === first.y) ? -1 : 1;
+    await page.evaluate(([x, y]) => goTo({ x, y }), [first.x + beside, first.y]);
+    await settled(page);
+    assert.equal(await page.locator("#operations table").count(), 0);
+    const text = await page.locator("#operations p").innerText();
+    assert.ok(text.includes(`does not hold the operations of pixel ${first.x + beside}, ${first.y}.`), text);
+    assert.match(text, /The nearest ray that it holds is 1 pixel away: pixel \d+, \d+ \(/);
+    await page.locator("#copy-elsewhere").click();
+    const command = await page.locator("#map-view pre.copied").innerText();
+    assert.match(lostbits(...command.split(" ").slice(1)), /^sphere\.schoolbook in f32/);
+    await page.locator("#nearest-ray").click();
+    await settled(page);
+    const now = await stateOf(page);
+    assert.ok(text.includes(`1 pixel away: pixel ${now.x}, ${now.y} (`), `${now.x}, ${now.y}: ${text}`);
+    assert.equal(await page.locator("#operations table").count(), 1);
+    // A link restores the table; so does one to a pixel beside it what is said there.
+    const again = await browser.page(report, { hash: `${oblique}&x=${first.x}&y=${first.y}` });
+    await again.locator("#operations table").waitFor();
+    assert.equal(await again.locator("#operations caption").innerText(), `The ray of pixel ${first.x}, ${first.y}`);
+}
+
+/** Rays that the claims' links lead to are held. */
+async function named({ browser, report }) {
+    const page = await browser.page(report);
+    const { asked, missing } = await page.evaluate(async () => {
+        const found = { asked: 0, missing: [] };
+        for (const link of document.querySelectorAll("a.jump[data-view*='x=']")) {
+            const view = Object.fromEntries(new URLSearchParams(link.dataset.view)),
+                  map = index.maps.find((m) => m.id === view.scene),
+                  row = map.rows.find((r) => r.form === view.form && r.format === view.format);
+            if (!row.formula) continue;
+            ++found.asked;
+            if (!(await raysOf(map, row)).some(isAt(Number(view.x), Number(view.y))))
+                found.missing.push(link.dataset.view);
         }
         return found;
     });
-    assert.ok(counts.rays > 500 && counts.ties > 20, `${counts.rays} rays, ${counts.ties} with equals`);
-    assert.deepEqual(counts.wrong, []);
-}
-
-/** What is read below the picture: the culprit, the sums, the verdict; and what a march has instead. */
-async function table({ browser, report, lostbits }) {
-    const at = "#scene=rtg-fig-7-3-4100-oblique&format=f32&x=60&y=60";
-    const page = await browser.page(report, { hash: `${at}&form=sphere.schoolbook` });
-    const told = JSON.parse(lostbits(
-              "explain", "rtg-fig-7-3-4100-oblique", "--pixel", "60,60", "-i", "sphere.schoolbook", "-f", "f32",
-              "--json")),
-          ulp = readNumber(told.attribution.ulp);
-    const culprit = told.operations.findIndex((o) => o.name === told.culprit);
-    assert.equal(await page.locator("#operations tr.culprit").getAttribute("data-node"), String(culprit));
-    const shown = await page.locator("#operations tbody tr")
-                      .evaluateAll(
-                          (rows) => rows.map(
-                              (r) =>
-                                  [Number(r.dataset.node), ...Array.from(r.children, (c) => c.textContent),
-                                   r.children[2].title]));
-    assert.ok(shown.length > 15, `${shown.length} operations`);
-    for (const [node, name, , value, exact, off, cancelled, , , contribution, exactly] of shown) {
-        const o = told.operations[node], close = (text, x) => Math.abs(Number(text) - x) <= 0.006 * Math.abs(x);
-        assert.ok(o.live, name);
-        assert.ok(
-            Math.abs(Number(value) - o.computed.decimal) <= 1e-8 * Math.abs(o.computed.decimal) &&
-                Math.abs(Number(exact) - o.exact) <= 1e-8 * Math.abs(o.exact),
-            `${name}: ${value}, ${exact}`);
-        assert.equal(exactly, o.computed.hex, name);
-        assert.equal(cancelled, o.cancelled_bits === 0 ? "" : `${o.cancelled_bits} ${o.cancellation}`, name);
-        assert.ok(
-            contribution === "" ? o.rounding === 0 : close(contribution, o.contribution / ulp),
-            `${name}: ${contribution} ulp of t, not ${o.contribution / ulp}`);
-        assert.equal(off === "", o.error === 0, name);
-    }
-    const text = await page.locator("#operations .sentence").innerText(),
-          [, parts, all] = text.match(/sum to (\S+) of (\S+) ulp/);
-    assert.ok(
-        Math.abs(parts - told.attribution.explained / ulp) < 1 && Math.abs(all - told.attribution.error / ulp) < 1,
-        text);
-    assert.ok(text.startsWith(`${told.sentence} `), text);
-    const verdict = await page.locator("#inspector .verdict").innerText();
-    assert.equal(verdict, told.verdict);
-    assert.match(
-        verdict, new RegExp(`the formula loses the other ${(told.lost_bits - told.inherent_bits).toFixed(1)} bits`));
-    await page.locator("#map").press("ArrowRight");
-    await page.waitForFunction(() => document.getElementById("operations").dataset.pixel === "61,60");
-    const march =
-        await browser.page(report, { hash: "#scene=sdf-sphere&form=sdf.sphere_trace&format=f32&x=100&y=100" });
-    assert.match(
-        await march.locator("#inspector .verdict").innerText(),
-        /bits are lost where the march ended, at sample \d+, or/);
-    assert.match(
-        await march.locator("#operations").innerText(),
-        /lostbits explain sdf-sphere --pixel 100,100 -i sdf.sphere_trace -f f32/);
+    assert.deepEqual(missing, []);
+    assert.ok(asked > 5, `${asked} links`);
 }
 
 module.exports = {
     pageOf,
-    promises : { reruns, rules, attributes, ties, table }
+    promises : { chosen, table, few, reach, named }
 };

@@ -50,10 +50,12 @@ async function worst({ browser, report, lostbits }) {
 
 /** At 400 pixels the table of operations has a bar to scroll it by, and a word that it goes on. */
 async function sideways({ browser, report }) {
-    const hash = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&x=60&y=60";
+    const hash = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32";
+    const toWorst = (page) => page.locator("#map").press("w");
     const barred = await browser.constructor.open({ bars: true });
     try {
         const page = await barred.page(report, { hash, width: 400, height: 800 });
+        await toWorst(page);
         const box = page.locator("#operations .scrolls");
         await box.waitFor();
         const { hidden, bar } = await box.evaluate(
@@ -67,9 +69,11 @@ async function sideways({ browser, report }) {
         assert.ok(await box.evaluate((e) => e.scrollLeft) > 0, "the arrow key does not scroll it");
     } finally { await barred.close(); }
     const narrow = await browser.page(report, { hash, width: 400, height: 800 });
+    await toWorst(narrow);
     await narrow.locator("#operations .scrolls").waitFor();
     assert.equal(await narrow.evaluate(() => document.documentElement.scrollWidth), 400);
     const wide = await browser.page(report, { hash, width: 1600, height: 900 });
+    await toWorst(wide);
     await wide.locator("#operations .scrolls").waitFor();
     assert.ok(await wide.locator("#operations .sideways").isHidden());
 }

@@ -14,9 +14,9 @@ const views = [
     },
     {
         name: "operations",
-        hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&metric=culprit&x=110&y=120",
+        hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32&metric=culprit&x=153&y=38",
         at: "#maps",
-        height: 1320
+        height: 1820
     },
     {
         name: "sweeps",

@@ -189,8 +189,7 @@ std::vector<NodeId> Explanation::turned() const {
     return all;
 }
 
-Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
-                    std::span<const Intersector* const> beside) {
+Explanation explain_alone(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
@@ -251,7 +250,15 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
     }
     if (x.standing.outcome == Outcome::agree_hit)
         x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.shape, reach);
-    find_better(x, ray, neighbours_of(ray, in, format.shape, solids_around(x, in, truth.object)), beside);
+    return x;
+}
+
+Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
+                    std::span<const Intersector* const> beside) {
+    Explanation x = explain_alone(form, format, ray);
+    const OneRay::Inputs in = ray.inputs(form, format);
+    const auto solids = solids_around(x, in, ray.truth(*form.info).object);
+    find_better(x, ray, neighbours_of(ray, in, format.shape, solids), beside);
     return x;
 }
 

@@ -83,8 +83,12 @@ struct Explanation {
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
 
-/// Which forms do better is asked of all whose faults cannot end this process (`doors::is_harmless`), and of those
-/// `beside` the form whatever they are: one from outside may crash or hang, and would take the answer with it.
+/// What a form does on the ray, and not what others do there: `better`, `beside` and `around` stay as they are.
+Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
+
+/// The same, and which forms do better. That is asked of all whose faults cannot end this process
+/// (`doors::is_harmless`), and of those `beside` the form whatever they are: one from outside may crash or hang, and
+/// would take the answer with it.
 Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
                     std::span<const intersect::table::Intersector* const> beside = {});
 

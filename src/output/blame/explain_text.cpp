@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "output/blame/march_text.hpp"
-#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -45,90 +44,36 @@ std::string inputs_block(const Explanation& x) {
 constexpr std::size_t widest_expression = 54;
 
 /// `* c       = ` and what it is, as wide as the columns of numbers allow.
-std::string left_of(const char* mark, const OperationWords& words, NodeId i, const std::string& formula) {
-    std::string left = mark + padded(words.text().name(i), 7) + " = " + formula;
+std::string left_of(const char* mark, const OperationRow& row) {
+    std::string left = mark + padded(row.name, 7) + " = " + row.formula;
     if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
     return padded(std::move(left), widest_expression) + " ";
 }
 
-int digits_of(const TapeNode& n, const Tape& tape, NodeId i) {
-    return is_decision(n.op) ? 0 : 1 + static_cast<int>(std::ceil(tape.format_of(i).precision * 0.30103));
-}
-
-/// Computed, and without rounding.
-std::string values_of(const Explanation& x, const OperationWords& words, NodeId i, int digits) {
-    const TapeNode& n = x.tape[i];
-    const int width = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103)) + 6;
+std::string line_of(const Explanation& x, const OperationWords& words, const OperationRow& row) {
+    const bool decides = row.digits == 0, aside = row.whole && !decides && !words.of(row.node).live;
+    const char* const mark = row.culprit ? "* " : aside ? "- " : "  ";
+    const int width = digits_of(x.format.shape) + 6;
     const auto number = [&](double v) {
-        if (is_decision(n.op)) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
-        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, digits + 6), digits);
+        if (decides) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
+        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, row.digits + 6), row.digits);
     };
-    return number(n.value) + " " + number(words.of(i).exact);
-}
-
-std::string row_of(const Explanation& x, const OperationWords& words, NodeId i) {
-    const OperationError& e = words.of(i);
-    const TapeNode& n = x.tape[i];
-    const bool decides = is_decision(n.op);
-    const char* const mark = i == x.attribution.culprit && names_culprit(x) ? "* " : e.live || decides ? "  " : "- ";
-    std::string line =
-        left_of(mark, words, i, words.text().expression(i)) + values_of(x, words, i, digits_of(n, x.tape, i));
-    if (!decides)
-        line += fmt::format(
-            " {:>9} {:<16} {:>6} {:>9} {:>10}", short_number(words.own_ulps(i, e.error)), words.cancellation(i),
-            e.local_bits == 0 ? "" : fmt::format("{:.1f}", e.local_bits),
-            e.rounding == 0 ? "" : short_number(words.own_ulps(i, e.rounding)),
-            e.live && e.rounding != 0 && !std::isnan(words.contribution(i)) ? short_number(words.contribution(i)) : "");
+    std::string line = left_of(mark, row) + number(row.computed) + " " + number(row.exact);
+    if (row.whole && !decides)
+        line += fmt::format(" {:>9} {:<16} {:>6} {:>9} {:>10}", row.off, row.cancelled, row.local, row.own, row.share);
     while (line.back() == ' ') line.pop_back();
-    return line + (e.turned && (decides || e.rounding != 0) ? "  rounding chose the other side" : "") + "\n";
-}
-
-/// Of an operation that a row names and that belongs to an earlier sample: its value alone.
-std::string value_row(const Explanation& x, const OperationWords& words, NodeId i) {
-    return left_of("  ", words, i, "(an earlier sample)") + values_of(x, words, i, digits_of(x.tape[i], x.tape, i)) +
-           "\n";
-}
-
-/// The nodes that the table shows: of a march those of the last samples, unless all are asked for.
-NodeId first_shown(const Explanation& x, bool all) {
-    const auto& samples = x.tape.samples;
-    return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
-}
-
-/// What the contributions are to, in whose ulps they are: t, or what the decision compares.
-std::string name_of_subject(const Explanation& x, const OperationWords& words) {
-    const NodeId subject = x.attribution.subject;
-    if (subject == no_node || !is_decision(x.tape[subject].op)) return "t";
-    const TapeNode& n = x.tape[subject];
-    if (!is_comparison(n.op)) return "decision";
-    for (const std::size_t k : {0U, 1U}) {
-        if (x.tape[n.operands[k]].op == TapeOp::constant) return words.text().operand(n.operands[1 - k]);
-    }
-    return words.text().expression(subject);
+    return line + (row.turned ? "  rounding chose the other side" : "") + "\n";
 }
 
 std::string table(const Explanation& x, const OperationWords& words, bool all) {
-    const int digits = 1 + static_cast<int>(std::ceil(x.format.shape.precision * 0.30103));
-    std::string text = padded("  operation", widest_expression) +
-                       fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", digits + 6,
-                                   "without rounding", digits + 6, "off, ulp", "bits cancelled", "local", "own, ulp",
-                                   fmt::format("of {}, ulp", name_of_subject(x, words)));
-    const NodeId from = first_shown(x, all);
-    if (from > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", from);
-    // A row names other operations; each of those has a row too, of which the last come first to be looked at.
-    std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
-    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
-        const auto place = static_cast<std::size_t>(i);
-        const bool culprit = i == x.attribution.culprit && names_culprit(x);
-        whole[place] = culprit || (i >= from && (shown[place] || words.is_shown(i, all)));
-        shown[place] = shown[place] || whole[place];
-        if (!whole[place]) continue;
-        for (const NodeId named : words.named_in(i)) shown[static_cast<std::size_t>(named)] = true;
-    }
-    for (NodeId i = 0; i < x.tape.size(); ++i) {
-        const auto place = static_cast<std::size_t>(i);
-        if (shown[place]) text += whole[place] ? row_of(x, words, i) : value_row(x, words, i);
-    }
+    const int width = digits_of(x.format.shape) + 6;
+    std::string text =
+        padded("  operation", widest_expression) +
+        fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", width, "without rounding", width,
+                    "off, ulp", "bits cancelled", "local", "own, ulp", fmt::format("of {}, ulp", words.subject()));
+    const OperationTable found = operation_table(x, words, all);
+    if (found.first > 0) text += fmt::format("  ({} operations of earlier samples: --verbose)\n", found.first);
+    for (const OperationRow& row : found.rows) text += line_of(x, words, row);
     return text;
 }
 
@@ -229,6 +174,10 @@ std::string turned_sentences(const Explanation& x, const OperationWords& words) 
 
 }  // namespace
 
+std::string sums_text(const Explanation& x, const OperationWords& words) {
+    return sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);
+}
+
 std::string verdict(const Explanation& x) {
     if (x.standing.outcome != Outcome::agree_hit) {
         if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
@@ -287,8 +236,7 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
             "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
             "operations: own times the difference quotient from there to the end.\n",
             names_culprit(x) ? "* marks the culprit, " : "");
-    const std::string sums =
-        sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);
+    const std::string sums = sums_text(x, words);
     return text + (sums.empty() ? "" : "\n" + sums);
 }
 

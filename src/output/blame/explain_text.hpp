@@ -5,6 +5,7 @@
 #include <string>
 
 #include "measure/blame/explanation.hpp"
+#include "output/blame/operation_words.hpp"
 #include "output/blame/verdict_text.hpp"
 
 namespace lostbits::output::blame {
@@ -13,6 +14,10 @@ namespace lostbits::output::blame {
 /// marked. `all` shows every operation; otherwise those that the answer is computed from and that round, cancel, or
 /// have a name, and those that a row names: of an earlier sample of a march their values.
 std::string explain_text(const measure::blame::Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
+
+/// What stands below the table, a sentence a line: what the contributions sum to, what is not rounding's, and which
+/// decisions rounding changed.
+std::string sums_text(const measure::blame::Explanation& x, const OperationWords& words);
 
 /// Whether the problem or the formula is to blame, by the envelope.
 std::string verdict(const measure::blame::Explanation& x);

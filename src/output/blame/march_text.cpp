@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "measure/truth/lost_bits.hpp"
+#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -13,9 +14,6 @@ using intersect::table::MarchLog;
 using measure::answer::Outcome;
 
 namespace {
-
-/// Enough digits to tell the numbers of the format apart.
-int digits_of(const Format& format) { return 1 + static_cast<int>(std::ceil(format.shape.precision * 0.30103)); }
 
 std::string answer_line(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray, const MarchLog& log) {
@@ -64,7 +62,7 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
     const auto& [log, c] = march;
-    const int digits = digits_of(format), width = digits + 7;
+    const int digits = digits_of(format.shape), width = digits + 7;
     std::string text =
         fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
                     file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "measure/blame/operation_error.hpp"
+#include "output/blame/verdict_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -59,6 +60,72 @@ std::vector<NodeId> OperationWords::named_in(NodeId i) const {
         at = std::max(end, at + 1);
     }
     return named;
+}
+
+std::string OperationWords::subject() const {
+    const NodeId subject = x_.attribution.subject;
+    if (subject == no_node || !is_decision(x_.tape[subject].op)) return "t";
+    const TapeNode& n = x_.tape[subject];
+    if (!is_comparison(n.op)) return "decision";
+    for (const std::size_t k : {0U, 1U}) {
+        if (x_.tape[n.operands[k]].op == TapeOp::constant) return text_.operand(n.operands[1 - k]);
+    }
+    return text_.expression(subject);
+}
+
+int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil(format.precision * 0.30103)); }
+
+namespace {
+
+OperationRow row_of(const measure::blame::Explanation& x, const OperationWords& words, NodeId i, bool whole) {
+    const measure::blame::OperationError& e = words.of(i);
+    const TapeNode& n = x.tape[i];
+    const bool decides = is_decision(n.op);
+    OperationRow row{.node = i,
+                     .whole = whole,
+                     .name = words.text().name(i),
+                     .formula = whole ? words.text().expression(i) : "(an earlier sample)",
+                     .computed = n.value,
+                     .exact = e.exact,
+                     .digits = decides ? 0 : digits_of(x.tape.format_of(i))};
+    if (!whole) return row;
+    row.culprit = i == x.attribution.culprit && names_culprit(x);
+    row.turned = e.turned && (decides || e.rounding != 0);
+    if (decides) return row;
+    row.off = short_number(words.own_ulps(i, e.error));
+    row.cancelled = words.cancellation(i);
+    if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
+    if (e.rounding != 0) row.own = short_number(words.own_ulps(i, e.rounding));
+    if (e.live && e.rounding != 0 && !std::isnan(words.contribution(i)))
+        row.share = short_number(words.contribution(i));
+    return row;
+}
+
+/// The nodes that the table shows: of a march those of the last samples, unless all are asked for.
+NodeId first_shown(const measure::blame::Explanation& x, bool all) {
+    const auto& samples = x.tape.samples;
+    return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
+}
+
+}  // namespace
+
+OperationTable operation_table(const measure::blame::Explanation& x, const OperationWords& words, bool all) {
+    OperationTable table{.first = first_shown(x, all)};
+    // A row names other operations; each of those has a row too, of which the last come first to be looked at.
+    std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
+    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
+        const auto place = static_cast<std::size_t>(i);
+        const bool culprit = i == x.attribution.culprit && names_culprit(x);
+        whole[place] = culprit || (i >= table.first && (shown[place] || words.is_shown(i, all)));
+        shown[place] = shown[place] || whole[place];
+        if (!whole[place]) continue;
+        for (const NodeId named : words.named_in(i)) shown[static_cast<std::size_t>(named)] = true;
+    }
+    for (NodeId i = 0; i < x.tape.size(); ++i) {
+        const auto place = static_cast<std::size_t>(i);
+        if (shown[place]) table.rows.push_back(row_of(x, words, i, whole[place]));
+    }
+    return table;
 }
 
 }  // namespace lostbits::output::blame

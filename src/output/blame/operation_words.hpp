@@ -35,6 +35,8 @@ public:
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
+    /// What the contributions are to, in whose ulps they are: t, or what the decision compares.
+    [[nodiscard]] std::string subject() const;
 
 private:
     const measure::blame::Explanation& x_;
@@ -42,5 +44,30 @@ private:
     double ulp_;
     std::map<std::string, std::vector<NodeId>, std::less<>> called_;  ///< operations by name; by a vector's all three
 };
+
+/// A row of the table of operations.
+struct OperationRow {
+    NodeId node = no_node;
+    /// False: of an earlier sample of a march, which another row names. Its values stand there alone.
+    bool whole = true;
+    bool culprit = false;  ///< and one worth its name
+    bool turned = false;   ///< rounding chose the other side
+    std::string name = {}, formula = {};
+    double computed = 0, exact = 0;  ///< of a decision 1 or 0
+    int digits = 0;                  ///< that tell numbers of its format apart; 0: a decision
+    /// How far off in ulps of its own, `24 catastrophic`, bits, its rounding in ulps of its own, and what is assigned
+    /// to that in ulps of the subject; empty where there is nothing to say.
+    std::string off = {}, cancelled = {}, local = {}, own = {}, share = {};
+};
+
+/// The rows of the table: see `explain_text`. `first`: of the nodes from which it goes on, behind earlier samples.
+struct OperationTable {
+    NodeId first = 0;
+    std::vector<OperationRow> rows = {};
+};
+OperationTable operation_table(const measure::blame::Explanation& x, const OperationWords& words, bool all);
+
+/// Digits that tell numbers of a format apart.
+int digits_of(const FloatFormat& format);
 
 }  // namespace lostbits::output::blame

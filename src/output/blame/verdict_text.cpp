@@ -272,9 +272,13 @@ std::string mesh_sentence(const Explanation& x) {
     }
 }
 
-std::string verdict_text(const Explanation& x, const std::optional<MarchEnd>& march) {
+std::string verdict_alone(const Explanation& x, const std::optional<MarchEnd>& march) {
     return outcome_sentence(x) + "\n" + (x.missed ? wrong_solid_sentence(x) : "") + mesh_sentence(x) +
-           whose_loss(x, march) + "\n" + blame_sentence(x, march.has_value()) + "\n" + better_sentence(x);
+           whose_loss(x, march) + "\n" + blame_sentence(x, march.has_value()) + "\n";
+}
+
+std::string verdict_text(const Explanation& x, const std::optional<MarchEnd>& march) {
+    return verdict_alone(x, march) + better_sentence(x);
 }
 
 }  // namespace lostbits::output::blame

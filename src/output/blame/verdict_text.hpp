@@ -33,5 +33,7 @@ bool is_wrong_root(const measure::blame::Explanation& x);
 
 /// The sentences that stand first. `march` where the form marches.
 std::string verdict_text(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
+/// Those of them that are of the form itself, and not of what other forms do.
+std::string verdict_alone(const measure::blame::Explanation& x, const std::optional<MarchEnd>& march);
 
 }  // namespace lostbits::output::blame

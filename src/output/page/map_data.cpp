@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
-#include <set>
 
-#include "intersect/hull/behind.hpp"
 #include "measure/truth/reach.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
 #include "output/map/metric_paint.hpp"
 #include "output/map/row_names.hpp"
-#include "output/page/tapes.hpp"
+#include "output/page/ray_data.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {
@@ -34,7 +33,7 @@ constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_
                                                           "absolute_error"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// Stored of every true hit: the verdict on a miss says it too.
+/// Stored of every true hit, whatever the form says: neighbours' lie nearly on a line.
 bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
@@ -56,7 +55,6 @@ struct MapData::Group {
     intersect::Convention convention;
     const scene::camera::Maker* maker;  ///< whose ideal rays may begin elsewhere
     Layer hit, object, truth, rest, bound, condition;
-    std::set<int> places;  ///< of the solids that a ray truly meets
 
     Group(const TestedForm& row, std::size_t n)
         : direction(row.form->info->direction),
@@ -86,7 +84,6 @@ struct MapData::Group {
         const measure::truth::Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
-        if (t.object >= 0) places.insert(t.object);
         if (i % static_cast<std::size_t>(result.width) == 0) last_ = before_ = 0;  // every row begins anew
         if (!t.is_hit()) return;
         const measure::truth::Certified& exact = direction == Direction::unit ? t.distance : t.t;
@@ -109,12 +106,14 @@ public:
           filled_(filled),
           outcome_(1, n),
           object_(4, n),
-          t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n) {
+          t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n),
+          sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             with_condition_ |=
                 (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             const Metric& metric = *request.metrics[m];
             if (is_inherent(metric)) inherent_ = m;
+            if (metric.name == "ulp_error") ulps_ = m;
             if (!is_derived(metric) && !is_condition(metric)) stored_.push_back({m, Layer(4, n)});
         }
     }
@@ -124,13 +123,14 @@ public:
             const std::size_t at = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (filled_) filled_->take(at, i, result, with_condition_);
             outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
+            if (measure::evaluate::is_wrong(result.outcomes[i])) sizes_[at] = std::numeric_limits<float>::infinity();
+            else if (ulps_) sizes_[at] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
             for (auto& [m, layer] : stored_) {
                 if (m == inherent_) set_inherent(layer, at, i, result);
                 else layer.set(at, static_cast<float>(result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
             object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
-            places_.insert(result.answers->object[i]);
             t_.set(at, difference(result.answers->t[i], result, i));
         }
     }
@@ -144,8 +144,8 @@ public:
         return all;
     }
     [[nodiscard]] std::size_t group() const { return group_; }
-    [[nodiscard]] const std::set<int>& places() const { return places_; }
-    [[nodiscard]] const TestedForm& row() const { return row_; }
+    /// See `choose_rays`.
+    [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
 
 private:
     /// Of formats other than the native two, the bits of t in binary64, whose low ones are zero anyway.
@@ -187,8 +187,9 @@ private:
     bool with_condition_ = false;
     std::optional<std::size_t> inherent_ = {};  ///< the place of `inherent_bits`
     std::uint64_t last_ = 0, before_ = 0;       ///< bits of the two of them before, in this row of the picture; 0: none
-    std::set<int> places_;                      ///< of the solids that the form answers
+    std::optional<std::size_t> ulps_ = {};      ///< and that of `ulp_error`
     Layer outcome_, object_, t_;
+    std::vector<float> sizes_;
     std::vector<Stored> stored_;
 };
 
@@ -239,16 +240,6 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     return json;
 }
 
-/// A march does not have one tape for all rays: each ray takes its own number of samples. Nor does a form that filters:
-/// most rays stop at its cheap way. A set has a tape for each shape. The page knows no box, and
-/// makes the rays of a camera by
-/// rounding.
-bool is_taped(const TestedForm& row, const EvaluationRequest& request) {
-    return !request.scene->camera.rays && !scene::rays::maker_of(*row.form) && is_solid(row.form->shape) &&
-           row.form->is_template() && !intersect::hull::innermost(*row.form).way && !row.form->is_set() &&
-           !intersect::hull::has_box(*row.form);
-}
-
 const char* coding_name(const Format& format) {
     switch (format.engine) {
         case Format::Engine::native32: return "bits32";
@@ -275,8 +266,6 @@ Json summary_json(const EvaluationRequest& request, const TestedForm& row, const
         {"title", map::title_of(*row.form->info)},
         {"precision", f.precision},
         {"emin", f.emin},
-        {"emax", f.emax},
-        {"taped", is_taped(row, request)},
         {"coding", coding_name(row.format)},
         {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
         {"formula", row.form->is_template()},
@@ -298,16 +287,9 @@ Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
         rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), named));
-    std::set<int> places{0};
-    for (const auto& group : groups_) places.insert(group->places.begin(), group->places.end());
-    for (const auto& row : rows_) places.insert(row->places().begin(), row->places().end());
     return {{"id", scene.id},
             {"title", scene.title},
             {"note", scene.note},
-            {"inputs", scene.inputs == scene::file::Inputs::own ? "own" : "shared"},
-            {"camera", camera_json(scene)},
-            {"solids", solids_json(scene, places)},
-            {"solid_count", scene.solid_count()},
             {"width", scene.width},
             {"height", scene.height},
             {"own_size", own_size},
@@ -315,7 +297,7 @@ Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries
             {"rows", std::move(rows)}};
 }
 
-std::vector<Blob> MapData::blobs() const {
+std::vector<Blob> MapData::blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const {
     std::vector<Blob> all;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;
@@ -325,11 +307,14 @@ std::vector<Blob> MapData::blobs() const {
             bytes += layer->planes();
         all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
-    for (const auto& row : rows_) {
-        if (is_taped(row->row(), request_))
-            all.push_back({fmt::format("tape:{}", map::row_name(row->row())),
-                           pack(text_of(tape_json(*row->row().form, row->row().format)))});
-        all.push_back({fmt::format("row:{}:{}", request_.scene->id, map::row_name(row->row())), pack(row->bytes())});
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        const TestedForm& row = request_.rows[r];
+        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(row));
+        if (row.form->is_template()) {
+            const auto rays = choose_rays(summaries[r], rows_[r]->sizes(), request_.scene->width);
+            all.push_back({"rays:" + name, pack(text_of(rays_json(request_, row, rays)))});
+        }
+        all.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }
     return all;
 }

@@ -23,7 +23,7 @@ struct Blob {
 ///  - for each row: the outcome, the solid, and the bits of t less those of the truth (both as the format holds them):
 ///    most answers are a few ulps away, so most of these are small;
 ///  - every other metric as a float;
-///  - the camera, the solids and the tapes of the forms, from which the page runs the operations of any ray again.
+///  - of `choose_rays` what `lostbits explain` says, operation by operation.
 /// What follows from t and t* alone (`derived_metrics`) the page works out itself.
 class MapData {
 public:
@@ -38,8 +38,8 @@ public:
     /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
     /// claims have the same rays.
     [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size) const;
-    /// The pixels, and the tapes of the forms, which other maps may have too.
-    [[nodiscard]] std::vector<Blob> blobs() const;
+    /// After the map: the pixels, and the operations of the chosen rays.
+    [[nodiscard]] std::vector<Blob> blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const;
 
 private:
     struct Group;

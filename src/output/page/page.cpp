@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
-#include <set>
 #include <sstream>
 
 #include "output/map/map_colour.hpp"
@@ -243,7 +242,8 @@ constexpr const char* what_it_is =
 std::string what_to_do(const Report& report) {
     if (!report.maps.empty())
         return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture: the "
-               "numbers of that ray stand beside it. A click keeps them and lists its operations.";
+               "numbers of that ray stand beside it. A click keeps them. The buttons below the picture lead to rays "
+               "whose operations are listed.";
     if (!report.sweeps.empty())
         return "<b>First</b>, choose a statistic under <a href=\"#sweeps\">Sweeps</a> and point at a line or a cell: "
                "its numbers stand beside it.";
@@ -323,11 +323,8 @@ std::string page(const Report& report) {
             trades_section(report) + choices_section(report) + mends_section(report) + offsets_section(report) +
             claims_section(report) + made_section(report) + "</main>\n";
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
-    std::set<std::string_view> written;  // maps share the tapes of their forms
     for (const MapPart& m : report.maps) {
-        for (const Blob& b : m.blobs) {
-            if (written.insert(b.name).second) text += blob(b.name, b.packed);
-        }
+        for (const Blob& b : m.blobs) text += blob(b.name, b.packed);
     }
     for (const SweepPart& s : report.sweeps) {
         text += blob("sweep:" + s.id, pack(text_of(s.json)));

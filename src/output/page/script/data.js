@@ -174,15 +174,8 @@ async function readRow(map, row, name) {
     return { row, truth, outcome, object, t, stored, painted: new Map() };
 }
 
-const sampleAt = (pixels, i) => ({
-    t: pixels.t[i],
-    truth: pixels.truth.truth[i],
-    rest: pixels.truth.rest[i],
-    condition: pixels.truth.condition[i],
-    inherent: pixels.stored.inherent_bits?.[i],  // of every true hit
-    excess: pixels.stored.excess_bits?.[i],
-    row: pixels.row
-});
+const sampleAt = (pixels, i) =>
+    ({ t: pixels.t[i], truth: pixels.truth.truth[i], rest: pixels.truth.rest[i], row: pixels.row });
 
 /** A metric at pixel i; NaN where it does not exist. */
 function valueAt(pixels, metric, i) {

@@ -28,7 +28,6 @@ async function pixelFacts(map, row, x, y) {
         truth: truth.truth[i],
         rest: truth.rest[i],
         bound: truth.bound[i],
-        verdict: verdictText(map, pixels, i),
         trueObject: truth.object[i] - 1,
         answers,
         metrics,
@@ -85,54 +84,6 @@ function metricTable(facts) {
         body.lastChild.dataset.metric = m.name;
     }
     return make("table", { className: "metrics" }, body);
-}
-
-/** Why a march that missed ended; empty where the page does not know. `lostbits explain` also says how far away. */
-function endOfMarch(map, pixels, i) {
-    const stop = map.metrics.find((m) => m.name === "stop"), samples = pixels.stored.iterations?.[i];
-    if (!stop?.categories || !pixels.stored.stop) return "";
-    return {
-        max_steps: `The march used all its ${samples} samples.`,
-        stagnated: `The march stood still: its last step does not change t in ${
-            pixels.row.format}, so that no further sample would help.`,
-        max_dist: "The march went past max_dist.",
-    }[stop.categories[pixels.stored.stop[i]][0]] ??
-        "";
-}
-
-/** Of a loss within the envelope: whether rounded inputs explain it, or wider arithmetic on exact ones helps. */
-function whoseEnvelope(map, row) {
-    if (map.inputs === "own" || row.precision < 24 || row.emin > -126 || row.emax < 127)
-        return "input rounding alone explains this loss.";
-    if (row.direction === "unit" || row.form.startsWith("sdf.")) return "the formula loses no more than that.";
-    return `the problem is ill-conditioned in ${row.format}, and the formula loses no more. ` +
-        "The inputs are exact: wider arithmetic on them helps.";
-}
-
-/**
- * Whether the problem or the formula is to blame: the sentence of `lostbits explain`, letter by letter. Of a march
- * neither may be, and whether it is where the march ended or its rounding takes the march itself: `explain` has it.
- */
-function verdictText(map, pixels, i) {
-    const s = sampleAt(pixels, i), outcome = outcomeNames[pixels.outcome[i]], costs = fixed(s.inherent, 1);
-    if (outcome === "agree_miss") return "Nothing is lost.";
-    if (pixels.truth.decision[i] !== 1) return "The ray hits nothing, so it has no condition number.";
-    const envelope = `Condition ${brief(s.condition)}: half an ulp in each input`;
-    const marches = pixels.row.form.startsWith("sdf.");
-    if (outcome !== "agree_hit")
-        return (marches && outcome === "false_miss" && endOfMarch(map, pixels, i)) ||
-            `${envelope} costs ${costs} bits.`;
-    const lost = derived.lost_bits(s), alone = `${envelope} would cost ${costs} bits`;
-    if (lost < 1) return `${alone}. Less than one bit is lost.`;
-    if (s.excess < 1) return `${alone}; ${whoseEnvelope(map, pixels.row)}`;
-    if (marches)
-        return `${alone}; the other ${fixed(s.excess, 1)} bits are lost where the march ended${
-                   pixels.stored.iterations ? `, at sample ${pixels.stored.iterations[i]},` :
-                                              ""} or by its rounding: ` +
-            "lostbits explain says which.";
-    if (s.inherent >= pixels.row.precision)
-        return `${alone}, but cannot move t so far; the formula loses ${fixed(s.excess, 1)} bits.`;
-    return `${alone}; the formula loses the other ${fixed(s.excess, 1)} bits.`;
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -208,8 +159,7 @@ async function showPixel(element, map, row, x, y, pinned) {
         make(
             "p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]),
             ` ${letterA()}${words(facts.outcome)}: ${title(row)}`),
-        ...other, make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts),
-        make("p", { className: "verdict" }, facts.verdict));
+        ...other, make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts));
     element.dataset.pixel = `${x},${y}`;
 }
 

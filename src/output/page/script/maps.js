@@ -129,9 +129,10 @@ async function drawInspector(at) {
             make(
                 "p", { className: "hint" },
                 "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, " +
-                    "[ and ] the form; w goes to the worst pixel; x swaps A and B."));
+                    "[ and ] the form; w goes to the worst pixel, n and N to the rays whose operations are held; " +
+                    "x swaps A and B."));
         delete mapParts.inspector.dataset.pixel;
-        mapParts.operations.replaceChildren();
+        await showOperations(mapParts.operations, map, rowNow(), x, y);
         return;
     }
     await Promise.all([
@@ -158,6 +159,8 @@ function toWorst() {
 
 const mapKeys = {
     w: toWorst,
+    n: () => turnRay(1),
+    N: () => turnRay(-1),
     ArrowLeft: () => step(-1, 0),
     ArrowRight: () => step(1, 0),
     ArrowUp: () => step(0, -1),

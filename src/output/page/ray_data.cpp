@@ -1,0 +1,141 @@
+#include "output/page/ray_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "intersect/process/parallel.hpp"
+#include "measure/blame/explanation.hpp"
+#include "output/blame/explain_text.hpp"
+#include "scene/rays/made_rows.hpp"
+
+namespace lostbits::output::page {
+
+using measure::blame::Explanation;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
+
+namespace {
+
+/// The pixel of the median error of the finite ones, the first of equal ones; none where there are none.
+std::optional<std::size_t> median_of(std::span<const float> sizes) {
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        if (std::isfinite(sizes[i])) all.push_back(i);
+    }
+    if (all.empty()) return {};
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::ranges::nth_element(all, middle, {}, [&](std::size_t i) { return std::pair{sizes[i], i}; });
+    return *middle;
+}
+
+/// Places from `first` to before `last`, and half the way between them.
+struct Stretch {
+    std::size_t first, last;
+    [[nodiscard]] double from_middle(std::size_t i) const {
+        return static_cast<double>(i) + 0.5 - static_cast<double>(first + last) / 2;
+    }
+};
+
+/// Of `n` pixels side by side those of part k.
+Stretch part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
+
+/// The worst pixel of a part of a picture, of equally bad ones the nearest to its middle; nothing where there is no
+/// error.
+std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, Stretch across, Stretch down) {
+    std::optional<std::size_t> found;
+    std::pair<float, double> worst{-1, 0};  // the error, and how far from the middle, below 0
+    for (std::size_t y = down.first; y < down.last; ++y) {
+        for (std::size_t x = across.first; x < across.last; ++x) {
+            const std::size_t i = y * width + x;
+            const std::pair seen{sizes[i], -std::hypot(across.from_middle(x), down.from_middle(y))};
+            if (std::isnan(sizes[i]) || seen <= worst) continue;
+            found = i;
+            worst = seen;
+        }
+    }
+    return found;
+}
+
+Json operation_json(const blame::OperationRow& r) {
+    const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
+    return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.off, r.cancelled,
+                        r.local, r.own, r.share, r.culprit, r.turned});
+}
+
+Json lines_json(const std::string& text) {
+    Json lines = Json::array();
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+std::optional<blame::MarchEnd> end_of_march(const TestedForm& row, const measure::answer::OneRay& ray) {
+    if (!row.form->log) return {};
+    return blame::MarchEnd{measure::answer::march_log(*row.form, row.format, ray),
+                           ray.inputs(*row.form, row.format).all.march.value()};
+}
+
+/// The sentences that stand above the table of `explain` and below it, and the table.
+Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<blame::MarchEnd>& march) {
+    const blame::OperationWords words(x);
+    const blame::OperationTable table = blame::operation_table(x, words, false);
+    Json json{{"x", at.x},
+              {"y", at.y},
+              {"why", at.why},
+              {"says", lines_json(blame::verdict_alone(x, march))},
+              {"sums", lines_json(blame::sums_text(x, words))},
+              {"subject", words.subject()},
+              {"earlier", table.first},
+              {"rows", array_of(table.rows, operation_json)}};
+    if (x.solids > 1 && is_solid(x.form->shape)) json["solid"] = x.solid;
+    return json;
+}
+
+}  // namespace
+
+std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width) {
+    std::vector<ChosenRay> all;
+    const auto add = [&all](std::int64_t x, int y, std::string why) {
+        const auto found = std::ranges::find_if(all, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
+        if (found == all.end()) all.push_back({static_cast<int>(x), y, {std::move(why)}});
+        else found->why.push_back(std::move(why));
+    };
+    const auto w = static_cast<std::size_t>(width);
+    const auto add_pixel = [&](std::size_t i, const char* why) {
+        add(static_cast<std::int64_t>(i % w), static_cast<int>(i / w), why);
+    };
+    if (const auto* const worst = summary.worst_ray()) add(worst->x, worst->y, "worst ray");
+    for (const measure::answer::Outcome wrong : measure::answer::wrong_decisions) {
+        if (const auto* const first = summary.first_of(wrong))
+            add(first->x, first->y,
+                fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
+    }
+    if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
+    if (const auto i = median_of(sizes)) add_pixel(*i, "median error");
+    for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
+        const Stretch across = part_of(w, part % parts_each_way),
+                      down = part_of(sizes.size() / w, part / parts_each_way);
+        if (const auto i = worst_of(sizes, w, across, down)) add_pixel(*i, "worst of its part");
+    }
+    return all;
+}
+
+Json rays_json(const EvaluationRequest& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
+    const auto* const maker = scene::rays::maker_of(*row.form);
+    const scene::file::Scene scene = maker ? with_rays(*request.scene, *maker) : *request.scene;
+    std::vector<Json> explained(rays.size());
+    intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
+        measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
+        ray.judge_by(row.judged);
+        const Explanation x = measure::blame::explain_alone(*row.form, row.format, ray);
+        explained[i] = ray_json(rays[i], x, end_of_march(row, ray));
+    });
+    return array_of(explained, [](const Json& json) { return json; });
+}
+
+}  // namespace lostbits::output::page
