@@ -180,11 +180,11 @@ TEST_CASE("a run that is stopped before it has results leaves those that were th
     static_cast<void>(scratch.write("mine.toml", good_scene));
     must("map mine.toml -i sphere.press -f f32,f64 -o out", scratch);
     const auto before = files_in(scratch.path() / "out/mine");
-    const auto r =
-        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -o out & child=$!; sleep 1; kill "
-            "-TERM $child; "
-            "wait $child; exit $?",
-            scratch.path());
+    const auto r = run(
+        "map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -j 1 -o out & child=$!; sleep 1; kill "
+        "-TERM $child; "
+        "wait $child; exit $?",
+        scratch.path());
     CHECK(r.code == 130);
     CHECK(files_in(scratch.path() / "out/mine") == before);
 }
@@ -259,7 +259,7 @@ TEST_CASE("a folder that a report and checked claims share keeps both, and its l
 TEST_CASE("an interrupted report leaves no folder") {
     const Scratch scratch;
     const auto r =
-        run("report near-benign --size 700x700 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
+        run("report near-benign --size 700x700 -j 1 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
             "wait $child; exit $?",
             scratch.path(), "set -m; ");
     INFO(r.err);

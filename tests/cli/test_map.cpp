@@ -256,7 +256,7 @@ TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 an
 TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
-    const auto r = run("map '" + scene + "' --size 4000x4000 -o '" + (scratch.path() / "out").string() +
+    const auto r = run("map '" + scene + "' --size 4000x4000 -j 1 -o '" + (scratch.path() / "out").string() +
                            "' & child=$!; sleep 1.5; kill -TERM $child; wait $child; exit $?",
                        ".", "set -m; ");
     INFO(r.err);
