@@ -136,11 +136,13 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
 
 TEST_CASE("shader bits: what rests on the order of operations keeps it where it is precise", "[shader-device]") {
     const Scratch folder;
-    std::string words = "-i 'shader.*' -i sphere.kahan_discriminant -i sphere.filtered -f f32";
-    for (const std::string name : {"kahan_fma", "kahan_split", "kahan_split_precise", "filtered", "filtered_precise",
-                                   "two_words", "two_words_precise"})
-        words += " --shader " + examples + name + ".glsl";
-    const auto near = map_of(folder, "near-benign", words), far = map_of(folder, "rtg-fig-7-3-4100-oblique", words);
+    const auto map_by = [&](const std::string& scene, std::initializer_list<const char*> shaders) {
+        std::string words = "-i 'shader.*' -i sphere.kahan_discriminant -i sphere.filtered -f f32";
+        for (const std::string name : shaders) words += " --shader " + examples + name + ".glsl";
+        return map_of(folder, scene, words);
+    };
+    const auto near = map_by("near-benign", {"kahan_fma", "kahan_split", "kahan_split_precise", "filtered_precise"}),
+               far = map_by("rtg-fig-7-3-4100-oblique", {"filtered", "two_words", "two_words_precise"});
     const auto fault = [&](const std::string& form, const std::string& which) {
         for (const auto& row : read_csv(far / "summary.csv"))
             if (row.at("form") == form) return std::stoi(row.at(which));
