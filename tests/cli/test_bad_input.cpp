@@ -166,7 +166,7 @@ TEST_CASE("what once broke it: endless keys, ids that leave the folder, closed s
     const std::string scene = scratch.write("scene.toml", good_scene);
     CHECK(run("map '" + scene + "' -i sphere.press -f f32 -o ''").code == 2);
     CHECK(run("list metrics >&- 2>&-").code == 3);
-    const auto ended = run("map '" + scene + "' --size 3000x3000 -o '" + (scratch.path() / "out").string() +
+    const auto ended = run("map '" + scene + "' --size 3000x3000 -j 1 -o '" + (scratch.path() / "out").string() +
                            "' & child=$!; sleep 1; kill -TERM $child; wait $child; exit $?");
     CHECK(ended.code == 130);
     CHECK(scratch.files() == std::vector<std::string>{"...toml", "deep.toml", "scene.toml"});

@@ -12,6 +12,8 @@
 
 #include "blocks.hpp"
 #include "catch.hpp"
+#include "counts.hpp"
+#include "dear_commands.hpp"
 #include "program.hpp"
 
 namespace test_docs {
@@ -89,36 +91,6 @@ std::vector<Command> commands_of(const std::string& page) {
     return commands;
 }
 
-/// Commands that are run on less than the page says. Everything else runs as it stands there.
-struct Cheaper {
-    std::string_view start, adds, why;
-};
-constexpr std::array cheaper{
-    Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
-    Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
-    Cheaper{"offsets ", " --size 16x12", "a small picture has the same files"},
-    Cheaper{"consistency ", " --size 16x12", "a small picture has the same files"},
-    Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
-    Cheaper{"report ", " --no-claims", "test_reports.cpp measures every claim, test_report.cpp has pages with claims"},
-    Cheaper{"report ", " --seeds 0", "further draws are rows of the same tables"},
-    Cheaper{"report sphere-height ", " -f f32", "a plane of each format takes 2 s"},
-    Cheaper{"sweep padding --worst ", " --set starts=16", "7 s"},
-    Cheaper{"report -o out ", " -i sphere.unified -i sdf.sphere_trace -f f32 near-benign sphere-distance",
-            "all scenes take 40 s"},
-    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
-            "times of every form are 6 s"},
-    Cheaper{"report near-benign --choose ", " -i sphere.unified -i sphere.press", "the same"},
-    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " -i sphere.schoolbook -i sphere.unified",
-            "20 s: the page of the screenshots"},
-    Cheaper{"sweep sphere-", " --steps 8", "10 s each"},
-    Cheaper{"sweep data/sweeps/sdf-", " --steps 3", "10 s"},
-    Cheaper{"check  ", " --filter 'float.*'", "20 s; test_reports.cpp measures every claim"},
-    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
-            "a minute; test_check.cpp measures times"},
-    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
-            "a minute; test_trade.cpp measures every form"},
-};
-
 /// `check --filter 'GLOB'` with the first claim that the glob means: test_reports.cpp measures them all. One that
 /// means no claim stays, and ends with 4.
 std::string of_one_claim(const std::string& text) {
@@ -182,6 +154,21 @@ void lay_out(const Scratch& scratch, const std::string& page) {
     for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
 }
 
+bool is_dear(const Command& command) {
+    return std::ranges::any_of(dear_commands,
+                               [&](const DearCommand& d) { return command.arguments.starts_with(d.start); });
+}
+
+/// Of a command that is not run: each of its options is one of the command's.
+void check_options(const Command& command) {
+    static const std::regex option(R"(\s(--[a-z-]+))");
+    const std::string& text = command.arguments;
+    const auto help = run(text.substr(0, text.find(' ')) + " --help");
+    INFO(command.where << ": lostbits " << text);
+    REQUIRE(help.code == 0);
+    for (std::sregex_iterator m(text.begin(), text.end(), option), end; m != end; ++m) CHECK(has(help.out, (*m)[1]));
+}
+
 /// Runs the commands of a page in their order, in one folder.
 void hold(const std::string& page) {
     const auto commands = commands_of(page);
@@ -197,6 +184,10 @@ void hold(const std::string& page) {
         if (command.compiles) {
             INFO(command.where << ": " << command.arguments);
             CHECK(std::system(("cd '" + scratch.path().string() + "' && " + command.arguments).c_str()) == 0);
+            continue;
+        }
+        if (!is_long() && is_dear(command)) {
+            check_options(command);
             continue;
         }
         const std::string arguments = affordable(command, used);
@@ -244,17 +235,20 @@ TEST_CASE("what the documents are held against can fail") {
 }
 
 TEST_CASE("the documents have commands and output, and each way to make them cheap is needed") {
-    std::set<std::string_view> used;
+    std::set<std::string_view> used, found;
     std::size_t commands = 0, shown = 0;
     for (const std::string& page : pages()) {
         for (const Command& command : commands_of(page)) {
             (void)affordable(command, used);
+            for (const DearCommand& d : dear_commands)
+                if (command.arguments.starts_with(d.start)) found.insert(d.start);
             ++commands;
             shown += command.shown.size();
         }
     }
     CHECK(commands > 50);
     CHECK(shown > 5);
+    CHECK(found.size() == dear_commands.size());
     for (const Cheaper& c : cheaper) {
         INFO(c.start);
         CHECK(used.contains(c.start));

@@ -70,8 +70,8 @@ TEST_CASE("a second run into a folder leaves nothing of the first") {
          "consistency near-benign --size 8x6 -i sphere.press --check packs -o out", "near-benign"},
         {"judge rays.csv --sphere 0,0,0,1 -i sphere.press --size 4x4 --metric lost_bits,ulp_error --rows -o out",
          "judge rays.csv --sphere 0,0,0,1 -o out", "rays"},
-        {"sweep sphere-tilt -i sphere.press,sphere.unified -f f32,f64 --seeds 0 -o out",
-         "sweep sphere-tilt -i sphere.press -f f32 --seeds 0 -o out", "sphere-tilt"},
+        {"sweep sphere-tilt --steps 4 -i sphere.press,sphere.unified -f f32,f64 --seeds 0 -o out",
+         "sweep sphere-tilt --steps 4 -i sphere.press -f f32 --seeds 0 -o out", "sphere-tilt"},
         {"sweep extremes/contact -i sphere.press,sphere.unified -f f32,f64 -o out",
          "sweep extremes/contact -i sphere.press -f f32 -o out", "contact"},
         {"trade --quick --repetitions 1 -i sphere.press,sphere.unified -o out",
@@ -180,11 +180,11 @@ TEST_CASE("a run that is stopped before it has results leaves those that were th
     static_cast<void>(scratch.write("mine.toml", good_scene));
     must("map mine.toml -i sphere.press -f f32,f64 -o out", scratch);
     const auto before = files_in(scratch.path() / "out/mine");
-    const auto r =
-        run("map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -o out & child=$!; sleep 1; kill "
-            "-TERM $child; "
-            "wait $child; exit $?",
-            scratch.path());
+    const auto r = run(
+        "map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -j 1 -o out & child=$!; sleep 1; kill "
+        "-TERM $child; "
+        "wait $child; exit $?",
+        scratch.path());
     CHECK(r.code == 130);
     CHECK(files_in(scratch.path() / "out/mine") == before);
 }
@@ -259,7 +259,7 @@ TEST_CASE("a folder that a report and checked claims share keeps both, and its l
 TEST_CASE("an interrupted report leaves no folder") {
     const Scratch scratch;
     const auto r =
-        run("report near-benign --size 700x700 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
+        run("report near-benign --size 700x700 -j 1 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
             "wait $child; exit $?",
             scratch.path(), "set -m; ");
     INFO(r.err);

@@ -1,5 +1,5 @@
-// Two runs that replace each other in one folder and are killed at random moments. 40 times; LOSTBITS_KILLS=1000 for
-// more.
+// Two runs that replace each other in one folder and are killed at random moments: 16 times, 40 times in the long
+// tests; LOSTBITS_KILLS=1000 for more.
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "program.hpp"
 #include "started.hpp"
 
@@ -77,7 +78,7 @@ void kill_once(const Scratch& scratch, const Command& command, std::mt19937& ran
 
 void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Command b) {
     const char* const wanted = std::getenv("LOSTBITS_KILLS");
-    const int kills = wanted == nullptr ? 20 : std::atoi(wanted) / 2;
+    const int kills = wanted != nullptr ? std::atoi(wanted) / 2 : is_long() ? 20 : 8;
     a.try_alone(scratch, folder);
     fs::remove_all(scratch.path() / "out");
     b.try_alone(scratch, folder);

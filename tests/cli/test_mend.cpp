@@ -52,7 +52,7 @@ TEST_CASE("mend tells options of files from those of scenes", "[mend]") {
 
 TEST_CASE("the page of a mended form has its sentences, its changed lines and the CSV's numbers", "[mend]") {
     const Scratch scratch;
-    const auto r = run("mend box-slabs --size 24x24 -i box.baseline --bits 20 -o out", scratch.path());
+    const auto r = run("mend box-slabs --size 10x10 -i box.baseline --bits 20 -o out", scratch.path());
     INFO(r.err);
     REQUIRE(r.code == 0);
     const auto folder = scratch.path() / "out" / "box-slabs";

@@ -229,7 +229,8 @@ TEST_CASE("a report that cannot be made leaves nothing") {
     refused("near-benign --mend near-benign:18", 2, "names no scene, or no form");
     refused("near-benign --mend near-benign:sphere.half_b:54", 2, "0 to 53");
     refused("near-benign --mend near-benign:box.signs:18", 2, "is not one form for the solids of that scene");
-    refused("near-benign --mend near-benign:sphere.filtered:18", 2, "decides by itself how far to go");
+    refused("near-benign -i sphere.unified --size 8x8 --no-claims --mend near-benign:sphere.filtered:18", 2,
+            "decides by itself how far to go");
     refused("near-benign --offsets sphereflake-near", 2, "at most 1000");
     const Scratch scratch;
     const auto broken = scratch.write("mine.toml", spoilt("radius = 1", "radius = -1"));

@@ -142,14 +142,16 @@ std::map<std::string, std::string> made_by(const std::string& words) {
     return made;
 }
 
-/// Numbers of threads, each with another width of registers: the least, the next, and the most or all that there are.
+/// Numbers of threads, each with another width of registers: none and the widest, and those between of rows that are
+/// run at every width, in the long tests of all rows.
 std::vector<std::string> ways(const Row& row) {
     const auto isas = intersect::simd::available_isas();
     const auto way = [](int threads, intersect::simd::Isa isa) {
         return " -j " + std::to_string(threads) + " --isa " + std::string(name_of(isa));
     };
-    std::vector<std::string> all{way(1, isas[0]), way(2, isas[1]), way(4, isas.back())};
-    for (std::size_t i = 2; row.every_width && i + 1 < isas.size(); ++i) all.push_back(way(7, isas[i]));
+    std::vector<std::string> all{way(1, isas[0]), way(4, isas.back())};
+    for (std::size_t i = 1; (row.every_width || is_long()) && i + 1 < isas.size(); ++i)
+        all.push_back(way(i == 1 ? 2 : 7, isas[i]));
     return all;
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "every_float.hpp"
 #include "program.hpp"
 
@@ -19,7 +20,7 @@ const std::string every_float = every_float_to("0x1.6bp11");
 
 struct Row {
     std::string words;         ///< up to the folder of the results
-    std::vector<int> numbers;  ///< how many shards, one after the other
+    std::vector<int> numbers;  ///< how many shards, one after the other; in the short tests the last
     std::string out = "-o";
 };
 
@@ -113,6 +114,7 @@ void check_rows(const std::string& command) {
         INFO(whole.err);
         REQUIRE(whole.code <= 1);
         for (const int n : row.numbers) {
+            if (!is_long() && n != row.numbers.back()) continue;
             INFO(n << " shards");
             fs::remove_all(scratch / "parts");
             std::vector<int> order(static_cast<std::size_t>(n));

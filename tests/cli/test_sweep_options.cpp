@@ -214,7 +214,8 @@ TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
     const Scratch scratch;
     static_cast<void>(scratch.write("s.toml", with_steps(4000)));
     const auto r =
-        run("sweep s.toml --set views=1024 -o out & child=$!; sleep 3; kill -TERM $child; wait $child; exit $?",
+        run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out & child=$!; sleep 1.5; "
+            "kill -TERM $child; wait $child; exit $?",
             scratch.path(), "set -m; ");
     INFO(r.err);
     CHECK(r.code == 130);

@@ -159,9 +159,16 @@ class Bits(unittest.TestCase):
         self.assertEqual(len(set(one.frame["strategy"])), 1)
 
     def test_sweep(self):
-        run("sweep", "triangle-distance", "-i", "triangle.pbrt", "-f", "f32", "-o", self.out)
-        s = lb.sweep("triangle-distance", "triangle.pbrt", "f32", progress=False)
-        folder = os.path.join(self.out, "triangle-distance")
+        shipped = os.path.join(os.environ["LOSTBITS_DATA"], "sweeps", "triangle-distance.toml")
+        with open(shipped, encoding="utf-8") as file:
+            text = file.read()
+        self.assertIn("steps = 45", text)
+        path = os.path.join(self.out, "few.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text.replace("steps = 45", "steps = 9"))
+        run("sweep", path, "-i", "triangle.pbrt", "-f", "f32", "-o", self.out)
+        s = lb.sweep(path, "triangle.pbrt", "f32", progress=False)
+        folder = os.path.join(self.out, "few")
         self.hold_table(s.samples, rows_of(os.path.join(folder, "samples.csv")))
         self.hold_table(s.onsets, rows_of(os.path.join(folder, "onsets.csv")))
 
@@ -179,9 +186,9 @@ class Bits(unittest.TestCase):
         self.assertIn(c.chosen, files)
 
     def test_mend(self):
-        words = ["mend", "near-benign", "-i", "sphere.half_b", "--bits", "20", "--size", "48x48"]
+        words = ["mend", "near-benign", "-i", "sphere.half_b", "--bits", "20", "--size", "24x24"]
         text = run(*words, "-o", self.out).stdout
-        m = lb.mend("sphere.half_b", lb.scene("near-benign", size=(48, 48)), 20, progress=False)
+        m = lb.mend("sphere.half_b", lb.scene("near-benign", size=(24, 24)), 20, progress=False)
         self.assertTrue(m.meets)
         self.assertTrue(text.startswith(str(m)))
         folder = os.path.join(self.out, "near-benign")

@@ -1,0 +1,35 @@
+// What a C program of `explain --c` is made of, so that the short tests compile a few of those that are made alike.
+#pragma once
+
+#include <cctype>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace lostbits::test {
+
+/// The functions that main calls, and its operators.
+inline std::set<std::string> words_of_main(const std::string& source) {
+    std::set<std::string> words;
+    std::string name;
+    for (std::size_t i = source.find("int main"); i < source.size(); ++i) {
+        if (source.compare(i, 2, "/*") == 0) i = source.find("*/", i) + 2;
+        const char c = source[i], next = source[i + 1];
+        if (std::string_view("+-*/<>=!&|?").find(c) != std::string_view::npos)
+            words.insert(c == next || next == '=' ? std::string{c, next} : std::string{c});
+        if (c == '(' && !name.empty()) words.insert(name);
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_') name += c;
+        else name.clear();
+    }
+    return words;
+}
+
+/// Counts the words of a program: whether it has one that fewer than two before it had.
+inline bool adds_words(const std::string& source, std::map<std::string, int>& seen) {
+    bool adds = false;
+    for (const std::string& word : words_of_main(source)) adds |= seen[word]++ < 2;
+    return adds;
+}
+
+}  // namespace lostbits::test

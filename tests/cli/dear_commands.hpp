@@ -1,0 +1,60 @@
+// The dear commands of the documents: what makes some of them cheap, and which only the long tests run.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace lostbits::test {
+
+/// Commands that are run on less than the page says. Everything else runs as it stands there.
+struct Cheaper {
+    std::string_view start, adds, why;
+};
+inline constexpr std::array cheaper{
+    Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
+    Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
+    Cheaper{"offsets ", " --size 16x12", "a small picture has the same files"},
+    Cheaper{"consistency ", " --size 16x12", "a small picture has the same files"},
+    Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
+    Cheaper{"report ", " --no-claims", "test_reports.cpp measures every claim, test_report.cpp has pages with claims"},
+    Cheaper{"report ", " --seeds 0", "further draws are rows of the same tables"},
+    Cheaper{"report sphere-height ", " -f f32", "a plane of each format takes 2 s"},
+    Cheaper{"sweep padding --worst ", " --set starts=16", "7 s"},
+    Cheaper{"report -o out ", " -i sphere.unified -i sdf.sphere_trace -f f32 near-benign sphere-distance",
+            "all scenes take 40 s"},
+    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
+            "times of every form are 6 s"},
+    Cheaper{"report near-benign --choose ", " -i sphere.unified -i sphere.press", "the same"},
+    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " -i sphere.schoolbook -i sphere.unified",
+            "20 s: the page of the screenshots"},
+    Cheaper{"sweep sphere-", " --steps 8", "10 s each"},
+    Cheaper{"sweep data/sweeps/sdf-", " --steps 3", "10 s"},
+    Cheaper{"check  ", " --filter 'float.*'", "20 s; test_reports.cpp measures every claim"},
+    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
+            "a minute; test_check.cpp measures times"},
+    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
+            "a minute; test_trade.cpp measures every form"},
+};
+
+/// Commands that the long tests alone run, seconds of a processor each, and what tries the like in the short ones,
+/// which ask whether their options exist.
+struct DearCommand {
+    std::string_view start, instead;
+};
+inline constexpr std::array dear_commands{
+    DearCommand{"mend box-slabs ", "test_mend.cpp, on fewer pixels"},
+    DearCommand{"mend instance-far.sphere ", "test_mend.cpp"},
+    DearCommand{"report rtg-fig-7-3-4100-oblique near-benign ", "test_report.cpp, and tests/browser"},
+    DearCommand{"report mine.toml sphere-distance ", "the same"},
+    DearCommand{"report sphere-height box-boundary ", "the same"},
+    DearCommand{"report near-benign --mend ", "test_report.cpp"},
+    DearCommand{"sweep mesh-edges --worst ", "test_same_bytes.cpp and test_shards.cpp"},
+    DearCommand{"sweep exhaustive-mesh-edge ", "test_mesh_floats.cpp"},
+    DearCommand{"sweep data/sweeps/sdf-", "test_march.cpp"},
+    DearCommand{"sweep instance-distance-sphere ", "test_spaces.cpp"},
+    DearCommand{"trade --shape box ", "test_trade.cpp"},
+    DearCommand{"trade --scene near-benign ", "test_trade.cpp"},
+    DearCommand{"check --profile timing", "test_check.cpp"},
+};
+
+}  // namespace lostbits::test
