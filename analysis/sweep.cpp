@@ -128,6 +128,24 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
 
 using choice::Meets;
 
+/// A search has these in its file, or has nothing for them: it would ignore them without a word.
+void refuse_what_searches_ignore(const std::string& search, bool edges, const SweepOptions& o) {
+    const auto refuse = [&](const std::string& given, const std::string& why, const std::string& instead) {
+        const std::string option = given.substr(0, given.find(' '));
+        throw InputError(fmt::format("{}: {} {}; leave out {}{}", given, search, why, option, instead));
+    };
+    if (!o.metrics.empty() && edges)
+        refuse("--metric " + o.metrics.front(), "searches for the nearest cracks and double hits, not for a metric",
+               "");
+    if (!o.metrics.empty())
+        refuse("--metric " + o.metrics.front(), "searches by the metric that its file names",
+               ", and try --set metric=" + o.metrics.front());
+    if (o.seeds)
+        refuse(fmt::format("--seeds {}", *o.seeds), "has no onsets, and its file has the seed of its rays",
+               ", and try --set seed=N");
+    if (!o.against.empty()) refuse("--against " + o.against, "compares with the truth alone", "");
+}
+
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data) {
@@ -140,6 +158,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (!o.worst && searches)
         throw InputError(path.string() +
                          ":1:1: this file has a table of a search, which only --worst uses; add --worst");
+    if (searches) refuse_what_searches_ignore(path.stem().string(), kind == K::edge_search, o);
     choice::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
