@@ -37,8 +37,6 @@ struct RangeWords {
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
     std::string at;                   ///< of a sweep: a value of each axis
     int boxes = 4096;
-
-    [[nodiscard]] bool any() const { return asked || !ranges.empty() || !at.empty(); }
 };
 
 struct ExplainOptions {
@@ -71,8 +69,7 @@ void refuse_ray(const choice::RayWords& ray) {
     if (ray.subject.empty())
         throw InputError(
             "--ranges: the ranges are those of the rays of a scene, or of a sweep at one step; name one, and give "
-            "other "
-            "ranges by --range NAME=LOW..HIGH");
+            "other ranges by --range NAME=LOW..HIGH");
 }
 
 /// `d.x=-0.5..0.5`, in the place of the scene's range.
@@ -176,7 +173,7 @@ Exit run(const ExplainOptions& o, const Common& common) {
             : o.fpcore ? "--fpcore"
             : o.latex  ? "--latex"
                        : "--c"));
-    if (o.ranges.any()) {
+    if (o.ranges.asked) {
         if (o.fpcore || o.latex || o.c)
             throw InputError("--ranges: a bound over ranges is written as text or by --json; leave out the others");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
@@ -238,14 +235,20 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--convention", words.convention,
                 "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
-    command.add("--ranges", o->ranges.asked,
-                "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
-                "or of those of a sweep at one step, whatever their bits");
-    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5");
-    command.add("--range", o->ranges.ranges,
-                "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated");
-    command.add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",
-                shell::whole_from(1, 1 << 20));
+    const auto ranges = command.add(
+        "--ranges", o->ranges.asked,
+        "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
+        "or of those of a sweep at one step, whatever their bits");
+    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
+        .needs(ranges);
+    command
+        .add("--range", o->ranges.ranges,
+             "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
+        .needs(ranges);
+    command
+        .add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",
+             shell::whole_from(1, 1 << 20))
+        .needs(ranges);
     command.add("-i,--intersector", o->form, "The form").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,

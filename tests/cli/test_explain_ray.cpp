@@ -216,13 +216,17 @@ TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
     CHECK(r.code == 0);
     CHECK(has(r.out, "over the ranges of the rays of sphere-distance at 4"));
     CHECK(has(r.out, "the ranges of the 64 rays of the step"));
-    const auto far = run("explain sphere-distance --at 4096 --set views=1 --json" + with, folder.path());
+    const auto far = run("explain sphere-distance --ranges --at 4096 --set views=1 --json" + with, folder.path());
     CHECK(has(far.out, "\"sweep\": \"sphere-distance at 4096\""));
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
              {"sphere-distance --ranges", "name one step of it by --at distance_radii"},
              {"sphere-distance --ranges --at 1,2", "write --at distance_radii"},
              {"near-benign --ranges --at 4", "--at 4: is a step of a sweep"},
-             {"worst/near --ranges --at 4", "has no axes"}}) {
+             {"worst/near --ranges --at 4", "has no axes"},
+             {"sphere-distance --at 4", "--at requires --ranges"},
+             {"near-benign --range d.x=0..1", "--range requires --ranges"},
+             {"near-benign --boxes 64", "--boxes requires --ranges"},
+             {"near-benign --ranges --boxes 0", "--boxes 0: is not a number from 1 to 1048576"}}) {
         const auto refused = run("explain " + arguments + " -i sphere.unified", folder.path());
         INFO(arguments << "\n" << refused.err);
         CHECK(refused.code == 2);
