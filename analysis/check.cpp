@@ -312,11 +312,10 @@ void add_check(const shell::Command& program, const Common& common) {
     add_shard(command, o->shard);
     command.add("--annotations", o->annotations, "github: also print workflow annotations",
                 shell::one_of({"none", "github"}));
-    command.add(
-        "--profile", o->profile,
-        "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
-        "forms that come by --plugin and --pipe, skipped where theirs did not",
-        shell::one_of({"results", "timing", "libraries"}));
+    command.add("--profile", o->profile,
+                "results (default); timing: claims about speed, which are shown and never fail; libraries: claims "
+                "about forms that --plugin and --pipe load, skipped where they are not loaded",
+                shell::one_of({"results", "timing", "libraries"}));
     command.add("--seeds", o->seeds,
                 "Measure each claim about random rays on this many further draws too, and show the spread",
                 shell::whole_from(0, 1000));

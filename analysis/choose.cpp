@@ -165,10 +165,10 @@ std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const
 ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
     ChoiceRequest request;
     if (o.bits < 0 && o.tolerance.empty())
-        throw InputError("choose: nothing is wished; say --bits 16, of t, or --tolerance 0.001, of the hit point");
+        throw InputError("choose: no wish is given; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_named(o.at)};
     if (!o.tolerance.empty()) request.wish.tolerance = choice::tolerance_in_units(o.tolerance, o.unit);
-    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is not there");
+    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {
@@ -287,22 +287,23 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
-    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
+    command.add("--at", o->at,
+                "How many of the hits must keep the bits: p50, p99 (default: 99 of 100), p99.9, or max for all");
     choice::add_forms(command, o->forms);
     command.add_list(
         "-f,--format", o->formats,
-        "f32, f64 (default: both); an emulated format beside them counts where the narrowest for a pixel is asked");
-    const auto single = command.add("--single", o->single, "One ray at a time is what is paid for");
-    command.add("--bulk", o->bulk, "Registers full of rays are what is paid for, where a form has them (default)")
+        "f32, f64 (default: both); an emulated format counts only where the narrowest for each pixel is looked for");
+    const auto single = command.add("--single", o->single, "Compare what one ray at a time costs");
+    command.add("--bulk", o->bulk, "Compare what registers full of rays cost, where a form takes them (default)")
         .excludes(single);
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
     choice::add_ray_options(command, *o, "--file-format");
-    command.add("--mend", o->mend,
-                "Beside the forms, what those that do not meet the wish are mended to (see `lostbits mend`), compiled "
-                "and timed");
-    command.add("--compiler", o->compiler, "That compiles for --mend (default: c++)");
+    command.add(
+        "--mend", o->mend,
+        "Also mend the forms that do not meet the wish (see `lostbits mend`); what comes out is compiled and timed");
+    command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
     choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

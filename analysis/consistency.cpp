@@ -135,10 +135,9 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
 }  // namespace
 
 void add_consistency(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "consistency",
-        "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
-        "segment from either end");
+    auto command = program.add_command("consistency",
+                                       "Whether a form gives one answer to a question put in two ways: closest and any "
+                                       "hit, one ray and packs, a segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
     o->forms = {"*"};
     o->formats = {"f32"};

@@ -144,7 +144,7 @@ Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const 
     } else {
         if (!words.at.empty())
             throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
-                             " is none; leave it out");
+                             " is not a sweep; leave it out");
         scene = choice::load_one_scene(
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
@@ -166,8 +166,8 @@ Exit run(const ExplainOptions& o, const Common& common) {
                                      choice::formats_of(form), form.native32 ? "f32" : "f64"));
     if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
-            "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
-            "number they can (docs/your-own-form.md). Without {} explain says what its answer is worth",
+            "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
+            "to see them (docs/your-own-form.md). Without {} explain says what its answer is worth",
             o.form,
             o.json     ? "--json"
             : o.fpcore ? "--fpcore"
@@ -216,7 +216,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--steps", words.steps, "With --worst of a sweep, its steps of each axis: 40, or 40,20");
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
-                "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
+                "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
     for (const ShapeRow& row : shape_rows)
         command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
                     fmt::format("For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it "
@@ -235,10 +235,9 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--convention", words.convention,
                 "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
-    const auto ranges = command.add(
-        "--ranges", o->ranges.asked,
-        "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
-        "or of those of a sweep at one step, whatever their bits");
+    const auto ranges = command.add("--ranges", o->ranges.asked,
+                                    "Instead of one ray, every ray in the ranges of a scene's rays, or of a sweep's at "
+                                    "one step: how far rounding can put t off at most");
     command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
         .needs(ranges);
     command
@@ -246,7 +245,7 @@ void add_explain(const shell::Command& program, const Common& common) {
              "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
-        .add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",
+        .add("--boxes", o->ranges.boxes, "With --ranges, how many boxes are used at most (default: 4096)",
              shell::whole_from(1, 1 << 20))
         .needs(ranges);
     command.add("-i,--intersector", o->form, "The form").required();

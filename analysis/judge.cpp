@@ -109,7 +109,8 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
-            fmt::print(stderr, "lostbits: the answers of the file alone are judged; forms are named with -i\n");
+            fmt::print(stderr,
+                       "lostbits: only the answers of the file are judged; name forms with -i to judge them too\n");
         if (!rows.empty()) return rows;
         throw NothingSelected(
             fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
@@ -278,16 +279,17 @@ void add_judge(const shell::Command& program, const Common& common) {
     choice::add_ray_options(command, *o, "--format,--file-format");
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");
-    command.add("--against", o->against, "A form to hold the answers against, without asking what is true");
+    command.add("--against", o->against, "A form to compare the answers with, without asking what is true");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
-    command.add("--by", o->by, "A column of the file's own, such as a depth or material: a row also for each value");
+    command.add("--by", o->by,
+                "A column of the file's own, such as a depth or material: also one row for each of its values");
     command.add("--bits", o->bits, "Count the hits whose t keeps fewer correct bits", shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command.add("--worst", o->worst, "How many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);
     choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -40,7 +40,7 @@ void add_common(const shell::Command& program, Common& common) {
     program.add_named("--progress", {"auto", "bar", "none"}, show,
                       "Progress on stderr: auto (on a terminal), bar, none");
     program.add("--force", common.force,
-                "Write into a folder of results although it holds some that no manifest.json names; they stay");
+                "Write into a folder although it holds results that no manifest.json names; they stay");
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
     program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",

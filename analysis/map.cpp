@@ -323,8 +323,8 @@ void add_map(const shell::Command& program, const Common& common) {
                 "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
                 "for each form and format, and the truth once");
     command.add("--against", o->against,
-                "A form to hold the others against, without asking what is true: where their decisions or "
-                "their t differ is drawn and counted");
+                "A form to compare the others with, without asking what is true: where their decisions or their t "
+                "differ is drawn and counted");
     command.add("--envelope", o->envelope, "Draw lost bits paler where half an ulp in each input would cost as many");
     add_shard(command, o->shard);
     choice::add_out(command, o->out);

@@ -38,7 +38,8 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
     const auto forms = choice::select_forms({o.form});
     const auto formats = choice::select_formats({o.format});
     if (std::ranges::any_of(formats, choice::is_emulated))
-        throw InputError(fmt::format("-f {}: operations are made wider in f32 and f64; name one of them", o.format));
+        throw InputError(
+            fmt::format("-f {}: operations are made wider in f32 and f64 only; name one of them", o.format));
     if (forms.size() != 1 || formats.size() != 1)
         throw InputError(fmt::format("-i {}, -f {}: one form in one format is mended; name one", o.form, o.format));
     if (!forms.front()->exists_in(formats.front()))
@@ -105,8 +106,8 @@ void require_code_name(const std::filesystem::path& path) {
     const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
     if (!known || !std::regex_match(path.stem().string(), name))
         throw InputError("--emit " + path.string() +
-                         ": the form is called as the file; write a word of letters, digits "
-                         "and _, and .hpp or .glsl, as in half_b_mended.hpp");
+                         ": the form takes the name of the file; write a word of letters, digits and _, and .hpp or "
+                         ".glsl, as in half_b_mended.hpp");
 }
 
 /// Files of rays, all of which rows can be judged on, as often as is asked.
@@ -232,14 +233,15 @@ void add_mend(const shell::Command& program, const Common& common) {
     command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
-    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99, p99.9, max: every one (default)");
+    command.add("--at", o->at,
+                "How many of the hits must keep the bits: p50, p99 (99 of 100), p99.9, or max for all (default)");
     command.add("--wider", o->wider,
                 "What operations are done in: double (default; of f64 two doubles), or two words of the format",
                 shell::one_of({"double", "two-words"}));
     choice::add_changes(command, o->changes, "sphere[0].radius=10");
     choice::add_ray_options(command, o->rays, "--file-format");
     command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
-    command.add("--compiler", o->compiler, "That compiles for --price (default: c++)");
+    command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,
                 "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function");
     command.add("-o,--out", o->out, "Folder for the results");

@@ -155,8 +155,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
 
 void add_offsets(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "offsets",
-        "By how much the origin of the next ray must move, point by point, and what published strategies do");
+        "offsets", "How far the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
     o->formats = {std::string(measure::offset::usual_format)};
     o->scenes.stop = common.stop;

@@ -187,7 +187,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     for (const std::string& glob : o.claims) {
         if (std::ranges::none_of(claims, [&glob](const Claim& c) { return choice::matches_any({glob}, c.id); }))
             throw InputError("--claims " + glob +
-                             ": no claim of the results has such an id; `lostbits list claims` names them");
+                             ": no claim of the profile results has this id; `lostbits list claims` names them");
     }
     const auto rows = choice::cross(choice::select_forms(choice::form_words_or(o.forms, defaults.forms)),
                                     choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
@@ -328,7 +328,7 @@ void add_report(const shell::Command& program, const Common& common) {
                      "Also what to change in a form so that it keeps bits of every hit of a scene: SCENE:FORM:BITS, or "
                      "SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no SUBJECT is named)");
     command.add_list("--offsets", o->offsets,
-                     "Scenes whose next rays are held against every strategy of offsets (default: none, or those of "
+                     "Scenes on whose next rays every strategy of offsets is tried (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
     command.add("-o,--out", o->out, "Folder for index.html").required();
     command.runs([o, &common] { return run(*o, common); });

@@ -283,7 +283,7 @@ void add_sweep(const shell::Command& program, const Common& common) {
                     "march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
-    command.add("--against", o->against, "A form to hold the others against, without asking what is true");
+    command.add("--against", o->against, "A form to compare the others with, without asking what is true");
     add_shard(command, o->shard);
     choice::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -146,7 +146,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
                                          first->name, m->name));
         first = m;
     }
-    if (!first) throw InputError(fmt::format("--range {}: what is drawn has names for colours, and no bar", text));
+    if (!first)
+        throw InputError(fmt::format("--range {}: what is drawn has one colour for each name, and no bar", text));
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
         throw InputError(fmt::format("--range {}: the bar of {} is logarithmic, so both ends are above 0, like 1:1000",
                                      text, first->name));

@@ -65,8 +65,8 @@ struct WorstOfAll {
 
 [[noreturn]] void refuse(const TestedForm& row, const std::string& where, const WorstOfAll& worst) {
     throw InputError(fmt::format(
-        "--worst: {} in {} has no worst ray in {}: it decides all rays rightly, and {}; name "
-        "a ray, as with --pixel X,Y",
+        "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
+        "X,Y",
         row.form->info->name, row.format.name, where,
         worst.any_hit ? "tells no t that could be off: it answers yes or no" : "none of them hits anything"));
 }

@@ -74,7 +74,8 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
     return guarded(error, [&] {
         require(forms, "forms");
         require(form, "form");
-        if (count != 1 && count != 2) throw InputError("count is of one form, or of one for each of two formats");
+        if (count != 1 && count != 2)
+            throw InputError("count must be 1, or 2 where a form is given for each of two formats");
         auto made = std::make_unique<lostbits_form>();
         made->asked = std::make_unique<intersect::doors::ForeignRow>(foreign_of(forms[0]));
         if (count == 2) made->asked->add(foreign_of(forms[1]));

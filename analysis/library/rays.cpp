@@ -97,7 +97,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
         made.shape = *shape;
         if (rays.paired != 0 && rays.solid_count != rays.count)
             throw InputError("there are " + std::to_string(rays.count) + " rays and " +
-                             std::to_string(rays.solid_count) + " solids; of pairs there are as many of both");
+                             std::to_string(rays.solid_count) + " solids; pairs need the same number of both");
         if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
     }

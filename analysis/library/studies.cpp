@@ -127,7 +127,8 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
         throw InputError("the solids of scene " + scene.id +
                          " stand under matrices; `lostbits mend` looks through those");
     const TestedForm& row = the_one_row(chosen, "a form is mended in one format");
-    if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
+    if (choice::is_emulated(row.format))
+        throw InputError("operations are made wider in f32 and f64 only; name one of them");
     choice::refuse_makers({row.form}, "mend");
     choice::refuse_made_rays({scene}, "mend");
     measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};

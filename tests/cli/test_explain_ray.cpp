@@ -190,7 +190,7 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
              {"near-benihn --worst" + with, "near-benign"},
              {"box-distance --worst" + with, "try -i 'box.*'"},
              {"near-benign --size 1x1 --set camera.look_at[2]=100 --worst" + with,
-              "it decides all rays rightly, and none of them hits anything"},
+              "it decides every ray correctly, and none of them hits anything"},
              // What would change nothing, or cannot, is refused; of a sweep as `lostbits sweep` refuses it.
              {"sphere-distance --worst --variant foo" + with, "--variant foo: is of a scene"},
              {"sphere-distance --worst --pixel 1,1" + with, "--pixel 1,1: names one ray"},

@@ -96,7 +96,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
     CHECK(judged("both")["false_miss"] == "1");
     const Outcome refused = run("judge rays.csv --sphere 0,0,0,1 --facing front -o out", folder.path());
     CHECK(refused.code == 2);
-    CHECK(has(refused.err, "facing is said of what has a front and a back (triangles, discs, planes)"));
+    CHECK(has(refused.err, "facing is for what has a front and a back (triangles, discs, planes)"));
 }
 
 TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
