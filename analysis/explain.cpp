@@ -135,21 +135,19 @@ Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const 
             throw InputError("--range " + text + ": " + asked.name + " has a range already; leave out one of the two");
     }
     const auto data = choice::data_folder(common.data);
-    std::optional<scene::file::Scene> scene;
-    std::optional<StepRays> step;
     if (const auto file = choice::sweep_named(ray.subject, data)) {
         const auto sweep = sweep_of(ray, *file, data);
         request.form = form_for(*row.form, sweep);
-        request.step = &step.emplace(step_of(sweep, words.at));
+        request.rays = step_of(sweep, words.at);
     } else {
         if (!words.at.empty())
             throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
                              " is not a sweep; leave it out");
-        scene = choice::load_one_scene(
+        auto scene = choice::load_one_scene(
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
-        request.form = form_for(*row.form, *scene);
-        request.scene = &*scene;
+        request.form = form_for(*row.form, scene);
+        request.rays = std::move(scene);
     }
     request.limit.stop = common.stop;
     const choice::ThreadLimit limit(common.threads);

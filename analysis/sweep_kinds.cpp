@@ -155,7 +155,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, 
     scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
     search.title += o.changes.in_title();
     measure::sweep::WorstRequest request{
-        .search = &search,
+        .search = search,
         .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = common.stop}};
@@ -189,7 +189,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
     scene::sweep::EdgeSearchFile search(path, data, choice::read_changes(o.changes).set);
     search.title += o.changes.in_title();
     measure::edges::EdgeRequest request{
-        .search = &search,
+        .search = search,
         .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = common.stop}};
     for (const TestedForm& row : request.rows)
