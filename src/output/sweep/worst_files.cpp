@@ -74,7 +74,7 @@ std::string case_of(const WorstRequest& request, const measure::evaluate::Tested
 
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
                  const std::vector<std::optional<WorstFound>>& found) {
-    const scene::sweep::SearchFile& search = *request.search;
+    const scene::sweep::SearchFile& search = request.search;
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
                                    worst_table(request));
     file::AtomicFile hard(folder / "hard.toml");
