@@ -200,7 +200,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : choice::select_metrics(o.metrics, made);
-    drawn = choice::that_apply(drawn, request.rows, o.file);
+    drawn = choice::applicable_metrics(drawn, request.rows, o.file);
     if (!o.against.empty()) choice::add_pairs(drawn);
     choice::note_without_formula(drawn, request.rows, common.quiet);
     auto asked = drawn;

@@ -149,7 +149,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         if (!program.parse(words)) return Exit::done;
     } catch (const shell::Misread& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   output::file::terminal_text(shell::what_is_wrong(program, error)), program.given_words());
+                   output::file::terminal_text(shell::describe_misread(program, error)), program.given_words());
         return Exit::bad_input;
     }
     common.typed = choice::typed(program);

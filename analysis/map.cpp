@@ -248,7 +248,7 @@ Exit run(MapOptions o, const Common& common) {
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
-    for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
+    for (const SceneWork& work : works) choice::applicable_metrics(drawn, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto divided = divide(o.shard, o.out, files, common);
@@ -283,8 +283,9 @@ Exit run(MapOptions o, const Common& common) {
         };
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work),
-                                {common, progress, divided.division});
+        unresolved +=
+            map_scene(work, o, drawn_of(choice::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+                      {common, progress, divided.division});
         if (folder != folders.end()) (folder++)->reset();
     }
     progress.finish();

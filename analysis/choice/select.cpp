@@ -162,8 +162,8 @@ bool any_marches(const std::vector<TestedForm>& rows) {
 
 }  // namespace
 
-std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
-                                      const std::string& what) {
+std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
+                                              const std::string& what) {
     if (!any_against(rows) && !asked.empty()) {
         std::erase_if(asked, is_of_pairs);
         if (asked.empty())

@@ -53,11 +53,11 @@ std::vector<const measure::consistency::Check*> select_checks(const std::vector<
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.
-std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked,
-                                                       const std::vector<measure::evaluate::TestedForm>& rows,
-                                                       const std::string& what);
+std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> asked,
+                                                               const std::vector<measure::evaluate::TestedForm>& rows,
+                                                               const std::string& what);
 
-/// Holds each row against a form, by name; rows of other shapes go, and of formats that it does not exist in.
+/// Each row is compared with a form, by name; rows of other shapes go, and of formats that it does not exist in.
 /// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
 void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
 
