@@ -53,13 +53,13 @@ Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(giv
         require(choice.own[i], "a form of `own`");
         all.push_back(choice.written != 0 ? &choice.own[i]->alone : &choice.own[i]->row);
     }
-    if (!forms.empty()) std::ranges::copy(choice::select_forms(forms, "forms"), std::back_inserter(all));
-    if (!all.empty()) rows = choice::cross(all, choice::select_formats(formats, "formats"));
-    asked = choice::select_metrics(words_of(choice.metrics), made);
+    if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(all));
+    if (!all.empty()) rows = selection::cross(all, selection::select_formats(formats, "formats"));
+    asked = selection::select_metrics(words_of(choice.metrics), made);
 }
 
-void Choosing::keep_those_for(const std::string& name, const choice::Meets& meets) {
-    rows = choice::rows_meeting({rows, forms, true}, name, meets);
+void Choosing::keep_those_for(const std::string& name, const selection::Meets& meets) {
+    rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty()) throw NothingSelected(name + ": no chosen form is for its solids, in a format that it exists in");
 }
 

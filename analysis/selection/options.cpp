@@ -1,4 +1,4 @@
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/options.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -13,11 +13,11 @@
 #include <string_view>
 #include <thread>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 namespace {
 
@@ -193,4 +193,4 @@ ThreadLimit::ThreadLimit(int threads) {
 
 ThreadLimit::~ThreadLimit() = default;
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

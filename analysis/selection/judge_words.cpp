@@ -1,4 +1,4 @@
-#include "analysis/choice/judge_words.hpp"
+#include "analysis/selection/judge_words.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,14 +7,14 @@
 #include <cmath>
 #include <map>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using scene::dump::Container;
 using scene::dump::DumpOptions;
@@ -225,4 +225,4 @@ void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
         if (std::ranges::find(metrics, m) == metrics.end()) metrics.push_back(m);
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/doors.hpp"
+#include "analysis/selection/doors.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <system_error>
 #include <thread>
 
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
@@ -26,7 +26,7 @@
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/files_of_run.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::doors::ForeignForm;
 using intersect::doors::open_pipe;
@@ -284,4 +284,4 @@ DeviceTold ask_device(std::string_view kind, const DoorWords& words) {
     return told;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

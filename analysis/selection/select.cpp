@@ -1,4 +1,4 @@
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -11,7 +11,7 @@
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::table::Intersector;
 using measure::evaluate::TestedForm;
@@ -302,4 +302,4 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
     return rows;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/ray_words.hpp"
+#include "analysis/selection/ray_words.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <optional>
 #include <tuple>
 
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/select.hpp"
-#include "analysis/choice/sweep_options.hpp"
-#include "analysis/choice/worst_ray.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/selection/sweep_options.hpp"
+#include "analysis/selection/worst_ray.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
@@ -22,7 +22,7 @@
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using measure::answer::OneRay;
 using measure::evaluate::TestedForm;
@@ -345,4 +345,4 @@ AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::files
     return found;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/worst_ray.hpp"
+#include "analysis/selection/worst_ray.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::process::StopToken;
 using measure::answer::OneRay;
@@ -155,4 +155,4 @@ AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& ro
     return found;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection
