@@ -192,7 +192,7 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
              {"near-benign --size 1x1 --set camera.look_at[2]=100 --worst" + with,
               "it decides every ray correctly, and none of them hits anything"},
              // What would change nothing, or cannot, is refused; of a sweep as `lostbits sweep` refuses it.
-             {"sphere-distance --worst --variant foo" + with, "--variant foo: is of a scene"},
+             {"sphere-distance --worst --variant foo" + with, "--variant foo: is for a scene"},
              {"sphere-distance --worst --pixel 1,1" + with, "--pixel 1,1: names one ray"},
              {"sphere-distance --worst --size 9x9" + with, "--size is of a scene's picture"},
              {"sphere-distance --worst --set nonsense=64" + with, "unknown key"},
