@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "analysis/shell/different_files.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
@@ -44,7 +44,7 @@ struct CheckOptions {
 
     [[nodiscard]] bool timing() const { return profile == "timing"; }
     [[nodiscard]] bool selects(const std::string& id) const {
-        return filters.empty() || choice::matches_any(filters, id);
+        return filters.empty() || selection::matches_any(filters, id);
     }
 };
 
@@ -231,9 +231,9 @@ Exit run(const CheckOptions& o, const Common& common) {
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it judges nothing; "
             "leave one of them out");
     }
-    const auto data = choice::data_folder(common.data);
+    const auto data = selection::data_folder(common.data);
     const auto claims = load(o, data);
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
     // The reports' places are tried before the work; the files themselves are small and written after it.
     for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
@@ -312,11 +312,10 @@ void add_check(const shell::Command& program, const Common& common) {
     add_shard(command, o->shard);
     command.add("--annotations", o->annotations, "github: also print workflow annotations",
                 shell::one_of({"none", "github"}));
-    command.add(
-        "--profile", o->profile,
-        "results (default); timing: claims about speed, which are shown and never fail; libraries: claims about "
-        "forms that come by --plugin and --pipe, skipped where theirs did not",
-        shell::one_of({"results", "timing", "libraries"}));
+    command.add("--profile", o->profile,
+                "results (default); timing: claims about speed, which are shown and never fail; libraries: claims "
+                "about forms that --plugin and --pipe load, skipped where they are not loaded",
+                shell::one_of({"results", "timing", "libraries"}));
     command.add("--seeds", o->seeds,
                 "Measure each claim about random rays on this many further draws too, and show the spread",
                 shell::whole_from(0, 1000));

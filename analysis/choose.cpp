@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "measure/mend/price.hpp"
@@ -129,7 +129,7 @@ Mending mended(const ChoiceRequest& request, const measure::mend::Workshop& work
     return all;
 }
 
-struct ChooseOptions : choice::RayFileWords {
+struct ChooseOptions : selection::RayFileWords {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
     std::string size, variant, at = "p99", out;
     std::vector<std::string> forms{"*"}, formats{"f32", "f64"}, set;
@@ -149,26 +149,26 @@ double quantile_named(const std::string& text) {
 
 /// The selected rows for what is called so, whose solids forms of a shape can meet.
 std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
-                                                   const choice::Meets& meets) {
-    const auto formats = choice::select_formats(o.formats);
-    if (std::ranges::all_of(formats, choice::is_emulated))
+                                                   const selection::Meets& meets) {
+    const auto formats = selection::select_formats(o.formats);
+    if (std::ranges::all_of(formats, selection::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; a choice is among f32 and f64, name one of them",
             formats.front().name));
-    auto all = choice::cross(choice::select_forms(o.forms), formats);
-    choice::refuse_makers(all, "choose");
-    auto rows = choice::timed_on(id, {all, o.forms, quiet}, meets);
-    choice::note_unmeasured(o.forms, rows, quiet);
+    auto all = selection::cross(selection::select_forms(o.forms), formats);
+    selection::refuse_makers(all, "choose");
+    auto rows = selection::timed_on(id, {all, o.forms, quiet}, meets);
+    selection::note_unmeasured(o.forms, rows, quiet);
     return rows;
 }
 
 ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
     ChoiceRequest request;
     if (o.bits < 0 && o.tolerance.empty())
-        throw InputError("choose: nothing is wished; say --bits 16, of t, or --tolerance 0.001, of the hit point");
+        throw InputError("choose: no wish is given; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_named(o.at)};
-    if (!o.tolerance.empty()) request.wish.tolerance = choice::tolerance_in_units(o.tolerance, o.unit);
-    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is not there");
+    if (!o.tolerance.empty()) request.wish.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
+    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {
@@ -205,38 +205,39 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, output::
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
-    const auto scene = choice::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
-                                              choice::data_folder(common.data));
-    choice::refuse_made_rays({scene}, "choose");
+    const auto scene = selection::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
+                                                 selection::data_folder(common.data));
+    selection::refuse_made_rays({scene}, "choose");
     ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
-        [](const measure::evaluate::TestedForm& row) { return !choice::is_emulated(row.format); });
+        [](const measure::evaluate::TestedForm& row) { return !selection::is_emulated(row.format); });
     request.untimed.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
-    const auto owner = own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data)));
+    const auto owner = own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advancing(progress);
-    if (!common.quiet) choice::note_idle_settings(o.set, scene.id, request.rows);
+    if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
     if (!o.mend) return choose(request, files, progress, common);
-    Mending mending = mended(request, {o.compiler, choice::form_flags_folder()}, folder,
-                             common.typed.of(choice::name_of_scene(scene, choice::data_folder(common.data))));
+    Mending mending = mended(request, {o.compiler, selection::form_flags_folder()}, folder,
+                             common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& made : mending.made) request.rows.push_back({.form = &made.formula.row, .format = made.format});
     return choose(request, files, progress, common, std::move(mending.candidates));
 }
 
 Exit choose_for_files(const ChooseOptions& o, const Common& common) {
-    auto opened = choice::open_rays(o, o.subjects, choice::data_folder(common.data));
+    auto opened = selection::open_rays(o, o.subjects, selection::data_folder(common.data));
     const std::string& id = opened.id;
     const Shapes shapes = opened.shapes;
     ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
-    const auto emulated = std::erase_if(request.rows, [](const auto& row) { return choice::is_emulated(row.format); });
+    const auto emulated =
+        std::erase_if(request.rows, [](const auto& row) { return selection::is_emulated(row.format); });
     if (emulated > 0 && !common.quiet)
         fmt::print(
             stderr,
@@ -252,19 +253,19 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto advance = advancing(progress);
     opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
-    choice::note_rounded(rays, common.quiet);
+    selection::note_rounded(rays, common.quiet);
     request.rays = &rays;
     return choose(request, files, progress, common);
 }
 
 Exit run(const ChooseOptions& o, const Common& common) {
     require_folder(o.out);
-    const bool files = choice::are_files(o, o.subjects);
-    choice::refuse_others(
+    const bool files = selection::are_files(o, o.subjects);
+    selection::refuse_others(
         o, o.subjects,
         {{"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}, {"--mend", o.mend}},
         "a choice");
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
     return files ? choose_for_files(o, common) : choose_for_scene(o, common);
 }
 
@@ -287,24 +288,25 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
-    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99 (default), p99.9, max: every one");
-    choice::add_forms(command, o->forms);
+    command.add("--at", o->at,
+                "How many of the hits must keep the bits: p50, p99 (default: 99 of 100), p99.9, or max for all");
+    selection::add_forms(command, o->forms);
     command.add_list(
         "-f,--format", o->formats,
-        "f32, f64 (default: both); an emulated format beside them counts where the narrowest for a pixel is asked");
-    const auto single = command.add("--single", o->single, "One ray at a time is what is paid for");
-    command.add("--bulk", o->bulk, "Registers full of rays are what is paid for, where a form has them (default)")
+        "f32, f64 (default: both); an emulated format counts only where the narrowest for each pixel is looked for");
+    const auto single = command.add("--single", o->single, "Compare what one ray at a time costs");
+    command.add("--bulk", o->bulk, "Compare what registers full of rays cost, where a form takes them (default)")
         .excludes(single);
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
-    choice::add_ray_options(command, *o, "--file-format");
-    command.add("--mend", o->mend,
-                "Beside the forms, what those that do not meet the wish are mended to (see `lostbits mend`), compiled "
-                "and timed");
-    command.add("--compiler", o->compiler, "That compiles for --mend (default: c++)");
+    selection::add_ray_options(command, *o, "--file-format");
+    command.add(
+        "--mend", o->mend,
+        "Also mend the forms that do not meet the wish (see `lostbits mend`); what comes out is compiled and timed");
+    command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/options.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "intersect/process/stop_token.hpp"
@@ -30,9 +30,9 @@ struct Common {
     bool verbose = false;
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the best that the processor has
-    choice::DoorWords doors;
+    selection::DoorWords doors;
     intersect::process::StopToken stop = {};     ///< of what the command asks for
-    choice::Typed typed;                         ///< the command itself
+    selection::Typed typed;                      ///< the command itself
     bool force = false;                          ///< folders that hold results of someone else are written to as well
     std::shared_ptr<shard::Shards> joined = {};  ///< shards of the command, done; null: it is to be done
 };
@@ -66,7 +66,7 @@ void require_folder(const std::string& out);
 
 /// The scenes of a command of solids, and of the rows those that can be asked about any of them. InputError for rays
 /// that a scene makes, or a form; `name` is the command.
-[[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
+[[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
                                                                std::vector<measure::evaluate::TestedForm>& rows,
                                                                const char* name, const Common& common);
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <memory>
 
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/consistency/consistency_files.hpp"
@@ -25,7 +25,7 @@ using scene::file::Scene;
 
 namespace {
 
-struct ConsistencyOptions : choice::SharedOptions {
+struct ConsistencyOptions : selection::SharedOptions {
     std::vector<std::string> checks{"*"};
 };
 
@@ -97,19 +97,19 @@ std::uint64_t compare_on_scene(ConsistencyRequest request, const ConsistencyOpti
 
 Exit run(const ConsistencyOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
+    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !measure::consistency::can_be_compared(*row.form); });
     if (rows.empty())
         throw NothingSelected("consistency needs forms of spheres or boxes, and none is selected; try -i 'sphere.*'");
-    const auto checks = choice::select_checks(o.checks);
+    const auto checks = selection::select_checks(o.checks);
     auto scenes = scenes_of_solids(o, rows, "consistency", common);
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
 
     std::vector<ConsistencyRequest> requests;
     std::uint64_t units = 0, unresolved = 0;
     for (const Scene& scene : scenes) {
         measure::offset::require_few_solids(scene);
-        auto fitting = choice::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
+        auto fitting = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
         auto asked = measure::consistency::checks_for(scene, fitting, checks);
         if (asked.empty())
             throw InputError(fmt::format(
@@ -121,7 +121,7 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
-    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
+    for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "consistency", common.progress, common.quiet);
     auto folder = folders.begin();
@@ -136,23 +136,22 @@ Exit run(const ConsistencyOptions& o, const Common& common) {
 }  // namespace
 
 void add_consistency(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "consistency",
-        "Whether a form answers one question alike however it is put: closest and any hit, one ray and packs, a "
-        "segment from either end");
+    auto command = program.add_command("consistency",
+                                       "Whether a form gives one answer to a question put in two ways: closest and any "
+                                       "hit, one ray and packs, a segment from either end");
     const auto o = std::make_shared<ConsistencyOptions>();
     o->forms = {"*"};
     o->formats = {"f32"};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    choice::add_scenes(command, *o, "; spheres or boxes");
-    choice::add_forms(command, o->forms, "all that fit");
-    choice::add_formats(command, o->formats, "f32");
+    selection::add_scenes(command, *o, "; spheres or boxes");
+    selection::add_forms(command, o->forms, "all that fit");
+    selection::add_formats(command, o->formats, "f32");
     command.add_list("--check", o->checks, "Checks, by name or glob (default: all); `lostbits list checks`");
-    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    choice::add_pixels(command, *o);
-    choice::add_pictures(command, o->pictures);
-    choice::add_out(command, o->out);
+    selection::add_changes(command, o->scenes, "sphere[0].radius=10");
+    selection::add_pixels(command, *o);
+    selection::add_pictures(command, o->pictures);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

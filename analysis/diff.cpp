@@ -104,9 +104,9 @@ MapSides sides_of(const DiffWords& w) {
         throw InputError(fmt::format("-i: names {} form{}; name two of them, as in -i sphere.press -i sphere.unified",
                                      w.forms.size(), w.forms.size() == 1 ? "" : "s"));
     if (!w.b.empty())
-        throw InputError("-i: two forms are held against each other within one folder; leave out " + w.b +
+        throw InputError("-i: compares two forms within one folder; leave out " + w.b +
                          ", or -i to compare two folders");
-    if (w.strict) throw InputError("--strict: compares files, and two forms are rows of one; leave it out");
+    if (w.strict) throw InputError("--strict: compares files, and two forms are rows of the same file; leave it out");
     return {w.a, w.a, w.forms[0], w.forms[1], w.formats};
 }
 
@@ -122,7 +122,7 @@ Exit run(const DiffWords& w, const Common& common) {
                          ": -i FORM -i FORM");
     const bool folders = diff::are_folders(w.a, w.b.empty() ? w.a : w.b);
     if (!folders && sides.are_forms())
-        throw InputError(w.a + ": is a file; two forms are held against each other in the folder of a map");
+        throw InputError(w.a + ": is a file; two forms are compared within the folder of a map");
     if (!w.draw.empty() && (!folders || w.strict))
         throw InputError("--draw: needs two folders of maps, or two forms of one, without --strict; leave it out");
     if (!w.formats.empty() && w.draw.empty())

@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/ray_words.hpp"
-#include "analysis/choice/select.hpp"
-#include "analysis/choice/sweep_options.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/ray_words.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
 #include "output/blame/explain_programs.hpp"
@@ -37,12 +37,10 @@ struct RangeWords {
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
     std::string at;                   ///< of a sweep: a value of each axis
     int boxes = 4096;
-
-    [[nodiscard]] bool any() const { return asked || !ranges.empty() || !at.empty(); }
 };
 
 struct ExplainOptions {
-    choice::RayWords words;
+    selection::RayWords words;
     RangeWords ranges;
     std::string form, format = "f32";
     std::vector<std::string> beside;
@@ -59,7 +57,7 @@ auto only(const char* option, const std::string& word, const char* what, const S
     return found.front();
 }
 
-void refuse_ray(const choice::RayWords& ray) {
+void refuse_ray(const selection::RayWords& ray) {
     const std::array words{std::pair{"--pixel", !ray.pixel.empty()}, std::pair{"--worst", ray.worst},
                            std::pair{"--ray", !ray.ray.empty()}, std::pair{"--case", !ray.named_case.empty()}};
     for (const auto& [option, given] : words)
@@ -71,8 +69,7 @@ void refuse_ray(const choice::RayWords& ray) {
     if (ray.subject.empty())
         throw InputError(
             "--ranges: the ranges are those of the rays of a scene, or of a sweep at one step; name one, and give "
-            "other "
-            "ranges by --range NAME=LOW..HIGH");
+            "other ranges by --range NAME=LOW..HIGH");
 }
 
 /// `d.x=-0.5..0.5`, in the place of the scene's range.
@@ -82,7 +79,7 @@ GivenRange range_named(const std::string& text) {
         throw InputError("--range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
     const std::string option = "--range " + text;
     const auto end = [&](const std::string& number) {
-        const auto x = choice::numbers_of(number, {option.c_str(), "an end of a range; write a number", 1}, {});
+        const auto x = selection::numbers_of(number, {option.c_str(), "an end of a range; write a number", 1}, {});
         return scene::toml::round_to_format(x.front(), binary64);
     };
     const GivenRange asked{text.substr(0, equals),
@@ -103,16 +100,16 @@ const intersect::table::Intersector* form_for(const intersect::table::Intersecto
 }
 
 /// The rays of a sweep at the step that --at names.
-scene::sweep::SweepFile sweep_of(const choice::RayWords& ray, const std::filesystem::path& file,
+scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::filesystem::path& file,
                                  const std::filesystem::path& data) {
     const auto kind = scene::sweep::sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
                          ": has no axes, and --ranges takes the ranges from a step of a sweep that has; name one, or a "
                          "scene, and give other ranges by --range NAME=LOW..HIGH");
-    const choice::SweepWords changes{ray.size, ray.steps, ray.set};
-    choice::check_changes(changes, kind, ray.subject);
-    return {file, data, choice::read_changes(changes)};
+    const selection::SweepWords changes{ray.size, ray.steps, ray.set};
+    selection::check_changes(changes, kind, ray.subject);
+    return {file, data, selection::read_changes(changes)};
 }
 
 StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
@@ -122,13 +119,13 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
         throw InputError(fmt::format("--ranges: {} is a sweep; name one step of it by --at {}", sweep.id, names));
     const std::string what = fmt::format("a step of {}; write --at {}, a number each", sweep.id, names);
     std::vector<double> values;
-    for (const Real& x : choice::numbers_of(at, {"--at", what.c_str(), sweep.axes.size()}, {}))
+    for (const Real& x : selection::numbers_of(at, {"--at", what.c_str(), sweep.axes.size()}, {}))
         values.push_back(scene::toml::round_to_format(x, binary64));
     return {fmt::format("{} at {}", sweep.id, at), sweep.rays(values)};
 }
 
 /// InputError for words that name a ray, and for ranges that are none.
-Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const measure::evaluate::TestedForm& row,
+Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, const measure::evaluate::TestedForm& row,
                     bool json, const Common& common) {
     refuse_ray(ray);
     RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
@@ -137,54 +134,53 @@ Exit explain_ranges(const choice::RayWords& ray, const RangeWords& words, const 
         if (std::ranges::count(request.asked, asked.name, &GivenRange::name) > 1)
             throw InputError("--range " + text + ": " + asked.name + " has a range already; leave out one of the two");
     }
-    const auto data = choice::data_folder(common.data);
-    std::optional<scene::file::Scene> scene;
-    std::optional<StepRays> step;
-    if (const auto file = choice::sweep_named(ray.subject, data)) {
+    const auto data = selection::data_folder(common.data);
+    if (const auto file = selection::sweep_named(ray.subject, data)) {
         const auto sweep = sweep_of(ray, *file, data);
         request.form = form_for(*row.form, sweep);
-        request.step = &step.emplace(step_of(sweep, words.at));
+        request.rays = step_of(sweep, words.at);
     } else {
         if (!words.at.empty())
             throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
-                             " is none; leave it out");
-        scene = choice::load_one_scene(
+                             " is not a sweep; leave it out");
+        auto scene = selection::load_one_scene(
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
-        request.form = form_for(*row.form, *scene);
-        request.scene = &*scene;
+        request.form = form_for(*row.form, scene);
+        request.rays = std::move(scene);
     }
     request.limit.stop = common.stop;
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
     const auto bound = measure::apriori::bound_over_ranges(request);
     fmt::print("{}", json ? output::blame::ranges_json(request, bound) : output::blame::ranges_text(request, bound));
     return Exit::done;
 }
 
 Exit run(const ExplainOptions& o, const Common& common) {
-    const intersect::table::Intersector& form = *only("-i", o.form, "form", choice::select_forms);
-    const Format format = only("-f", o.format, "format", choice::select_formats);
+    const intersect::table::Intersector& form = *only("-i", o.form, "form", selection::select_forms);
+    const Format format = only("-f", o.format, "format", selection::select_formats);
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
-                                     choice::formats_of(form), form.native32 ? "f32" : "f64"));
+                                     selection::formats_of(form), form.native32 ? "f32" : "f64"));
     if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
         throw InputError(fmt::format(
-            "-i {}: its operations cannot be looked at, since it is compiled elsewhere; written as a form over any "
-            "number they can (docs/your-own-form.md). Without {} explain says what its answer is worth",
+            "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
+            "to see them (docs/your-own-form.md). Without {} explain says what its answer is worth",
             o.form,
             o.json     ? "--json"
             : o.fpcore ? "--fpcore"
             : o.latex  ? "--latex"
                        : "--c"));
-    if (o.ranges.any()) {
+    if (o.ranges.asked) {
         if (o.fpcore || o.latex || o.c)
             throw InputError("--ranges: a bound over ranges is written as text or by --json; leave out the others");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
     }
-    const choice::AskedRay asked = choice::find_ray(o.words, {&form, format}, choice::data_folder(common.data));
+    const selection::AskedRay asked =
+        selection::find_ray(o.words, {&form, format}, selection::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
-    if (asked.scene && !common.quiet) choice::note_lost_numbers(*asked.scene, {{&form, format}});
-    const auto beside = choice::select_forms(o.beside, "--beside");
+    if (asked.scene && !common.quiet) selection::note_lost_numbers(*asked.scene, {{&form, format}});
+    const auto beside = selection::select_forms(o.beside, "--beside");
     const measure::blame::Explanation x = measure::blame::explain(*asked.form, format, ray, beside);
     for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
     if (o.json) fmt::print("{}", output::blame::explain_json(x));
@@ -207,7 +203,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     auto command =
         program.add_command("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
-    choice::RayWords& words = o->words;
+    selection::RayWords& words = o->words;
     words.stop = common.stop;
     command.add("SCENE", words.subject,
                 "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
@@ -219,7 +215,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--steps", words.steps, "With --worst of a sweep, its steps of each axis: 40, or 40,20");
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
-                "A ray of one's own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
+                "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
     for (const ShapeRow& row : shape_rows)
         command.add(fmt::format("--{}", row.name), words.solids.of(row.shape),
                     fmt::format("For --ray, in place of a scene, {}: {}; may be repeated; @ and twelve numbers put it "
@@ -238,14 +234,19 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--convention", words.convention,
                 "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
-    command.add("--ranges", o->ranges.asked,
-                "In place of one ray: how far rounding can put t off at most, for all rays in the ranges of a scene's, "
-                "or of those of a sweep at one step, whatever their bits");
-    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5");
-    command.add("--range", o->ranges.ranges,
-                "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated");
-    command.add("--boxes", o->ranges.boxes, "With --ranges, so many boxes at most (default: 4096)",
-                shell::whole_from(1, 1 << 20));
+    const auto ranges = command.add("--ranges", o->ranges.asked,
+                                    "Instead of one ray, every ray in the ranges of a scene's rays, or of a sweep's at "
+                                    "one step: how far rounding can put t off at most");
+    command.add("--at", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
+        .needs(ranges);
+    command
+        .add("--range", o->ranges.ranges,
+             "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
+        .needs(ranges);
+    command
+        .add("--boxes", o->ranges.boxes, "With --ranges, how many boxes are used at most (default: 4096)",
+             shell::whole_from(1, 1 << 20))
+        .needs(ranges);
     command.add("-i,--intersector", o->form, "The form").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,

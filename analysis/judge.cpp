@@ -4,10 +4,10 @@
 
 #include <memory>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/judge_words.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
@@ -18,12 +18,12 @@
 
 namespace lostbits::analysis {
 
-using choice::JudgeWords;
 using measure::answer::Outcome;
 using measure::judge::JudgeRequest;
 using measure::judge::JudgeResult;
 using measure::metric::Metric;
 using scene::dump::Dump;
+using selection::JudgeWords;
 
 namespace {
 
@@ -32,7 +32,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
                                       bool have_matrices, measure::metric::MetricSet& made) {
     std::vector<measure::evaluate::TestedForm> asked = request.rows;
     std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
-    if (asked.empty()) return choice::measured(drawn, request.rows);
+    if (asked.empty()) return selection::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.solids = request.solids;
     if (group.solids.empty()) {
@@ -40,9 +40,9 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
         group.solids.front().shape = asked.front().form->shape;
     }
     for (Solid<double>& solid : group.solids)
-        if (have_matrices) solid.placed = choice::any_matrix();
+        if (have_matrices) solid.placed = selection::any_matrix();
     group.march = request.march;
-    return made.for_forms(choice::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
+    return made.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
                           [&group] { return measure::blame::SettingOf(group); });
 }
 
@@ -101,7 +101,7 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
 
 /// The rows of the work: the file's, if it has answers, then the forms asked for. Where forms were `opened` and none is
 /// asked for, says so.
-std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Dump& dump, const choice::Meets& meets,
+std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Dump& dump, const selection::Meets& meets,
                                                    const intersect::table::Intersector* answers, const Common& common) {
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
@@ -109,19 +109,20 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
         const bool opened =
             !common.doors.plugins.empty() || !common.doors.pipes.empty() || !common.doors.shaders.empty();
         if (!rows.empty() && opened && !common.quiet)
-            fmt::print(stderr, "lostbits: the answers of the file alone are judged; forms are named with -i\n");
+            fmt::print(stderr,
+                       "lostbits: only the answers of the file are judged; name forms with -i to judge them too\n");
         if (!rows.empty()) return rows;
-        throw NothingSelected(
-            fmt::format("{}: has rays and no answers (columns hit or t); name the forms that are to "
-                        "answer, such as -i '{}'",
-                        o.file, choice::globs_of([&meets](Shapes s) { return choice::are_solids(s) && meets(s); })));
+        throw NothingSelected(fmt::format(
+            "{}: has rays and no answers (columns hit or t); name the forms that are to "
+            "answer, such as -i '{}'",
+            o.file, selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
     }
-    const auto formats = o.formats.empty() ? std::vector{dump.format()} : choice::select_formats(o.formats);
-    auto all = choice::cross(choice::select_forms(o.forms), formats);
-    choice::refuse_makers(all, "judge");
-    const auto asked = choice::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
+    const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
+    auto all = selection::cross(selection::select_forms(o.forms), formats);
+    selection::refuse_makers(all, "judge");
+    const auto asked = selection::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
-        throw NothingSelected(o.file + ": no selected form handles its solids" + choice::words_to_meet(all, meets));
+        throw NothingSelected(o.file + ": no selected form handles its solids" + selection::words_to_meet(all, meets));
     rows.insert(rows.end(), asked.begin(), asked.end());
     return rows;
 }
@@ -157,33 +158,33 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
 
 Exit run(const JudgeWords& o, const Common& common) {
     require_folder(o.out);
-    const auto scene = choice::scene_of(o, choice::data_folder(common.data));
-    const auto dump = choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows || !o.by.empty());
-    JudgeRequest request{.solids = choice::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
+    const auto scene = selection::scene_of(o, selection::data_folder(common.data));
+    const auto dump = selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
+    JudgeRequest request{.solids = selection::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    choice::put_under_matrices(*dump, request.solids);
-    const Shapes shapes = choice::shapes_of_rays(dump->layout(), request.solids);
-    const choice::Meets meets = [&](Shapes forms) {
+    selection::put_under_matrices(*dump, request.solids);
+    const Shapes shapes = selection::shapes_of_rays(dump->layout(), request.solids);
+    const selection::Meets meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(o.file);
-    intersect::Info contract = choice::contract_of(o);
+    intersect::Info contract = selection::contract_of(o);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     intersect::doors::require_front(contract.facing, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_form = &answers.form();
-    request.by = choice::group_of(o, dump->layout());
+    request.by = selection::group_of(o, dump->layout());
     request.rows = rows_of(o, *dump, meets, request.file_form, common);
-    if (!o.forms.empty()) choice::note_unmeasured(o.forms, request.rows, common.quiet);
+    if (!o.forms.empty()) selection::note_unmeasured(o.forms, request.rows, common.quiet);
 
     if (!o.against.empty()) {
-        const auto other = choice::select_forms({o.against}, "--against");
-        const auto several = choice::several_shapes(meets);
+        const auto other = selection::select_forms({o.against}, "--against");
+        const auto several = selection::several_shapes(meets);
         if (several && !(other.front()->shapes() == *several))
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
-                                         choice::words_to_meet({{other.front(), dump->format()}}, meets)));
-        choice::compare_against(request.rows, o.against, common.quiet);
+                                         selection::words_to_meet({{other.front(), dump->format()}}, meets)));
+        selection::compare_against(request.rows, o.against, common.quiet);
         if (request.file_form && !request.file_place())
             throw InputError(
                 fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
@@ -191,7 +192,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                             o.against, dump->format().name, o.file));
     }
     request.picture = dump->picture();
-    if (!o.size.empty()) request.picture = choice::parse_size(o.size);
+    if (!o.size.empty()) request.picture = selection::parse_size(o.size);
     for (const int side :
          {request.picture.value_or(std::pair(1, 1)).first, request.picture.value_or(std::pair(1, 1)).second})
         if (side < 1 || side > 65536)
@@ -200,15 +201,15 @@ Exit run(const JudgeWords& o, const Common& common) {
         throw InputError("--pictures all: rays in a list are no picture; say how many columns and rows by --size WxH");
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : choice::select_metrics(o.metrics, made);
-    drawn = choice::that_apply(drawn, request.rows, o.file);
-    if (!o.against.empty()) choice::add_pairs(drawn);
-    choice::note_without_formula(drawn, request.rows, common.quiet);
+                                   : selection::select_metrics(o.metrics, made);
+    drawn = selection::applicable_metrics(drawn, request.rows, o.file);
+    if (!o.against.empty()) selection::add_pairs(drawn);
+    selection::note_without_formula(drawn, request.rows, common.quiet);
     auto asked = drawn;
-    choice::add_wish(o, made, asked);
+    selection::add_wish(o, made, asked);
     request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), made);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
 
     measure::truth::StageCounts stages;
     request.stages = &stages;
@@ -235,7 +236,7 @@ Exit run(const JudgeWords& o, const Common& common) {
                                      .worst = o.worst,
                                      .keep = shard::keep_in(division, "judge")});
     const auto judged = judge_rays(*dump, request, files, division, [&] {
-        return choice::open_file(o, o.file, choice::shape_given(o, scene), o.rows || !o.by.empty());
+        return selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
     });
     finish(divided, common);
     if (!judged) {
@@ -278,22 +279,23 @@ void add_judge(const shell::Command& program, const Common& common) {
     command
         .add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's and its matrix's, hit and t")
         .required();
-    choice::add_ray_options(command, *o, "--format,--file-format");
+    selection::add_ray_options(command, *o, "--format,--file-format");
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");
-    command.add("--against", o->against, "A form to hold the answers against, without asking what is true");
+    command.add("--against", o->against, "A form to compare the answers with, without asking what is true");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
-    command.add("--by", o->by, "A column of the file's own, such as a depth or material: a row also for each value");
+    command.add("--by", o->by,
+                "A column of the file's own, such as a depth or material: also one row for each of its values");
     command.add("--bits", o->bits, "Count the hits whose t keeps fewer correct bits", shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
-    choice::add_pictures(command, o->pictures);
+    selection::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command.add("--worst", o->worst, "So many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command.add("--worst", o->worst, "How many rays of each kind go into worst.toml (default: 10; 0: none)");
     add_shard(command, o->shard);
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/consistency/check.hpp"
@@ -58,7 +58,7 @@ Listing intersectors() {
                                                            : "exit",
              from_inside(info.inside, i.shape),
              is_flat(i.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none",
-             choice::formats_of(i), std::string(info.source)});
+             selection::formats_of(i), std::string(info.source)});
     }
     return l;
 }
@@ -144,8 +144,8 @@ Listing checks() {
 /// What runs shaders, in a line each.
 Listing devices(const Common& common) {
     Listing l{{"name", "renderer", "version", "dot", "arithmetic"}, {}};
-    for (const std::string& kind : choice::devices_of({"all"})) {
-        const choice::DeviceTold told = choice::ask_device(kind, common.doors);
+    for (const std::string& kind : selection::devices_of({"all"})) {
+        const selection::DeviceTold told = selection::ask_device(kind, common.doors);
         const auto fact = [&told](std::string_view key) {
             const auto found =
                 std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });
@@ -188,7 +188,7 @@ std::filesystem::path folder_of(const std::filesystem::path& data, const char* w
 
 Listing scenes(const Common& common) {
     Listing l{{"name", "variants", "inputs", "title"}, {}};
-    for (const auto& path : scene::file::scene_files(choice::data_folder(common.data))) {
+    for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
         l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
@@ -231,7 +231,7 @@ std::string axis_of(const std::filesystem::path& path, const std::filesystem::pa
 
 Listing sweeps(const Common& common) {
     Listing l{{"name", "axis", "title"}, {}};
-    const auto data = choice::data_folder(common.data), root = folder_of(data, "sweeps");
+    const auto data = selection::data_folder(common.data), root = folder_of(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         std::string title, axis = axis_of(entry.path(), data, title);
@@ -245,7 +245,7 @@ Listing sweeps(const Common& common) {
 /// In the order of the files; verdicts as they state them, measured by `lostbits check` alone.
 Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}, {}};
-    const auto root = folder_of(choice::data_folder(common.data), "claims");
+    const auto root = folder_of(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             l.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),

@@ -8,8 +8,8 @@
 #include <new>
 #include <system_error>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/options.hpp"
 #include "analysis/shard/merge.hpp"
 #include "analysis/shell/completion.hpp"
 #include "analysis/shell/process.hpp"
@@ -40,7 +40,7 @@ void add_common(const shell::Command& program, Common& common) {
     program.add_named("--progress", {"auto", "bar", "none"}, show,
                       "Progress on stderr: auto (on a terminal), bar, none");
     program.add("--force", common.force,
-                "Write into a folder of results although it holds some that no manifest.json names; they stay");
+                "Write into a folder although it holds results that no manifest.json names; they stay");
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
     program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",
@@ -51,7 +51,7 @@ void add_common(const shell::Command& program, Common& common) {
                 shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
 }
 
-void add_doors(const shell::Command& program, choice::DoorWords& doors) {
+void add_doors(const shell::Command& program, selection::DoorWords& doors) {
     program.add("--plugin", doors.plugins,
                 "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
                 "be repeated");
@@ -149,23 +149,23 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         if (!program.parse(words)) return Exit::done;
     } catch (const shell::Misread& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   output::file::terminal_text(shell::what_is_wrong(program, error)), program.given_words());
+                   output::file::terminal_text(shell::describe_misread(program, error)), program.given_words());
         return Exit::bad_input;
     }
-    common.typed = choice::typed(program);
-    choice::find_in_data(program.given().back(), common.data);
+    common.typed = selection::typed(program);
+    selection::find_in_data(program.given().back(), common.data);
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
-    if (!named("shader") && !named("devices")) choice::decide_where(common.doors, named("check"));
+    if (!named("shader") && !named("devices")) selection::decide_where(common.doors, named("check"));
     if (!named("plugin") && !named("shader") && !named("devices")) {
-        if (!common.quiet) choice::note_where(common.doors, named("trade") || named("choose"));
-        if (const std::string here = choice::loaded_here(common.doors); !here.empty())
+        if (!common.quiet) selection::note_where(common.doors, named("trade") || named("choose"));
+        if (const std::string here = selection::loaded_here(common.doors); !here.empty())
             shell::supervise(here, common.doors.seconds);
-        choice::open_doors(common.doors, common.threads);
+        selection::open_doors(common.doors, common.threads);
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
-            choice::note_states();
-            choice::note_unasked(program.given().back());
+            selection::note_states();
+            selection::note_unasked(program.given().back());
         }
     }
     shell::TableOnStdout table(program);

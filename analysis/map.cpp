@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
@@ -33,7 +33,7 @@ using scene::file::Scene;
 
 namespace {
 
-struct MapOptions : choice::SharedOptions {
+struct MapOptions : selection::SharedOptions {
     std::string range, against, shard;
     std::vector<std::string> metrics;
     int bits_needed = 0;  ///< 0: not asked for
@@ -81,15 +81,15 @@ struct SceneWork {
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
     SceneWork work{{.scene = &scene,
-                    .rows = choice::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
+                    .rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
                     .metrics = {},
                     .limit = {.stop = o.scenes.stop}},
                    {}};
     work.map.metrics =
-        made.for_forms(choice::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
+        made.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
                        [&scene] { return measure::blame::SettingOf(scene); });
     work.map.metrics = measure::evaluate::order_culprits(work.map, made);
-    if (o.bits_needed > 0) choice::refuse_makers(rows, "--bits-needed");
+    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits-needed");
     if (o.bits_needed > 0)
         work.needed = NeededRequest{.scene = &scene,
                                     .forms = forms_of_any_width(work.map.rows),
@@ -106,7 +106,7 @@ void note_skipped(const std::vector<SceneWork>& works) {
             const intersect::Info& info = *row.form->info;
             if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits-needed leaves out {}: it exists in {} only\n", info.name,
-                       choice::formats_of(*row.form));
+                       selection::formats_of(*row.form));
         }
     }
 }
@@ -180,11 +180,11 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
                    .drawn = drawn,
                    .singles = o.pictures == "all",
                    .pixels_csv = pixels,
-                   .named = choice::name_of_scene(scene, choice::data_folder(common.data)) + input_of(o),
+                   .named = selection::name_of_scene(scene, selection::data_folder(common.data)) + input_of(o),
                    .envelope = o.envelope,
                    .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-                   .range = choice::parse_range(o.range, drawn),
+                   .range = selection::parse_range(o.range, drawn),
                    .keep = shard::keep_in(division, job)});
 
     SceneSummaries summaries;
@@ -226,12 +226,12 @@ std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const Scen
 
 Exit run(MapOptions o, const Common& common) {
     require_folder(o.out);
-    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats));
-    if (!o.against.empty()) choice::compare_against(rows, o.against, common.quiet);
+    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
+    if (!o.against.empty()) selection::compare_against(rows, o.against, common.quiet);
     measure::metric::MetricSet made;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : choice::select_metrics(o.metrics, made);
-    if (!o.against.empty()) choice::add_pairs(drawn);
+                                   : selection::select_metrics(o.metrics, made);
+    if (!o.against.empty()) selection::add_pairs(drawn);
     auto wanted = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
@@ -239,17 +239,18 @@ Exit run(MapOptions o, const Common& common) {
                 "--envelope marks pictures of lost_bits, and --metric leaves them out; add --metric lost_bits");
         wanted.push_back(measure::metric::find_metric("excess_bits"));
     }
-    auto scenes = choice::load_scenes(o.scenes, choice::data_folder(common.data));
-    const auto met = choice::drop_unfitting(
+    auto scenes = selection::load_scenes(o.scenes, selection::data_folder(common.data));
+    const auto met = selection::drop_unfitting(
         scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    choice::note_unmeasured(o.forms, met, common.quiet);
-    static_cast<void>(choice::parse_range(o.range, drawn));  // a mistake ends the run before any work
-    const choice::ThreadLimit limit(common.threads);
+    selection::note_unmeasured(o.forms, met, common.quiet);
+    static_cast<void>(selection::parse_range(o.range, drawn));  // a mistake ends the run before any work
+    const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
-    for (const SceneWork& work : works) choice::that_apply(drawn, work.map.rows, "scene " + work.map.scene->id);
+    for (const SceneWork& work : works)
+        selection::applicable_metrics(drawn, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
     auto divided = divide(o.shard, o.out, files, common);
@@ -261,10 +262,10 @@ Exit run(MapOptions o, const Common& common) {
     divided.division.expect(jobs);
     o.out = divided.out.string();
     auto folders = own_folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
-    for (const SceneWork& work : works) choice::note_without_formula(drawn, work.map.rows, common.quiet);
+    for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
-        choice::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
+        selection::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
 
     std::uint64_t units = 0, unresolved = 0;
     for (const SceneWork& work : works) units += work.units();
@@ -284,8 +285,9 @@ Exit run(MapOptions o, const Common& common) {
         };
         work.map.stages = &stages;
         if (work.needed) work.needed->progress = advance;
-        unresolved += map_scene(work, o, drawn_of(choice::that_apply(drawn, work.map.rows, work.map.scene->id), work),
-                                {common, progress, divided.division});
+        unresolved +=
+            map_scene(work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+                      {common, progress, divided.division});
         if (folder != folders.end()) (folder++)->reset();
     }
     progress.finish();
@@ -306,17 +308,17 @@ void add_map(const shell::Command& program, const Common& common) {
     o->forms = {"*"};
     o->formats = {"f32", "f64"};
     o->scenes.stop = common.stop;
-    choice::add_scenes(command, *o);
-    choice::add_forms(command, o->forms);
-    choice::add_formats(command, o->formats, "f32 f64");
+    selection::add_scenes(command, *o);
+    selection::add_forms(command, o->forms);
+    selection::add_formats(command, o->formats, "f32 f64");
     command.add_list(
         "--metric", o->metrics,
         "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
     command.add("--range", o->range,
                 "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
-    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    choice::add_pixels(command, *o);
-    choice::add_pictures(command, o->pictures);
+    selection::add_changes(command, o->scenes, "sphere[0].radius=10");
+    selection::add_pixels(command, *o);
+    selection::add_pictures(command, o->pictures);
     command.add(
         "--bits-needed", o->bits_needed,
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
@@ -325,11 +327,11 @@ void add_map(const shell::Command& program, const Common& common) {
                 "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
                 "for each form and format, and the truth once");
     command.add("--against", o->against,
-                "A form to hold the others against, without asking what is true: where their decisions or "
-                "their t differ is drawn and counted");
+                "A form to compare the others with, without asking what is true: where their decisions or their t "
+                "differ is drawn and counted");
     command.add("--envelope", o->envelope, "Draw lost bits paler where half an ulp in each input would cost as many");
     add_shard(command, o->shard);
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <regex>
 
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
 #include "analysis/report/report_parts.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
@@ -26,25 +26,26 @@ namespace {
 
 struct MendOptions {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
-    choice::SceneChoice changes;
-    choice::RayFileWords rays;
+    selection::SceneChoice changes;
+    selection::RayFileWords rays;
     std::string form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
     bool price = false;
     double bits = 0, wrong = 0;
 };
 
 /// `id` has the solids that forms must be for.
-measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id, const choice::Meets& meets) {
-    const auto forms = choice::select_forms({o.form});
-    const auto formats = choice::select_formats({o.format});
-    if (std::ranges::any_of(formats, choice::is_emulated))
-        throw InputError(fmt::format("-f {}: operations are made wider in f32 and f64; name one of them", o.format));
+measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id, const selection::Meets& meets) {
+    const auto forms = selection::select_forms({o.form});
+    const auto formats = selection::select_formats({o.format});
+    if (std::ranges::any_of(formats, selection::is_emulated))
+        throw InputError(
+            fmt::format("-f {}: operations are made wider in f32 and f64 only; name one of them", o.format));
     if (forms.size() != 1 || formats.size() != 1)
         throw InputError(fmt::format("-i {}, -f {}: one form in one format is mended; name one", o.form, o.format));
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} is not written for it; its formats: {}", o.format, o.form,
-                                     choice::formats_of(*forms.front())));
-    choice::refuse_makers(forms, "mend");
+                                     selection::formats_of(*forms.front())));
+    selection::refuse_makers(forms, "mend");
     const auto* form = forms.front();
     if (meets(form->shapes().placed()) && is_solid(form->shape) && !form->is_placed)
         form = &intersect::space::through(intersect::space::usual_space(), *form);
@@ -65,7 +66,7 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
     }
     try {
         std::vector<intersect::doors::Formula> formulas;
-        if (!written.empty()) formulas = compiled(request, written, {o.compiler, choice::form_flags_folder()});
+        if (!written.empty()) formulas = compiled(request, written, {o.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
@@ -105,8 +106,8 @@ void require_code_name(const std::filesystem::path& path) {
     const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
     if (!known || !std::regex_match(path.stem().string(), name))
         throw InputError("--emit " + path.string() +
-                         ": the form is called as the file; write a word of letters, digits "
-                         "and _, and .hpp or .glsl, as in half_b_mended.hpp");
+                         ": the form takes the name of the file; write a word of letters, digits and _, and .hpp or "
+                         ".glsl, as in half_b_mended.hpp");
 }
 
 /// Files of rays, all of which rows can be judged on, as often as is asked.
@@ -120,7 +121,7 @@ public:
     /// The request is about these files from then on.
     void become_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::mend::catalogue_beside(request.row));
-        choice::note_rounded(rays_, common_.quiet);
+        selection::note_rounded(rays_, common_.quiet);
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
             std::deque<measure::tape::TapeForm> forms;
@@ -135,8 +136,8 @@ public:
     }
 
 private:
-    [[nodiscard]] choice::OpenedRays open() const {
-        return choice::open_rays(o_.rays, o_.subjects, choice::data_folder(common_.data));
+    [[nodiscard]] selection::OpenedRays open() const {
+        return selection::open_rays(o_.rays, o_.subjects, selection::data_folder(common_.data));
     }
     measure::choice::FileRays judged(const MendRequest& request,
                                      const std::vector<measure::evaluate::TestedForm>& rows) {
@@ -147,30 +148,30 @@ private:
 
     const MendOptions& o_;
     const Common& common_;
-    choice::OpenedRays opened_;
+    selection::OpenedRays opened_;
     measure::choice::FileRays rays_ = {};
 };
 
 scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& data) {
-    choice::SceneChoice named = o.changes;
+    selection::SceneChoice named = o.changes;
     named.names = o.subjects;
-    scene::file::Scene scene = choice::load_one_scene(named, data);
-    choice::refuse_made_rays({scene}, "mend");
+    scene::file::Scene scene = selection::load_one_scene(named, data);
+    selection::refuse_made_rays({scene}, "mend");
     return scene;
 }
 
 Exit run(const MendOptions& o, const Common& common) {
     if (!o.emit.empty()) require_code_name(o.emit);
     if (!o.out.empty()) require_folder(o.out);
-    choice::refuse_others(o.rays, o.subjects,
-                          {{"--size", !o.changes.size.empty()},
-                           {"--variant", !o.changes.variant.empty()},
-                           {"--set", !o.changes.set.empty()}},
-                          "mending");
-    const auto data = choice::data_folder(common.data);
+    selection::refuse_others(o.rays, o.subjects,
+                             {{"--size", !o.changes.size.empty()},
+                              {"--variant", !o.changes.variant.empty()},
+                              {"--set", !o.changes.set.empty()}},
+                             "mending");
+    const auto data = selection::data_folder(common.data);
     std::optional<scene::file::Scene> scene;
     std::optional<RayFiles> rays;
-    if (choice::are_files(o.rays, o.subjects)) rays.emplace(o, common);
+    if (selection::are_files(o.rays, o.subjects)) rays.emplace(o, common);
     else scene = scene_of(o, data);
     const auto meets = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
     MendRequest request{.scene = scene ? &*scene : nullptr,
@@ -184,9 +185,9 @@ Exit run(const MendOptions& o, const Common& common) {
                          std::string(intersect::hull::innermost(*request.row.form).info->name));
     request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = measure::choice::quantile_named(o.at)};
     request.limit.stop = common.stop;
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
     if (rays) rays->become_subject_of(request);
-    const std::string subject = scene ? choice::name_of_scene(*scene, data) : rays->words();
+    const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->words();
     std::unique_ptr<output::file::ResultFolder> owner;
     std::optional<output::mend::MendFiles> files;
     if (!o.out.empty()) {
@@ -232,14 +233,15 @@ void add_mend(const shell::Command& program, const Common& common) {
     command.add("--bits", o->bits, "Correct bits of t that are wanted, at least", shell::number_from(0, 53)).required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
-    command.add("--at", o->at, "Of how many hits the bits are wanted: p50, p99, p99.9, max: every one (default)");
+    command.add("--at", o->at,
+                "How many of the hits must keep the bits: p50, p99 (99 of 100), p99.9, or max for all (default)");
     command.add("--wider", o->wider,
                 "What operations are done in: double (default; of f64 two doubles), or two words of the format",
                 shell::one_of({"double", "two-words"}));
-    choice::add_changes(command, o->changes, "sphere[0].radius=10");
-    choice::add_ray_options(command, o->rays, "--file-format");
+    selection::add_changes(command, o->changes, "sphere[0].radius=10");
+    selection::add_ray_options(command, o->rays, "--file-format");
     command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
-    command.add("--compiler", o->compiler, "That compiles for --price (default: c++)");
+    command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,
                 "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function");
     command.add("-o,--out", o->out, "Folder for the results");

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
 #include "output/file/estimate.hpp"
@@ -27,7 +27,7 @@ using scene::file::Scene;
 
 namespace {
 
-struct OffsetOptions : choice::SharedOptions {
+struct OffsetOptions : selection::SharedOptions {
     std::vector<std::string> strategies{"*"};
     std::vector<std::string> along;
     std::string points = "both";
@@ -48,7 +48,7 @@ std::vector<measure::offset::OffsetRow> rows_for(const Scene& scene,
                                                  const std::vector<measure::evaluate::TestedForm>& all,
                                                  const OffsetOptions& o) {
     std::vector<measure::offset::OffsetRow> rows;
-    for (const auto& row : choice::fitting(all, [&](Shapes forms) { return scene.meets(forms); })) {
+    for (const auto& row : selection::fitting(all, [&](Shapes forms) { return scene.meets(forms); })) {
         if (o.points != "projected") rows.push_back({row, HitPoint::computed});
         if (o.points != "computed") rows.push_back({row, HitPoint::projected});
     }
@@ -112,16 +112,17 @@ std::uint64_t offset_scene(const OffsetRequest& request, const OffsetOptions& o,
 Exit run(const OffsetOptions& o, const Common& common) {
     require_folder(o.out);
     const auto& usual = measure::offset::usual_forms;
-    auto rows = choice::cross(choice::select_forms(choice::form_words_or(o.forms, {usual.begin(), usual.end()})),
-                              choice::select_formats(o.formats));
+    auto rows =
+        selection::cross(selection::select_forms(selection::form_words_or(o.forms, {usual.begin(), usual.end()})),
+                         selection::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !measure::offset::can_be_asked(*row.form); });
     if (rows.empty())
         throw NothingSelected(
             "offsets needs forms that tell where a ray meets a sphere or a box, and none is selected; try -i "
             "'sphere.*'");
-    const auto strategies = choice::select_strategies(o.strategies);
+    const auto strategies = selection::select_strategies(o.strategies);
     auto scenes = scenes_of_solids(o, rows, "offsets", common);
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
 
     std::vector<OffsetRequest> requests;
     std::uint64_t units = 0, unresolved = 0;
@@ -134,7 +135,7 @@ Exit run(const OffsetOptions& o, const Common& common) {
         units += units_of(requests.back(), o);
     }
     auto folders = own_folders(scenes, o.out, common);
-    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
+    for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "offsets", common.progress, common.quiet);
     output::file::Estimate estimate(progress, "offsets", units, common.quiet);
@@ -156,29 +157,28 @@ Exit run(const OffsetOptions& o, const Common& common) {
 
 void add_offsets(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "offsets",
-        "By how much the origin of the next ray must move, point by point, and what published strategies do");
+        "offsets", "How far the origin of the next ray must move, point by point, and what published strategies do");
     const auto o = std::make_shared<OffsetOptions>();
     o->formats = {std::string(measure::offset::usual_format)};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    choice::add_scenes(command, *o, "; spheres or boxes");
+    selection::add_scenes(command, *o, "; spheres or boxes");
     command.add_list("-i,--intersector", o->forms,
                      "Forms that find the points and are asked for self-hits (default: sphere.half_b, "
                      "box.ieee_minmax, and those of --plugin, --pipe and --shader)");
-    choice::add_formats(command, o->formats, "f32");
+    selection::add_formats(command, o->formats, "f32");
     command.add_list("--strategy", o->strategies,
                      "Strategies, by name or glob (default: all); `lostbits list strategies`");
     command.add("--points", o->points, "Points as computed, put back onto the surface, or both (default)",
                 shell::one_of({"computed", "projected", "both"}));
-    choice::add_changes(command, o->scenes, "sphere[0].radius=10");
-    choice::add_pixels(command, *o);
-    choice::add_pictures(command, o->pictures);
+    selection::add_changes(command, o->scenes, "sphere[0].radius=10");
+    selection::add_pixels(command, *o);
+    selection::add_pictures(command, o->pictures);
     command.add_list("--along", o->along,
                      "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
                      "(offset from the origin); pictures of 48 columns",
                      shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/doors.hpp"
+#include "analysis/selection/doors.hpp"
 #include "analysis/shell/supervisor.hpp"
 #include "commands.hpp"
 #include "intersect/doors/formulas.hpp"
@@ -72,10 +72,10 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
 
 /// Tries every form of a library or of a command; the answer is no where one does not do as it says.
 Exit try_forms(const std::string& library, const Common& common) {
-    choice::DoorWords words = common.doors;
+    selection::DoorWords words = common.doors;
     if (!library.empty()) words.plugins.push_back(library);
-    if (const std::string here = choice::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
-    const auto [forms, formulas] = choice::open_each(words, common.threads);
+    if (const std::string here = selection::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
+    const auto [forms, formulas] = selection::open_each(words, common.threads);
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
     bool good = true;
     for (const ForeignForm& form : forms)

@@ -6,10 +6,10 @@
 #include <memory>
 #include <set>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "output/picture/render_files.hpp"
 #include "scene/file/scene.hpp"
@@ -22,13 +22,13 @@ using scene::file::Scene;
 
 namespace {
 
-struct RenderOptions : choice::SharedOptions {
+struct RenderOptions : selection::SharedOptions {
     std::vector<std::string> stages;
 };
 
 /// The scenes themselves; InputError where one has no spheres with colours.
 std::vector<Scene> renderable(std::vector<Scene> scenes) {
-    choice::refuse_made_rays(scenes, "render");
+    selection::refuse_made_rays(scenes, "render");
     for (const Scene& scene : scenes) {
         if (scene.flake)
             throw InputError(
@@ -80,9 +80,10 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
                            output::file::Progress& progress) {
     const auto folder = std::filesystem::path(o.out) / request.scene->id;
     output::picture::RenderFiles files(
-        request, {.folder = folder,
-                  .command = common.typed.of(choice::name_of_scene(*request.scene, choice::data_folder(common.data))),
-                  .singles = o.pictures == "all"});
+        request,
+        {.folder = folder,
+         .command = common.typed.of(selection::name_of_scene(*request.scene, selection::data_folder(common.data))),
+         .singles = o.pictures == "all"});
     const auto summaries = measure::picture::run_render(request, &files);
     files.finish(summaries);
     progress.aside([&] {
@@ -96,31 +97,32 @@ std::uint64_t render_scene(const RenderRequest& request, const RenderOptions& o,
 
 Exit run(const RenderOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto forms = choice::select_forms(choice::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
-    auto all = choice::cross(forms, choice::select_formats(o.formats));
+    const auto forms =
+        selection::select_forms(selection::form_words_or(o.forms, {"sphere.expanded"}));  // the source's own
+    auto all = selection::cross(forms, selection::select_formats(o.formats));
     std::erase_if(all, [](const auto& row) { return row.form->shape != scene::file::rendered_shape; });
     if (all.empty())
         throw NothingSelected(
             "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'");
-    choice::refuse_makers(all, "render");
-    auto scenes = renderable(choice::load_scenes(o.scenes, choice::data_folder(common.data)));
-    const auto rows = choice::drop_unfitting(
+    selection::refuse_makers(all, "render");
+    auto scenes = renderable(selection::load_scenes(o.scenes, selection::data_folder(common.data)));
+    const auto rows = selection::drop_unfitting(
         scenes, {all, o.forms, common.quiet}, [](const Scene& s, Shapes shapes) { return s.meets(shapes); },
         [](const Scene& s) { return "scene " + s.id; });
-    choice::note_unmeasured(o.forms, rows, common.quiet);
-    const choice::ThreadLimit limit(common.threads);
+    selection::note_unmeasured(o.forms, rows, common.quiet);
+    const selection::ThreadLimit limit(common.threads);
 
     std::vector<RenderRequest> requests;
     std::uint64_t units = 0, unproved = 0;
     for (const auto& scene : scenes) {
         requests.push_back({.scene = &scene,
                             .stages = stages_of(scene, o, common.quiet),
-                            .rows = choice::fitting(rows, [&](Shapes shapes) { return scene.meets(shapes); }),
+                            .rows = selection::fitting(rows, [&](Shapes shapes) { return scene.meets(shapes); }),
                             .limit = {.stop = common.stop}});
         units += scene.pixels() * requests.back().rows.size();
     }
     auto folders = own_folders(scenes, o.out, common);
-    for (const auto& scene : scenes) choice::note_numbers(scene, o.scenes.set, rows, common.quiet);
+    for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units, "render", common.progress, common.quiet);
     auto folder = folders.begin();
@@ -147,18 +149,18 @@ void add_render(const shell::Command& program, const Common& common) {
     o->formats = {"f32"};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    choice::add_scenes(command, *o, "; scenes of spheres");
+    selection::add_scenes(command, *o, "; scenes of spheres");
     command.add_list(
         "-i,--intersector", o->forms,
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, "
         "--pipe and --shader)");
-    choice::add_formats(command, o->formats, "f32");
+    selection::add_formats(command, o->formats, "f32");
     command.add_list("--stage", o->stages,
                      "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
                      shell::one_of({scene::file::stage_names.begin(), scene::file::stage_names.end()}));
-    choice::add_changes(command, o->scenes, "light.position=[9,9,9]");
-    choice::add_pictures(command, o->pictures);
-    choice::add_out(command, o->out);
+    selection::add_changes(command, o->scenes, "light.position=[9,9,9]");
+    selection::add_pictures(command, o->pictures);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

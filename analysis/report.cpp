@@ -5,12 +5,12 @@
 #include <memory>
 #include <set>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
 #include "analysis/report/report_parts.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/speed/timing.hpp"
@@ -148,17 +148,18 @@ struct Work {
 };
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const choice::ChosenRows& chosen) {
+                const selection::ChosenRows& chosen) {
     std::vector<TestedForm> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // What these find are numbers, and they take their time.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fit = choice::rows_meeting(chosen, path.stem().string(),
-                                   [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
+        fit =
+            selection::rows_meeting(chosen, path.stem().string(),
+                                    [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
-        fit = choice::rows_meeting(
+        fit = selection::rows_meeting(
             chosen, path.stem().string(),
             [sweep = scene::sweep::SweepFile(path, data)](Shapes forms) { return sweep.meets(forms); });
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
@@ -167,7 +168,7 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
 /// A claim goes onto the page when it is asked for by name, or is about something that is shown; without subjects all
 /// are.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
-    if (!o.claims.empty()) return choice::matches_any(o.claims, c.id);
+    if (!o.claims.empty()) return selection::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
     return std::ranges::any_of(work.maps, [&](const MapWork& m) { return is_about_scene(c, m.scene.id); }) ||
            std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()); });
@@ -180,7 +181,7 @@ std::vector<std::string> words_of(const ReportOptions& o) {
 
 /// Forms that are timed.
 std::vector<TestedForm> timed_rows(const ReportOptions& o) {
-    return choice::cross(choice::select_forms(words_of(o)), choice::select_formats({"f32", "f64"}));
+    return selection::cross(selection::select_forms(words_of(o)), selection::select_formats({"f32", "f64"}));
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
@@ -188,34 +189,34 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const Subjects subjects = subjects_of(o, defaults, data);
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     for (const std::string& glob : o.claims) {
-        if (std::ranges::none_of(claims, [&glob](const Claim& c) { return choice::matches_any({glob}, c.id); }))
+        if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
             throw InputError("--claims " + glob +
-                             ": no claim of the results has such an id; `lostbits list claims` names them");
+                             ": no claim of the profile results has this id; `lostbits list claims` names them");
     }
-    const auto rows = choice::cross(choice::select_forms(choice::form_words_or(o.forms, defaults.forms)),
-                                    choice::select_formats(o.formats.empty() ? defaults.formats : o.formats));
+    const auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, defaults.forms)),
+                                       selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
-    const std::vector<const Metric*> asked = choice::select_metrics(o.metrics, work.made);
+    const std::vector<const Metric*> asked = selection::select_metrics(o.metrics, work.made);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
-        if (!o.size.empty()) options.size = choice::parse_size(o.size);
+        if (!o.size.empty()) options.size = selection::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
             auto chosen = rows_for(scene.id, rows, claims, o.forms.empty());
-            auto fit = choice::rows_meeting({chosen, words_of(o), true}, scene.id,
-                                            [&scene](Shapes forms) { return scene.meets(forms); });
+            auto fit = selection::rows_meeting({chosen, words_of(o), true}, scene.id,
+                                               [&scene](Shapes forms) { return scene.meets(forms); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
-            auto all = work.made.for_forms(choice::measured(wanted, fit), measure::evaluate::forms_of(fit),
+            auto all = work.made.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
                                            [&scene] { return measure::blame::SettingOf(scene); });
             // Its float layer would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
             });
             work.units += scene.pixels() * fit.size();
-            std::string named = choice::name_of_scene(scene, data);
+            std::string named = selection::name_of_scene(scene, data);
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named)});
         }
     }
@@ -247,13 +248,13 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
 
 Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto data = choice::data_folder(common.data);
+    const auto data = selection::data_folder(common.data);
     Work work = plan(o, data);
     std::vector<TestedForm> shown;
     for (const MapWork& map : work.maps) shown.insert(shown.end(), map.rows.begin(), map.rows.end());
     for (const SweepWork& sweep : work.sweeps) shown.insert(shown.end(), sweep.rows.begin(), sweep.rows.end());
-    choice::note_unmeasured(o.forms, shown, common.quiet);
-    const choice::ThreadLimit limit(common.threads);
+    selection::note_unmeasured(o.forms, shown, common.quiet);
+    const selection::ThreadLimit limit(common.threads);
     const auto folder = own_folder(o.out, common, common.typed.all_subjects(), {.shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // A sweep counts as a map of 100 x 100 pixels under ten rows, the claims as ten of them.
@@ -290,7 +291,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (o.trade) {
         for (const ShapeRow& solid : shape_rows) {
             const Shape shape = solid.shape;
-            const auto rows = choice::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
+            const auto rows = selection::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
             if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
         }
     }
@@ -315,7 +316,7 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("-i,--intersector", o->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader)");
-    choice::add_formats(command, o->formats, "f32 f64");
+    selection::add_formats(command, o->formats, "f32 f64");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command.add("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
     command.add_list("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
@@ -332,7 +333,7 @@ void add_report(const shell::Command& program, const Common& common) {
                      "Also what to change in a form so that it keeps bits of every hit of a scene: SCENE:FORM:BITS, or "
                      "SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no SUBJECT is named)");
     command.add_list("--offsets", o->offsets,
-                     "Scenes whose next rays are held against every strategy of offsets (default: none, or those of "
+                     "Scenes on whose next rays every strategy of offsets is tried (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
     command.add("-o,--out", o->out, "Folder for index.html").required();
     command.runs([o, &common] { return run(*o, common); });

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/doors/plugin.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/truth/truth.hpp"
@@ -33,24 +33,25 @@ std::vector<std::unique_ptr<output::file::ResultFolder>> own_folders(const std::
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders;
     for (const auto& scene : scenes) {
         const auto folder = std::filesystem::path(out) / scene.id;
-        folders.push_back(own_folder(folder, common, choice::name_of_scene(scene, choice::data_folder(common.data))));
+        folders.push_back(
+            own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
         probe(folder / "summary.csv");
     }
     return folders;
 }
 
-std::vector<scene::file::Scene> scenes_of_solids(const choice::SharedOptions& shared,
+std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
                                                  std::vector<measure::evaluate::TestedForm>& rows, const char* name,
                                                  const Common& common) {
     using scene::file::Scene;
-    auto scenes = choice::load_scenes(shared.scenes, choice::data_folder(common.data));
-    choice::refuse_made_rays(scenes, name);
-    choice::refuse_makers(rows, name);
-    const auto met = choice::drop_unfitting(
+    auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
+    selection::refuse_made_rays(scenes, name);
+    selection::refuse_makers(rows, name);
+    const auto met = selection::drop_unfitting(
         scenes, {rows, shared.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return choice::are_solids(forms) && s.meets(forms); },
+        [](const Scene& s, Shapes forms) { return selection::are_solids(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    choice::note_unmeasured(shared.forms, met, common.quiet);
+    selection::note_unmeasured(shared.forms, met, common.quiet);
     return scenes;
 }
 

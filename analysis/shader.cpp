@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "analysis/choice/doors.hpp"
+#include "analysis/selection/doors.hpp"
 #include "commands.hpp"
 #include "intersect/device/probe.hpp"
 #include "intersect/doors/pipe.hpp"
@@ -91,7 +91,7 @@ Exit tell_device(const std::string& kind) {
     return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
 }
 
-void print_device(const choice::DeviceTold& told) {
+void print_device(const selection::DeviceTold& told) {
     if (!told.lacks.empty()) {
         fmt::print("{}\n  not here: {}\n", told.kind, told.lacks);
         return;
@@ -105,10 +105,10 @@ void print_device(const choice::DeviceTold& told) {
 Exit show_devices(bool json, const Common& common) {
     auto array = nlohmann::ordered_json::array();
     bool any = false;
-    std::vector<std::string> kinds = choice::devices_of(common.doors.devices);
-    if (common.doors.devices.empty()) kinds = choice::devices_of({"all"});
+    std::vector<std::string> kinds = selection::devices_of(common.doors.devices);
+    if (common.doors.devices.empty()) kinds = selection::devices_of({"all"});
     for (const std::string& kind : kinds) {
-        const choice::DeviceTold told = choice::ask_device(kind, common.doors);
+        const selection::DeviceTold told = selection::ask_device(kind, common.doors);
         any = any || told.lacks.empty();
         nlohmann::ordered_json object{{"device", told.kind}};
         if (!told.lacks.empty()) object["missing"] = told.lacks;

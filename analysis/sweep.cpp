@@ -7,11 +7,11 @@
 #include <memory>
 #include <optional>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
-#include "analysis/choice/sweep_options.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
 #include "output/sweep/case_files.hpp"
@@ -49,10 +49,10 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
                    const Common& common) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = choice::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
+    const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = &file, .rows = {}, .metrics = {}, .limit = {.stop = common.stop}};
     request.metrics =
-        chosen.made.for_forms(choice::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
+        chosen.made.for_forms(selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
                               [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
         for (const auto& judged : file.conventions) {
@@ -60,11 +60,11 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
             request.rows.push_back(row);
         }
     }
-    if (!common.quiet) choice::note_lost_numbers(file, rows);
+    if (!common.quiet) selection::note_lost_numbers(file, rows);
     const auto folder = std::filesystem::path(o.out) / file.id;
     const auto owner = chosen.own(folder, path, common);
     std::optional<output::sweep::CaseFiles> files;
-    if (owner) files.emplace(request, folder, choice::name_of_sweep(path, choice::data_folder(common.data)));
+    if (owner) files.emplace(request, folder, selection::name_of_sweep(path, selection::data_folder(common.data)));
     request.share = chosen.division().share();
     Watched progress(file.id, request.share.of_units(file.size()).size() * request.rows.size(), common);
     request.progress = progress.advancing();
@@ -77,11 +77,11 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
 
 void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
               const Common& common) {
-    scene::sweep::SweepFile sweep(path, choice::data_folder(common.data), choice::read_changes(o.changes));
+    scene::sweep::SweepFile sweep(path, selection::data_folder(common.data), selection::read_changes(o.changes));
     sweep.title += o.changes.in_title();
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
-        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
         .metrics = {},
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
@@ -90,14 +90,14 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics =
-        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+        chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
                               [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;
-    choice::note_without_formula(chosen.asked, request.rows, common.quiet);
+    selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
-    if (!common.quiet) choice::note_lost_numbers(sweep, request.rows);
+    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     const auto owner = chosen.own(folder, path, common);
     const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
@@ -126,7 +126,25 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
     if (common.verbose && !onsets.empty()) print_onsets(request, onsets);
 }
 
-using choice::Meets;
+using selection::Meets;
+
+/// A search has these in its file, or has nothing for them: it would ignore them without a word.
+void refuse_what_searches_ignore(const std::string& search, bool edges, const SweepOptions& o) {
+    const auto refuse = [&](const std::string& given, const std::string& why, const std::string& instead) {
+        const std::string option = given.substr(0, given.find(' '));
+        throw InputError(fmt::format("{}: {} {}; leave out {}{}", given, search, why, option, instead));
+    };
+    if (!o.metrics.empty() && edges)
+        refuse("--metric " + o.metrics.front(), "searches for the nearest cracks and double hits, not for a metric",
+               "");
+    if (!o.metrics.empty())
+        refuse("--metric " + o.metrics.front(), "searches by the metric that its file names",
+               ", and try --set metric=" + o.metrics.front());
+    if (o.seeds)
+        refuse(fmt::format("--seeds {}", *o.seeds), "has no onsets, and its file has the seed of its rays",
+               ", and try --set seed=N");
+    if (!o.against.empty()) refuse("--against " + o.against, "compares with the truth alone", "");
+}
 
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
@@ -140,19 +158,20 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (!o.worst && searches)
         throw InputError(path.string() +
                          ":1:1: this file has a table of a search, which only --worst uses; add --worst");
-    choice::check_changes(o.changes, kind, path.stem().string());
+    if (searches) refuse_what_searches_ignore(path.stem().string(), kind == K::edge_search, o);
+    selection::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
     if (kind == K::edge_search)
-        return [file = scene::sweep::EdgeSearchFile(path, data, choice::read_changes(o.changes).set)](Shapes forms) {
+        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o.changes).set)](Shapes forms) {
             return file.meets(forms);
         };
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data, choice::read_changes(o.changes));
+        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o.changes));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
-    const scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
+    const scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);
     measure::metric::MetricSet made;
     const measure::metric::Metric* const metric = made.find(search.metric);
     if (metric == nullptr) {
@@ -172,19 +191,19 @@ Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
     Divided divided;
     const std::vector<std::string> both{"f32", "f64"};
-    ChosenOfSweep chosen{
-        choice::cross(choice::select_forms(o.forms), choice::select_formats(o.formats.empty() ? both : o.formats)),
-        {},
-        made,
-        divided};
-    if (!o.against.empty()) choice::compare_against(chosen.rows, o.against, common.quiet);
+    ChosenOfSweep chosen{selection::cross(selection::select_forms(o.forms),
+                                          selection::select_formats(o.formats.empty() ? both : o.formats)),
+                         {},
+                         made,
+                         divided};
+    if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
     // A sweep always knows what the problem itself costs: its plots carry the envelope.
-    if (!o.metrics.empty()) chosen.asked = choice::select_metrics(o.metrics, made);
-    if (!o.against.empty()) choice::add_pairs(chosen.asked);
+    if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, made);
+    if (!o.against.empty()) selection::add_pairs(chosen.asked);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));
     require_folder(o.out);
-    const auto data = choice::data_folder(common.data);
+    const auto data = selection::data_folder(common.data);
     // Every file is read before the first is worked on: bad input leaves nothing behind.
     struct Sweep {
         std::filesystem::path path;
@@ -206,13 +225,13 @@ Exit run(SweepOptions o, const Common& common) {
                              " is not a sweep over every float, and only those can be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o, data)});
     }
-    const auto met = choice::drop_unfitting(
+    const auto met = selection::drop_unfitting(
         sweeps, {chosen.rows, o.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
-    choice::note_unmeasured(o.forms, met, common.quiet);
+    selection::note_unmeasured(o.forms, met, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
-        std::ranges::move(choice::files_of(sweep.path, sweep.kind, o.changes, data), std::back_inserter(files));
+        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o.changes, data), std::back_inserter(files));
     divided = divide(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
@@ -223,7 +242,7 @@ Exit run(SweepOptions o, const Common& common) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, data, chosen, o, common));
     }
-    const choice::ThreadLimit limit(common.threads);
+    const selection::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         try {
             if (kind == SweepKind::cases) run_case_file(path, chosen, o, common);
@@ -231,7 +250,7 @@ Exit run(SweepOptions o, const Common& common) {
             else if (kind == SweepKind::search) run_search(path, chosen, o, common);
             else if (kind == SweepKind::edge_search) run_edge_search(path, chosen, o, common);
         } catch (const Interrupted&) {
-            throw Error(Exit::interrupted, choice::interrupted_text(kind, path.stem().string()));
+            throw Error(Exit::interrupted, selection::interrupted_text(kind, path.stem().string()));
         }
     }
     std::uint64_t unproved = 0;
@@ -247,7 +266,7 @@ void add_sweep(const shell::Command& program, const Common& common) {
     auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
     command.add("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps").required();
-    choice::add_forms(command, o->forms);
+    selection::add_forms(command, o->forms);
     command.add_list("-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
@@ -262,9 +281,9 @@ void add_sweep(const shell::Command& program, const Common& common) {
                     "march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
-    command.add("--against", o->against, "A form to hold the others against, without asking what is true");
+    command.add("--against", o->against, "A form to compare the others with, without asking what is true");
     add_shard(command, o->shard);
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

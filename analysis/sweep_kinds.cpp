@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "analysis/choice/select.hpp"
-#include "analysis/choice/sweep_options.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/selection/sweep_options.hpp"
 #include "measure/edges/nearest.hpp"
 #include "output/edges/nearest_files.hpp"
 #include "output/file/estimate.hpp"
@@ -41,9 +41,9 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
       job_("sweep " + sweep_.id),
       unfinished_(folder_,
                   {.program = program_and_version,
-                   .command = common.typed.of(choice::name_of_sweep(path, data)),
+                   .command = common.typed.of(selection::name_of_sweep(path, data)),
                    .inputs = hash_of_inputs(
-                       choice::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
+                       selection::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
                    .share = chosen.division().share()},
                   job_),
       resumed_(o.resume),
@@ -52,8 +52,8 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
     request_.sweep = &sweep_;
     request_.share = chosen.division().share();
     request_.limit.stop = common.stop;
-    if (sweep_.scene) request_.scene = choice::name_of_scene(*sweep_.scene, data);
-    for (TestedForm row : choice::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+    if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, data);
+    for (TestedForm row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
@@ -85,7 +85,7 @@ ExhaustiveState ExhaustiveRun::try_all() {
         if (!common_.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; the same command with --resume goes on from there\n",
                        sweep_.id, percent(state_.tried, floats));
-        throw Error(Exit::interrupted, choice::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
+        throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
     return std::move(state_);
@@ -138,17 +138,17 @@ void check_exhaustive_options(const std::string& sweep, const SweepOptions& o) {
 
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
                 const Common& common) {
-    scene::sweep::SearchFile search(path, choice::read_changes(o.changes).set);
+    scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);
     search.title += o.changes.in_title();
     measure::sweep::WorstRequest request{
-        .search = &search,
-        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
+        .search = search,
+        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = common.stop}};
     Solid<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
     request.metrics =
-        chosen.made.for_forms(choice::measured({chosen.made.find(search.metric)}, request.rows),
+        chosen.made.for_forms(selection::measured({chosen.made.find(search.metric)}, request.rows),
                               measure::evaluate::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
     const auto folder = std::filesystem::path(o.out) / search.id;
     const auto owner = chosen.own(folder, path, common);
@@ -171,12 +171,12 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, 
 
 void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,
                      const Common& common) {
-    const auto data = choice::data_folder(common.data);
-    scene::sweep::EdgeSearchFile search(path, data, choice::read_changes(o.changes).set);
+    const auto data = selection::data_folder(common.data);
+    scene::sweep::EdgeSearchFile search(path, data, selection::read_changes(o.changes).set);
     search.title += o.changes.in_title();
     measure::edges::EdgeRequest request{
-        .search = &search,
-        .rows = choice::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
+        .search = search,
+        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = common.stop}};
     for (const TestedForm& row : request.rows)
         if (scene::rays::maker_of(*row.form) != nullptr)
@@ -193,7 +193,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
         chosen.division().result_of("sweep " + search.id, [&request] { return measure::edges::find_nearest(request); });
     progress.finish();
     if (!found) return;
-    const output::edges::NearestFiles files{request, *found, choice::name_of_scene(search.scene, data)};
+    const output::edges::NearestFiles files{request, *found, selection::name_of_scene(search.scene, data)};
     files.write(folder);
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "worst.csv").string());

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/sweep_options.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
@@ -25,7 +25,7 @@ struct SweepOptions {
     std::vector<std::string> formats;
     std::vector<std::string> metrics;
     std::string out, against, shard;
-    choice::SweepWords changes;
+    selection::SweepWords changes;
     bool worst = false;
     bool resume = false;
     std::optional<int> seeds;
@@ -64,7 +64,7 @@ struct ChosenOfSweep {
                                                                   const std::filesystem::path& sweep,
                                                                   const Common& common, bool keep = false) const {
         if (divided.division.is_shard()) return nullptr;
-        return own_folder(folder, common, choice::name_of_sweep(sweep, choice::data_folder(common.data)),
+        return own_folder(folder, common, selection::name_of_sweep(sweep, selection::data_folder(common.data)),
                           {.keep = keep});
     }
 };

@@ -4,11 +4,11 @@
 #include <memory>
 #include <optional>
 
-#include "analysis/choice/doors.hpp"
-#include "analysis/choice/lost_numbers.hpp"
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/doors.hpp"
+#include "analysis/selection/lost_numbers.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
 #include "output/speed/trade_files.hpp"
@@ -44,9 +44,9 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 /// The forms of a shape, on the sets of rays that it has.
 TradeRequest request_for(const std::string& shape_name, const std::vector<TestedForm>& all) {
     const Shape shape = *shape_named(shape_name);
-    const auto rows = choice::fitting(all, [shape](Shapes forms) { return forms == shape; });
+    const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&
-        !choice::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
+        !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
         throw NothingSelected(fmt::format(
             "--shape {}: its rays are aimed at a solid that stands under no matrix, and a space has nothing to do "
             "there; name a scene whose solids do, as in --scene instance-far.{}",
@@ -61,8 +61,8 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<Tested
 }
 
 /// The forms that fit a scene, on its own rays.
-TradeRequest request_for(const Scene& scene, const choice::ChosenRows& all) {
-    const auto rows = choice::timed_on(scene, all);
+TradeRequest request_for(const Scene& scene, const selection::ChosenRows& all) {
+    const auto rows = selection::timed_on(scene, all);
     return {.shape = rows.front().form->shape,
             .scene = &scene,
             .kernels = measure::speed::trade_kernels(rows),
@@ -72,14 +72,14 @@ TradeRequest request_for(const Scene& scene, const choice::ChosenRows& all) {
 
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = choice::cross(choice::select_forms(o.forms), choice::select_timed_formats(o.formats));
-    choice::refuse_makers(rows, "trade");
-    const auto data = choice::data_folder(common.data);
+    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_timed_formats(o.formats));
+    selection::refuse_makers(rows, "trade");
+    const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
-    if (!o.scene.empty()) scene = choice::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
+    if (!o.scene.empty()) scene = selection::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
     TradeRequest request = scene ? request_for(*scene, {rows, o.forms, common.quiet}) : request_for(o.shape, rows);
     const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
-    choice::note_unmeasured(o.forms, choice::fitting(rows, fits), common.quiet);
+    selection::note_unmeasured(o.forms, selection::fitting(rows, fits), common.quiet);
     request.plan = plan_of(o);
     request.limit.stop = request.plan.stop = common.stop;
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
@@ -87,8 +87,8 @@ Exit run(const TradeOptions& o, const Common& common) {
     const auto folder = std::filesystem::path(o.out) / name;
     const auto owner = own_folder(folder, common, "");
     output::speed::TradeFiles files(request, folder);
-    const choice::ThreadLimit limit(common.threads);
-    if (scene && !common.quiet) choice::note_idle_settings(o.set, scene->id, rows);
+    const selection::ThreadLimit limit(common.threads);
+    if (scene && !common.quiet) selection::note_idle_settings(o.set, scene->id, rows);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advancing(progress);
@@ -114,12 +114,12 @@ void add_trade(const shell::Command& program, const Common& common) {
     command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
     command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
-    choice::add_forms(command, o->forms, "all that fit");
+    selection::add_forms(command, o->forms, "all that fit");
     command.add_list("-f,--format", o->formats, "f32, f64 (default: both)");
     command.add("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)",
                 shell::whole_from(1, 1000));
     command.add("--quick", o->quick, "Shorter measurements, for a first look");
-    choice::add_out(command, o->out);
+    selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <system_error>
 
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/options.hpp"
 #include "output/file/result_folder.hpp"
 #include "shapes/solid.hpp"
 
@@ -36,7 +36,7 @@ using Settings = std::map<std::string, std::set<std::string>>;
 /// The values of each of the options above.
 Settings settings_of(const std::string& command) {
     Settings settings;
-    const auto words = choice::words_in(command);
+    const auto words = selection::words_in(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (std::ranges::find(of_what_is_measured(), words[i]) == of_what_is_measured().end()) continue;
         if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())

@@ -53,13 +53,13 @@ Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(giv
         require(choice.own[i], "a form of `own`");
         all.push_back(choice.written != 0 ? &choice.own[i]->alone : &choice.own[i]->row);
     }
-    if (!forms.empty()) std::ranges::copy(choice::select_forms(forms, "forms"), std::back_inserter(all));
-    if (!all.empty()) rows = choice::cross(all, choice::select_formats(formats, "formats"));
-    asked = choice::select_metrics(words_of(choice.metrics), made);
+    if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(all));
+    if (!all.empty()) rows = selection::cross(all, selection::select_formats(formats, "formats"));
+    asked = selection::select_metrics(words_of(choice.metrics), made);
 }
 
-void Choosing::keep_those_for(const std::string& name, const choice::Meets& meets) {
-    rows = choice::rows_meeting({rows, forms, true}, name, meets);
+void Choosing::keep_those_for(const std::string& name, const selection::Meets& meets) {
+    rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty()) throw NothingSelected(name + ": no chosen form is for its solids, in a format that it exists in");
 }
 
@@ -74,7 +74,8 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
     return guarded(error, [&] {
         require(forms, "forms");
         require(form, "form");
-        if (count != 1 && count != 2) throw InputError("count is of one form, or of one for each of two formats");
+        if (count != 1 && count != 2)
+            throw InputError("count must be 1, or 2 where a form is given for each of two formats");
         auto made = std::make_unique<lostbits_form>();
         made->asked = std::make_unique<intersect::doors::ForeignRow>(foreign_of(forms[0]));
         if (count == 2) made->asked->add(foreign_of(forms[1]));

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/select.hpp"
 #include "analysis/library/lostbits.h"
 #include "analysis/library/result.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/doors/foreign_batch.hpp"
 #include "intersect/doors/written_formula.hpp"
 #include "intersect/process/floating_point.hpp"
@@ -109,7 +109,7 @@ public:
 
 private:
     lostbits_run run_;
-    choice::ThreadLimit limit_;
+    selection::ThreadLimit limit_;
     std::mutex mutex_;
     std::uint64_t done_ = 0;
 };
@@ -124,7 +124,7 @@ struct Choosing {
 
     explicit Choosing(const lostbits_choice* given, bool may_be_empty = false);
     /// The rows for what is called `name`. NothingSelected where there are none.
-    void keep_those_for(const std::string& name, const choice::Meets& meets);
+    void keep_those_for(const std::string& name, const selection::Meets& meets);
 };
 
 /// The path of a file in memory that holds a text, for as long as this lives; what messages say of it says `text`.

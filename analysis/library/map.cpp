@@ -17,11 +17,11 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
-    static_cast<void>(choice::that_apply(asked, chosen.rows, "scene " + scene.id));
+    static_cast<void>(selection::applicable_metrics(asked, chosen.rows, "scene " + scene.id));
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
-        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+        chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
                               [&scene] { return measure::blame::SettingOf(scene); });
     request.metrics = measure::evaluate::order_culprits(request, chosen.made);
     request.progress = running.advancing(scene.pixels() * request.rows.size());

@@ -1,8 +1,8 @@
 // Rays that come as arrays: judged, asked about, and their truth.
 #include "scene/rays/rays.hpp"
-#include "analysis/choice/judge_words.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
+#include "analysis/selection/judge_words.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
@@ -84,7 +84,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
                 std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
     scene::dump::DumpOptions options{.stop = running.stop()};
     if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
-    if (rays.format != nullptr) options.format = choice::select_formats({rays.format}, "format").front();
+    if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
     GivenRays made;
     if (rays.scene != nullptr) {
         if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no solids");
@@ -97,7 +97,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
         made.shape = *shape;
         if (rays.paired != 0 && rays.solid_count != rays.count)
             throw InputError("there are " + std::to_string(rays.count) + " rays and " +
-                             std::to_string(rays.solid_count) + " solids; of pairs there are as many of both");
+                             std::to_string(rays.solid_count) + " solids; pairs need the same number of both");
         if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no solids; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
     }
@@ -109,7 +109,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     } else if (rays.paired == 0) {
         made.solids = shared_solids_of(rays, made.shape, format);
     }
-    choice::put_under_matrices(*made.dump, made.solids);
+    selection::put_under_matrices(*made.dump, made.solids);
     return made;
 }
 
@@ -144,8 +144,8 @@ private:
     measure::evaluate::EvaluationSink& rows_;
 };
 
-choice::Meets meets_of(const GivenRays& all) {
-    const Shapes shapes = choice::shapes_of_rays(all.dump->layout(), all.solids);
+selection::Meets meets_of(const GivenRays& all) {
+    const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.solids);
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
@@ -166,12 +166,12 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
-    request.metrics = choice::measured(asked, request.rows);
+    request.metrics = selection::measured(asked, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
         group.solids = all.solids;
         if (group.solids.empty()) group.solids.emplace_back(all.shape);
-        if (all.dump->layout().has_matrix()) group.solids.front().placed = choice::any_matrix();
+        if (all.dump->layout().has_matrix()) group.solids.front().placed = selection::any_matrix();
         request.metrics = chosen.made.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
                                                 [&group] { return measure::blame::SettingOf(group); });
     }

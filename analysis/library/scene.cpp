@@ -22,17 +22,19 @@ TextFile::~TextFile() { close(file_); }
 namespace {
 
 Scene only_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
-    choice::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set)};
+    selection::SceneChoice choice{.names = {name}, .size = {}, .variant = {}, .set = words_of(where.set)};
     if (where.width > 0 || where.height > 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
-    auto scenes = choice::load_scenes(choice, data);
+    auto scenes = selection::load_scenes(choice, data);
     if (scenes.size() > 1)
         throw InputError(name + ": has " + std::to_string(scenes.size()) + " variants; name one, such as " +
                          scenes.front().id);
     return std::move(scenes.front());
 }
 
-std::string data_of(const lostbits_where& where) { return choice::data_folder(where.data ? where.data : "").string(); }
+std::string data_of(const lostbits_where& where) {
+    return selection::data_folder(where.data ? where.data : "").string();
+}
 
 /// Takes away what the scene was read with, once.
 void make_room(lostbits_scene& scene) {
@@ -142,7 +144,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         const std::string data = data_of(given);
         auto found =
             std::make_unique<lostbits_scene>(lostbits_scene{.scene = only_scene(name, given, data), .named = {}});
-        found->named = choice::name_of_scene(found->scene, data);
+        found->named = selection::name_of_scene(found->scene, data);
         for (const std::string& set : words_of(given.set)) found->named += " --set '" + set + "'";
         if (given.width > 0)
             found->named += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);

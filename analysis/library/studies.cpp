@@ -1,8 +1,8 @@
 // Sweeps, explained rays, offsets, choices and mended forms.
 #include <cmath>
 
-#include "analysis/choice/scenes.hpp"
 #include "analysis/library/handles.hpp"
+#include "analysis/selection/scenes.hpp"
 #include "measure/blame/culprits.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/mend/mend.hpp"
@@ -37,7 +37,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     measure::sweep::SweepRequest request{
         .sweep = &sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
-        chosen.made.for_forms(choice::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+        chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
                               [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
@@ -82,12 +82,12 @@ std::unique_ptr<lostbits_result> offsets_of(const scene::file::Scene& scene, con
         throw InputError("points is \"" + points + "\"; write computed, projected or both");
     std::erase_if(chosen.rows, [](const TestedForm& row) { return !measure::offset::can_be_asked(*row.form); });
     chosen.keep_those_for("scene " + scene.id,
-                          [&scene](Shapes forms) { return choice::are_solids(forms) && scene.meets(forms); });
+                          [&scene](Shapes forms) { return selection::are_solids(forms) && scene.meets(forms); });
     measure::offset::OffsetRequest request{
         .scene = &scene,
         .rows = {},
-        .strategies = choice::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
-                                                                                    : std::vector<std::string>{"*"}),
+        .strategies = selection::select_strategies(strategies && strategies->count > 0 ? words_of(*strategies)
+                                                                                       : std::vector<std::string>{"*"}),
         .limit = {.stop = running.stop()}};
     for (const TestedForm& row : chosen.rows) {
         if (points != "projected") request.rows.push_back({row, measure::offset::HitPoint::computed});
@@ -127,9 +127,10 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const m
         throw InputError("the solids of scene " + scene.id +
                          " stand under matrices; `lostbits mend` looks through those");
     const TestedForm& row = the_one_row(chosen, "a form is mended in one format");
-    if (choice::is_emulated(row.format)) throw InputError("operations are made wider in f32 and f64; name one of them");
-    choice::refuse_makers({row.form}, "mend");
-    choice::refuse_made_rays({scene}, "mend");
+    if (selection::is_emulated(row.format))
+        throw InputError("operations are made wider in f32 and f64 only; name one of them");
+    selection::refuse_makers({row.form}, "mend");
+    selection::refuse_made_rays({scene}, "mend");
     measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
     request.limit.stop = running.stop();
     request.progress = running.advancing(0);
@@ -150,9 +151,9 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     request.wish = wish;
     request.limit.stop = request.plan.stop = running.stop();
     request.scene = &scene;
-    request.rows = choice::timed_on(scene.id, {chosen.rows, chosen.forms, true},
-                                    [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows, [](const TestedForm& row) { return choice::is_emulated(row.format); });
+    request.rows = selection::timed_on(scene.id, {chosen.rows, chosen.forms, true},
+                                       [&scene](Shapes forms) { return scene.meets(forms); });
+    std::erase_if(request.rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
     if (request.rows.empty())
         throw InputError(
             "a choice is among f32 and f64: the time of an emulated format says nothing; name one of them");
@@ -205,7 +206,7 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
         require(result, "result");
         Choosing chosen(choice);
         CallRun running(run);
-        const std::string folder = choice::data_folder(data ? data : "").string();
+        const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
             return hand_over(sweep_of(scene::sweep::find_sweep(sweep, folder), folder, chosen, running), result);
         const TextFile file(sweep);

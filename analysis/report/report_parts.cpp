@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/cases.hpp"
 #include "output/map/map_files.hpp"
@@ -60,7 +60,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     measure::sweep::CaseRequest request{
         .file = &file,
         .rows = {},
-        .metrics = choice::measured(
+        .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm row : work.rows) {
@@ -110,7 +110,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     measure::sweep::SweepRequest request{
         .sweep = &sweep,
         .rows = work.rows,
-        .metrics = choice::measured(
+        .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
@@ -188,13 +188,13 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
                                                                                            : axes_part(work, stop);
-    part.json["named"] = choice::name_of_sweep(work.path, work.data);
+    part.json["named"] = selection::name_of_sweep(work.path, work.data);
     return part;
 }
 
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop) {
-    auto scenes = choice::load_scenes({names, size, "", {}, stop}, data);
+    auto scenes = selection::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
         measure::offset::require_few_solids(scene);
     }
@@ -205,10 +205,10 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     namespace offset = measure::offset;
     offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
-    const auto forms = choice::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
-    auto all = choice::cross(forms, choice::select_formats({std::string(offset::usual_format)}));
-    const choice::Meets meets = [&scene](Shapes of) { return choice::are_solids(of) && scene.meets(of); };
-    const auto rows = choice::rows_meeting({all, {}, true}, scene.id, meets);
+    const auto forms = selection::select_forms({offset::usual_forms.begin(), offset::usual_forms.end()});
+    auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
+    const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
+    const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     request.rows = {{rows.front(), offset::HitPoint::computed}};
     request.quiet = false;  // no table of the page has it

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/sets.hpp"
+#include "analysis/selection/sets.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/metric/metric_set.hpp"
@@ -47,7 +47,7 @@ struct ChoiceWork {
 };
 /// `SCENE:BITS`, or `SCENE:BITS:AT`, as the command line has it; `size` may be empty: the scene's. InputError, with
 /// what to write, for any other word.
-ChoiceWork choice_of(const std::string& word, const std::string& size, const choice::ChosenRows& rows,
+ChoiceWork choice_of(const std::string& word, const std::string& size, const selection::ChosenRows& rows,
                      const std::filesystem::path& data, StopToken stop);
 /// Short measurements, as `lostbits choose --quick`.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);

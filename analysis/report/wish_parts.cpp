@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/select.hpp"
 #include "analysis/report/report_parts.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "measure/choice/room.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/mend/mend_rows.hpp"
@@ -67,11 +67,11 @@ private:
 
 }  // namespace
 
-ChoiceWork choice_of(const std::string& word, const std::string& size, const choice::ChosenRows& rows,
+ChoiceWork choice_of(const std::string& word, const std::string& size, const selection::ChosenRows& rows,
                      const std::filesystem::path& data, StopToken stop) {
     const WishWord said("--choose", "a scene", "near-benign", word, {});
-    auto scene = choice::load_one_scene({{said.rest}, size, "", {}, stop}, data);
-    auto timed = choice::timed_on(scene, rows);
+    auto scene = selection::load_one_scene({{said.rest}, size, "", {}, stop}, data);
+    auto timed = selection::timed_on(scene, rows);
     return {std::move(scene), said.wish, std::move(timed)};
 }
 
@@ -79,13 +79,13 @@ MendWork mend_of(const std::string& word, const std::string& size, const std::fi
     WishWord said("--mend", "a scene, a form", "near-benign:sphere.half_b", word, {.quantile = 1});
     const std::string form = said.last();
     if (said.rest.empty()) said.refuse("names no scene, or no form");
-    auto scene = choice::load_one_scene({{said.rest}, size, "", {}, stop}, data);
-    auto all = choice::cross(choice::select_forms({form}), choice::select_formats({"f32"}));
-    const auto rows = choice::rows_meeting({all, {form}, true}, scene.id,
-                                           [&scene](Shapes of) { return choice::are_solids(of) && scene.meets(of); });
+    auto scene = selection::load_one_scene({{said.rest}, size, "", {}, stop}, data);
+    auto all = selection::cross(selection::select_forms({form}), selection::select_formats({"f32"}));
+    const auto rows = selection::rows_meeting(
+        {all, {form}, true}, scene.id, [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); });
     if (rows.size() != 1) said.refuse(form + " is not one form for the solids of that scene");
-    choice::refuse_makers({rows.front().form}, "mend");
-    choice::refuse_made_rays({scene}, "mend");
+    selection::refuse_makers({rows.front().form}, "mend");
+    selection::refuse_made_rays({scene}, "mend");
     return {std::move(scene), said.wish, rows.front()};
 }
 

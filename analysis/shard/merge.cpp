@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/options.hpp"
 
 namespace lostbits::analysis::shard {
 
@@ -16,7 +16,7 @@ struct MergeOptions {
 
 /// The words of the run whose shards these are, with a place of its own.
 std::vector<std::string> words_of_run(const std::string& command, const MergeOptions& o) {
-    std::vector<std::string> words = choice::words_in(command);
+    std::vector<std::string> words = selection::words_in(command);
     const bool checks = words.size() > 1 && words[1] == "check";
     words.insert(words.end(), {checks ? "--report" : "-o", o.out});
     for (const auto& [option, file] : {std::pair("--junit", o.junit),

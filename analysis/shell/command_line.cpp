@@ -26,7 +26,7 @@ std::string not_one_of(const std::string& option, const std::string& word, const
 
 template <class T>
 ValueRule in_range(T low, T high) {
-    const auto text = [](T end) { return fmt::format("{:g}", static_cast<double>(end)); };
+    const auto text = [](T end) { return fmt::format("{:.10g}", static_cast<double>(end)); };  // every int in full
     const auto wrong = [=](const std::string& option, const std::string& word) {
         T value{};
         const bool fits = CLI::detail::lexical_cast(word, value) && low <= value && value <= high;

@@ -53,7 +53,7 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
 
 }  // namespace
 
-std::string what_is_wrong(const CommandLine& program, const Misread& error) {
+std::string describe_misread(const CommandLine& program, const Misread& error) {
     const std::string text = output::file::terminal_line(error.what());
     // A slip in a name is why something else seems to be missing.
     if (error.kind == Misread::nothing_takes_it || (error.kind == Misread::missing && !program.leftover().empty()))

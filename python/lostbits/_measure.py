@@ -110,7 +110,7 @@ def truth(o: Floats, d: Floats, solids: Any, *, shape: str = "sphere", paired: b
 
 def offsets(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", strategies: Texts = (),
             points: str = "both", *, threads: int = 0, progress: bool = True) -> Offsets:
-    """By how much the origin of the next ray must move, point by point, and what published strategies do.
+    """How far the origin of the next ray must move, point by point, and what published strategies do.
 
     `forms` find the points and are asked for self-hits: of spheres or boxes; none: sphere.half_b, box.ieee_minmax.
     `strategies`: names and globs; none: all. `points`: "computed", "projected" (put back onto the surface) or "both".
@@ -206,7 +206,7 @@ def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: fl
     cheapest first; `.room`, how far it holds; `.text`. Times are measured anew each time.
     """
     if bits is None and tolerance is None:
-        raise lib.InputError("choose: nothing is wished; say bits=16, of t, or tolerance=0.001, of the hit point")
+        raise lib.InputError("choose: no wish is given; add bits=16 (of t) or tolerance=0.001 (of the hit point)")
     on, asked = scene_of(scene), Asked(forms, formats)
     wish = lib.Wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at.encode())
     code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)

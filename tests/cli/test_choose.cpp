@@ -57,7 +57,7 @@ TEST_CASE("choose takes a length for a wish") {
     const auto both = choose(scene + " --tolerance 1 --bits 40" + forms, scratch);
     CHECK(both.code == 0);
     CHECK(has(both.out, "40 correct bits of 99 of 100 hits and at most 1 off"));
-    CHECK(has(choose(scene, scratch).err, "nothing is wished; say --bits 16"));
+    CHECK(has(choose(scene, scratch).err, "no wish is given; add --bits 16"));
 }
 
 TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {

@@ -1,4 +1,5 @@
 // `lostbits choose` for rays of files, from the outside. Times are not asserted.
+#include <algorithm>
 #include <fstream>
 
 #include "catch.hpp"
@@ -42,13 +43,12 @@ TEST_CASE("choose takes a file of rays, and says what its own answers are worth"
     CHECK(rows.back().at("form") == "file.far-sphere");
     CHECK(rows.back().at("time_ns").empty());
     CHECK(rows.back().at("wrong") == "185");
-    for (const auto& row : rows) {
-        // The renderer that wrote the file has the operations of this form.
-        if (row.at("form") == "sphere.schoolbook" && row.at("format") == "f32") {
-            CHECK(row.at("wrong") == "185");
-            CHECK(row.at("kept_bits") == rows.back().at("kept_bits"));
-        }
-    }
+    // The renderer that wrote the file has the operations of this form.
+    const auto same = std::ranges::find_if(
+        rows, [](const auto& row) { return row.at("form") == "sphere.schoolbook" && row.at("format") == "f32"; });
+    REQUIRE(same != rows.end());
+    CHECK(same->at("wrong") == "185");
+    CHECK(same->at("kept_bits") == rows.back().at("kept_bits"));
     CHECK(read_csv(scratch.path() / "far-sphere" / "room.csv").size() == 3);
     CHECK(std::filesystem::exists(scratch.path() / "far-sphere" / "front.png"));
 }

@@ -190,9 +190,9 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
              {"near-benihn --worst" + with, "near-benign"},
              {"box-distance --worst" + with, "try -i 'box.*'"},
              {"near-benign --size 1x1 --set camera.look_at[2]=100 --worst" + with,
-              "it decides all rays rightly, and none of them hits anything"},
+              "it decides every ray correctly, and none of them hits anything"},
              // What would change nothing, or cannot, is refused; of a sweep as `lostbits sweep` refuses it.
-             {"sphere-distance --worst --variant foo" + with, "--variant foo: is of a scene"},
+             {"sphere-distance --worst --variant foo" + with, "--variant foo: is for a scene"},
              {"sphere-distance --worst --pixel 1,1" + with, "--pixel 1,1: names one ray"},
              {"sphere-distance --worst --size 9x9" + with, "--size is of a scene's picture"},
              {"sphere-distance --worst --set nonsense=64" + with, "unknown key"},
@@ -216,13 +216,17 @@ TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
     CHECK(r.code == 0);
     CHECK(has(r.out, "over the ranges of the rays of sphere-distance at 4"));
     CHECK(has(r.out, "the ranges of the 64 rays of the step"));
-    const auto far = run("explain sphere-distance --at 4096 --set views=1 --json" + with, folder.path());
+    const auto far = run("explain sphere-distance --ranges --at 4096 --set views=1 --json" + with, folder.path());
     CHECK(has(far.out, "\"sweep\": \"sphere-distance at 4096\""));
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
              {"sphere-distance --ranges", "name one step of it by --at distance_radii"},
              {"sphere-distance --ranges --at 1,2", "write --at distance_radii"},
              {"near-benign --ranges --at 4", "--at 4: is a step of a sweep"},
-             {"worst/near --ranges --at 4", "has no axes"}}) {
+             {"worst/near --ranges --at 4", "has no axes"},
+             {"sphere-distance --at 4", "--at requires --ranges"},
+             {"near-benign --range d.x=0..1", "--range requires --ranges"},
+             {"near-benign --boxes 64", "--boxes requires --ranges"},
+             {"near-benign --ranges --boxes 0", "--boxes 0: is not a number from 1 to 1048576"}}) {
         const auto refused = run("explain " + arguments + " -i sphere.unified", folder.path());
         INFO(arguments << "\n" << refused.err);
         CHECK(refused.code == 2);

@@ -197,7 +197,7 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
         Bad{"--sphere 0,0,0,1 --size 7x1", head + good, "has 1 rays where a picture of 7x1 has 7"},
         Bad{"--sphere 0,0,0,1 --size 0x0", head + good, "whole numbers from 1 to 65536"},
         Bad{"--sphere 0,0,0,1 --size=-1x5", head + good, "whole numbers from 1 to 65536"},
-        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "only answers are known"},
+        Bad{"--sphere 0,0,0,1 --metric culprit", head + good, "whose operations are not known"},
         Bad{"--sphere 0,0,0,1 --metric lost_bit", head + good, "lost_bits"},
         Bad{"--sphere 0,0,0,1 --format f23", head + good, "unknown format"},
         Bad{"--sphere 0,0,0,1 --miss nan", head + good, "--miss nan"},

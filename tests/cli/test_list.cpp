@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
@@ -71,9 +72,10 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
         mapped += r.code == 0;
     }
     CHECK(mapped == static_cast<int>(array.size()));
-    for (const auto& o : array) {
-        if (o["name"] == "sphere.schoolbook") CHECK(o["labels"] == "a b c disc t");
-    }
+    const auto schoolbook =
+        std::find_if(array.begin(), array.end(), [](const auto& o) { return o["name"] == "sphere.schoolbook"; });
+    REQUIRE(schoolbook != array.end());
+    CHECK((*schoolbook)["labels"] == "a b c disc t");
 }
 
 TEST_CASE("list formats and scenes name what map takes") {

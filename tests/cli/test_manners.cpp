@@ -35,7 +35,7 @@ TEST_CASE("an option takes one value, and the scene may stand behind it") {
               .code == 0);
     const auto none = run("report --claims nothing near-benign" + into(scratch));
     CHECK(none.code == 2);
-    CHECK(has(none.err, "no claim of the results has such an id"));
+    CHECK(has(none.err, "no claim of the profile results has this id"));
 }
 
 TEST_CASE("several values stand between commas, and options may be repeated") {

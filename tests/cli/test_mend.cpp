@@ -129,7 +129,7 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     CHECK(shader.code == 2);
     CHECK(has(shader.err, "a shader is given a solid and no matrix"));
     if (!is_long()) return;  // compiling takes half a minute
-    CHECK(has(r.out, "Compiled, held against their tapes to the bit on all rays"));
+    CHECK(has(r.out, "Compiled, compared with their tapes to the bit on all rays"));
     int mended = 0, beside = 0;
     for (const auto& row : read_csv(scratch.path() / "out" / "instance-far.sphere" / "mend.csv")) {
         INFO(row.at("kind") << " " << row.at("form"));

@@ -169,8 +169,7 @@ set = ["sphere[0].radius"]
     CHECK(read_csv(scratch.path() / "d/near/worst.csv").front().at("evaluations") == "64");
 }
 
-TEST_CASE(
-    "a sweep: --size, --set and --steps are refused where they mean nothing, with what does, and nothing is written") {
+TEST_CASE("a sweep: options are refused where they mean nothing, with what does, and nothing is written") {
     const Scratch scratch;
     static_cast<void>(scratch.write("s.toml", small_sweep));
     static_cast<void>(scratch.write("f.toml", small_sweep + "\n[[axis]]\nname = \"impact\"\nspacing = "
@@ -197,6 +196,12 @@ TEST_CASE(
         {"mesh-edges --worst --size 8x8", "--set rays=N"},
         {"mesh-edges --worst --set ray=8", "did you mean \"rays\""},
         {"near --worst --set strats=8", "did you mean \"starts\""},
+        {"near --worst --metric condition", "--metric condition: near searches by the metric that its file names"},
+        {"near --worst --metric condition", "leave out --metric, and try --set metric=condition"},
+        {"near --worst --seeds 3", "--seeds 3: near has no onsets"},
+        {"near --worst --against sphere.unified", "leave out --against"},
+        {"mesh-edges --worst --metric lost_bits",
+         "nearest cracks and double hits, not for a metric; leave out --metric"},
         {"exhaustive-distance --steps 8", "tries every float of its range"},
         {"exhaustive-distance --size 8x8", "leave out --size"},
         {"exhaustive-distance --set radius=2", "copy the file"},

@@ -111,11 +111,14 @@ TEST_CASE("boxes have a trade of their own") {
     CHECK(r.out.empty());
     const auto standings = read_csv(scratch.path() / "box/pareto.csv");
     // A padded box has no false miss at its edges; what that costs is false hits.
+    std::size_t padded = 0;
     for (const auto& row : standings) {
         CHECK(row.at("format") == "f32");
-        if (row.at("form") == "box.pbrt_padded" && row.at("ray_set") == "edge-grazing")
-            CHECK(row.at("false_miss_fraction") == "0");
+        if (row.at("form") != "box.pbrt_padded" || row.at("ray_set") != "edge-grazing") continue;
+        ++padded;
+        CHECK(row.at("false_miss_fraction") == "0");
     }
+    CHECK(padded > 0);
     CHECK(std::filesystem::exists(scratch.path() / "box/edge-grazing.png"));
 }
 

@@ -97,7 +97,7 @@ TEST_CASE("against: a sweep counts too, and wrong words are refused", "[doors]")
         CHECK(o.code == 2);
         CHECK(has(o.err, says));
     };
-    refused("-i sphere.press --against box.signs", "no selected form is so");
+    refused("-i sphere.press --against box.signs", "no selected form is for that");
     refused("-f f64 -i sphere.press --against sphere.double_inside", "in f32");
     refused("--against sphere.unifide", "did you mean");
     refused("--metric apart", "--against FORM");

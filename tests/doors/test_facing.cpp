@@ -1,4 +1,5 @@
 // One side of a triangle as a word of a contract: tried, believed by every command, and refused of what has no front.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -96,7 +97,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
     CHECK(judged("both")["false_miss"] == "1");
     const Outcome refused = run("judge rays.csv --sphere 0,0,0,1 --facing front -o out", folder.path());
     CHECK(refused.code == 2);
-    CHECK(has(refused.err, "facing is said of what has a front and a back (triangles, discs, planes)"));
+    CHECK(has(refused.err, "facing is for what has a front and a back (triangles, discs, planes)"));
 }
 
 TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
@@ -109,8 +110,10 @@ TEST_CASE("facing: a pipe says it, and a sphere may not", "[doors]") {
     const Outcome front = header("shape=triangle\\nfacing=front");
     INFO(front.err);
     CHECK(front.code == 0);
-    for (const auto& form : nlohmann::json::parse(front.out))
-        if (form["name"] == "a.x") CHECK(form["facing"] == "front");
+    const auto forms = nlohmann::json::parse(front.out);
+    const auto found = std::find_if(forms.begin(), forms.end(), [](const auto& form) { return form["name"] == "a.x"; });
+    REQUIRE(found != forms.end());
+    CHECK((*found)["facing"] == "front");
     for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
              {"shape=sphere\\nfacing=front", "leave it out of a sphere"},
              {"shape=tube\\nfacing=back", "leave it out of a tube"},

@@ -226,7 +226,7 @@ TEST_CASE("words: what contradicts itself is refused, and what a library of befo
     };
     for (const auto& [words, says] : std::initializer_list<std::array<std::string, 2>>{
              {"roots=first\\nflags=line", "need both roots, or the near one"},
-             {"roots=near\\nflags=clipped", "clipped is said of an interval"},
+             {"roots=near\\nflags=clipped", "clipped is about an interval"},
              {"flags=clipped", "say at_origin = exit as well"},
              {"inside=near", "the near root alone"},
              {"roots=near\\ninside=exit", "tells the first root"},

@@ -1,11 +1,11 @@
-#include "analysis/choice/ray_numbers.hpp"
+#include "analysis/selection/ray_numbers.hpp"
 #include "fuzz/fuzz.hpp"
 
 namespace lostbits::fuzz {
 
 /// `--ray`, `--sphere`, `--pixel` and `--as`: a line each.
 void fuzz_ray(std::string_view bytes) {
-    using namespace analysis::choice;
+    using namespace analysis::selection;
     std::array<std::string, 4> lines;
     for (std::string& line : lines) {
         const std::size_t end = std::min(bytes.find('\n'), bytes.size());

@@ -129,7 +129,7 @@ class Mistakes(unittest.TestCase):
             (lb.InputError, "name one form and one format", lambda: lb.mend("sphere.*", "near-benign", 6)),
             (lb.InputError, "each format makes the rays of this scene",
              lambda: lb.mend("sphere.press", lb.scene("camera-far.endless", set="camera.rays=\"bevy\""), 6)),
-            (lb.InputError, "nothing is wished", lambda: lb.choose("near-benign")),
+            (lb.InputError, "no wish is given", lambda: lb.choose("near-benign")),
             (lb.InputError, "metrics lost_bit", lambda: lb.map("near-benign", "sphere.press", metrics="lost_bit")),
             (lb.InputError, "formats", lambda: lb.map("near-benign", "sphere.press", "f16")),
             (lb.InputError, "strategies", lambda: lb.offsets("near-benign", strategies="none such")),

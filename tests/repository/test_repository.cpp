@@ -242,8 +242,8 @@ std::ptrdiff_t names_of_shapes(const SourceFile& file) {
 TEST_CASE("what names a shape lies in its folder, or has its reason", "[repository]") {
     const std::string march = "a march is of all solids together, and has a word among the shapes";
     const std::map<std::string, std::string> reasons{
-        {"analysis/choice/ray_words.cpp", march},
-        {"analysis/choice/sets.hpp", march},
+        {"analysis/selection/ray_words.cpp", march},
+        {"analysis/selection/sets.hpp", march},
         {"analysis/judge.cpp", march},
         {"src/intersect/doors/formula_of.hpp", "what a compiler says to who writes a form: two examples and a march"},
         {"src/intersect/simd/packed_many_kernels.hpp", "the planes of a box in order: a loop by hand"},

@@ -167,8 +167,8 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
     CHECK(
         has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"), "hit_eps is \"-1\"; it is a number"));
-    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is said of an interval; it needs both roots"));
-    const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is said, and `float ";
+    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped is about an interval, and needs both roots"));
+    const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, and `float ";
     CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` is not told where rays begin and end; give it"));
     CHECK(
         has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range), "is not told where rays"));

@@ -53,21 +53,21 @@ void require_roots(const Contract& c, const std::string& from) {
                          ": answers for the whole line need both roots, or the near one: of these the first ahead is "
                          "taken");
     if ((c.flags & LB_CLIPPED) != 0 && !both)
-        throw InputError(from + ": clipped is said of an interval; it needs both roots");
+        throw InputError(from + ": clipped is about an interval, and needs both roots");
     const bool exits = !zero_inside(c.shape) || c.inside == Inside::exit;
     if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
         throw InputError(from +
-                         ": a near root that is clipped to 0 tells no surface at the origin from one behind it; say "
-                         "at_origin = exit as well, or miss");
+                         ": a near root that is clipped to 0 cannot tell a surface at the origin from one behind it; "
+                         "say at_origin = exit as well, or miss");
     if ((c.flags & LB_RANGE) != 0 && (both || near))
         throw InputError(from +
-                         ": range is said of a form that tells the first root in the range (roots = first) or yes and "
-                         "no; of near and far the first in the range is taken afterwards");
+                         ": range is for a form that tells the first root in the range (roots = first) or yes and no; "
+                         "of near and far the first in the range is taken afterwards");
     if ((c.flags & LB_RANGE) != 0 && (c.flags & LB_NO_END) != 0)
         throw InputError(from +
                          ": says range and no_end; a form that looks at where rays begin looks at their ends too");
     if (c.inside == Inside::near && !near)
-        throw InputError(from + ": inside = near is said of a form of the near root alone (roots = near)");
+        throw InputError(from + ": inside = near is for a form of the near root alone (roots = near)");
     if (c.inside == Inside::exit && near)
         throw InputError(from + ": a form that answers the exit from inside tells the first root (roots = first)");
 }
@@ -79,7 +79,7 @@ void require_front(Facing facing, Shape shape, const std::string& from) {
     std::string flat;
     for (const ShapeRow& row : shape_rows)
         if (row.flat) flat += (flat.empty() ? "" : ", ") + std::string(row.plural);
-    throw InputError(from + ": facing is said of what has a front and a back (" + flat + "); leave it out of " +
+    throw InputError(from + ": facing is for what has a front and a back (" + flat + "); leave it out of " +
                      with_article(shape));
 }
 

@@ -100,7 +100,7 @@ private:
         auto partner = std::make_unique<Partner>(command_, terms_);
         if (partner->contracts != contracts_)
             partner->child.fail(
-                "says something else of itself when it is started a second time; let it say the same, or add "
+                "describes itself differently when it is started a second time; let it say the same, or add "
                 "flags=one_thread");
         return partner;
     }

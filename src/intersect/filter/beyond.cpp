@@ -66,25 +66,15 @@ Told ask(const double* numbers, double u) {
 template <template <class> class S, class E>
 using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<E>&>()));
 
-template <class>
-inline constexpr bool is_quartic = false;
-template <class E>
-inline constexpr bool is_quartic<QuarticSpan<E>> = true;
-
-/// What decides is of degree 12 in the inputs at most. A quartic, divided by what it has in common with its slope, is
-/// of degree 62 in them where the ray begins: 62 (1024 + 1074) + 70 < 131072.
-template <template <class> class S>
-inline constexpr long enough_bits = is_quartic<SpanOf<S, Interval>> ? 131072 : 32768;
-
 template <template <class> class S>
 Beyond settle(const double* numbers, double u) {
     if (u > 0x1p-53)
         if (const Told in_double = ask<S, Proving<double>>(numbers, u)) return *in_double;
-    // Balls tell double roots of some numbers, and take seven times as long.
-    if constexpr (is_quartic<SpanOf<S, Ball>>)
+    using By = Deciding<SpanOf<S, Ball>>;
+    if constexpr (By::tries_running_words)
         if (const Told in_two_words = ask<S, Running<TwoWords<double>>>(numbers, u)) return *in_two_words;
     if (const Told in_two_words = ask<S, Ball>(numbers, u)) return *in_two_words;
-    for (long bits = 192; bits <= enough_bits<S>; bits *= 2) {
+    for (long bits = 192; bits <= By::enough_bits; bits *= 2) {
         const Interval::Precision precision(bits);
         if (const Told exactly = ask<S, Interval>(numbers, u)) return *exactly;
     }

@@ -19,8 +19,8 @@ struct Beyond {
 /// or a direction of zero, meets nothing.
 ///
 /// In double where u is coarser, then in double-double (`Ball`), then in intervals (`Interval`) of 192 bits and twice
-/// as many until they tell. What decides are polynomials of the inputs, which enough bits hold exactly (each span says
-/// how many): 32768 are more, and 131072 of a quartic.
+/// as many until they tell. What decides are polynomials of the inputs, which enough bits hold exactly (`Deciding` of
+/// each span says how many).
 Beyond beyond(Shape shape, const double* numbers, double u);
 
 }  // namespace lostbits::intersect::filter

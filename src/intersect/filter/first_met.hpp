@@ -18,6 +18,15 @@ struct FirstMet {
     E t;
 };
 
+/// By which arithmetics a ray's first meeting of a span is settled where that of the form proves nothing.
+template <class Span>
+struct Deciding {
+    /// What decides is of degree 12 in the inputs at most, so that so many bits hold it exactly.
+    static constexpr long enough_bits = 32768;
+    /// Whether two words with a running bound are tried before balls.
+    static constexpr bool tries_running_words = false;
+};
+
 /// Whether x is positive, of an x close to 0 either answer: always an answer.
 template <class E>
 mask_t<E> leans_up(const E& x) {

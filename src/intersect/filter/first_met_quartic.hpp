@@ -9,6 +9,15 @@
 
 namespace lostbits::intersect::filter {
 
+/// Divided by what it has in common with its slope, f is of degree 62 in the inputs where the ray begins:
+/// 62 (1024 + 1074) + 70 < 131072. Balls tell double roots of some numbers, and take seven times as long as two words
+/// with a running bound.
+template <class E>
+struct Deciding<QuarticSpan<E>> {
+    static constexpr long enough_bits = 131072;
+    static constexpr bool tries_running_words = true;
+};
+
 /// The first of the roots as far as signs along Sturm's chain tell, and 0 where the ray begins at one.
 template <class E>
 FirstMet<E> first_met(const QuarticSpan<E>& s) {

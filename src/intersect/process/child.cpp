@@ -229,7 +229,7 @@ std::string Child::read_line() {
         read({&one, 1});
         if (static_cast<char>(one) == '\n') return line;
         line += static_cast<char>(one);
-        if (line.size() > 4096) fail("wrote a first line without end; see docs/pipe.md for what it says at its start");
+        if (line.size() > 4096) fail("wrote a first line without end; see docs/pipe.md for how it must begin");
     }
 }
 

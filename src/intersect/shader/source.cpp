@@ -222,7 +222,7 @@ void obey(const Word& word, ShaderSource& shader) {
 
 /// InputError for a function that cannot look at where rays begin and end.
 void require_range(const std::string& path, const Signature& s) {
-    const std::string says = place(path, s.function) + ": flags=range is said, and `" + s.function.words() + "` ";
+    const std::string says = place(path, s.function) + ": flags=range is given, and `" + s.function.words() + "` ";
     if (s.kind == Signature::Kind::field)
         throw InputError(says +
                          "is a field: the loop around it begins at 0; write the march, or leave it out, and what "

@@ -26,9 +26,10 @@ constexpr int drawn_rays = 64;
 class GivenRays {
 public:
     explicit GivenRays(const RangesRequest& request) : info_(*request.form->info) {
-        if (request.step)
-            for (const scene::rays::RayGroup& group : request.step->groups) bands_.emplace_back(group, request.limit);
-        else bands_.emplace_back(*request.scene, 0, request.scene->height, request.limit);
+        if (const auto* const step = std::get_if<StepRays>(&request.rays))
+            for (const scene::rays::RayGroup& group : step->groups) bands_.emplace_back(group, request.limit);
+        else if (const auto* const scene = std::get_if<scene::file::Scene>(&request.rays))
+            bands_.emplace_back(*scene, 0, scene->height, request.limit);
         for (const truth::Band& band : bands_)
             inputs_.push_back(
                 band.inputs(request.format, {.unit_rays = info_.direction == intersect::Direction::unit}));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "intersect/table/table.hpp"
@@ -26,15 +27,17 @@ struct StepRays {
 };
 
 struct RangesRequest {
-    const scene::file::Scene* scene = nullptr;
-    const StepRays* step = nullptr;  ///< in place of the scene
+    std::variant<scene::file::Scene, StepRays> rays = {};  ///< those of a scene, or of a step
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
     std::vector<GivenRange> asked = {};
     std::size_t boxes = 4096;  ///< over all solids
     truth::TruthLimit limit = {};
 
-    [[nodiscard]] const std::string& id() const { return step ? step->id : scene->id; }
+    [[nodiscard]] bool is_of_step() const { return std::holds_alternative<StepRays>(rays); }
+    [[nodiscard]] const std::string& id() const {
+        return std::visit([](const auto& of) -> const std::string& { return of.id; }, rays);
+    }
 };
 
 /// Of a share of the ranges in which there may be hits, by volume: no rounding error of a hit is above it, in units of

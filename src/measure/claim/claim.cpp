@@ -189,13 +189,14 @@ namespace {
 std::string dear_work(const Claim& claim) {
     if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
         return "";
-    if (asks_for_attribution(claim) && !claim.metric.starts_with("culprit_alone")) return "the tape of every ray";
-    std::string_view longest;  // of worst_step_origin_fraction both worst and worst_step may be metrics
+    const metric::Metric* dear = nullptr;  // of worst_step_origin_fraction both worst and worst_step may be metrics
     for (const metric::Metric& m : metric::metrics()) {
-        if (!m.by_default && m.name.size() > longest.size() && claim.metric.starts_with(std::string(m.name) + "_"))
-            longest = m.name;
+        const bool longer = dear == nullptr || m.name.size() > dear->name.size();
+        if (!m.by_default && longer && claim.metric.starts_with(std::string(m.name) + "_")) dear = &m;
     }
-    return std::string(longest);
+    const bool runs_again = dear != nullptr && (dear->needs & metric::needs_counterfactuals) != 0;
+    if (asks_for_attribution(claim) && !runs_again) return "the tape of every ray";
+    return dear == nullptr ? "" : std::string(dear->name);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
         scene::toml::fail(first.where, "search \"" + called + "\" asks for the unknown metric \"" + file.metric +
                                            "\"; `lostbits list metrics` shows them");
     sweep::WorstRequest request{
-        .search = &file,
+        .search = file,
         .rows = {},
         .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched},
         .limit = {.stop = run.stop}};

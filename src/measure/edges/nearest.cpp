@@ -122,7 +122,7 @@ class Search {
 public:
     Search(const EdgeRequest& request, const Subject& subject, const evaluate::TestedForm& row, std::size_t wanted)
         : request_(request),
-          file_(*request.search),
+          file_(request.search),
           subject_(subject),
           row_(row),
           wanted_(wanted),
@@ -277,7 +277,7 @@ private:
 }  // namespace
 
 std::vector<EdgeFinding> find_nearest(const EdgeRequest& request) {
-    const Subject subject(request.search->scene);
+    const Subject subject(request.search.scene);
     const auto units = request.share.of_units(request.rows.size());
     std::vector<EdgeFinding> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size() * sought.size(), [&](std::size_t k) {

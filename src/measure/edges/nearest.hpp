@@ -32,7 +32,7 @@ struct EdgeFinding {
 };
 
 struct EdgeRequest {
-    const scene::sweep::EdgeSearchFile* search = nullptr;
+    scene::sweep::EdgeSearchFile search;
     std::vector<evaluate::TestedForm> rows;  ///< of forms for triangles
     truth::TruthLimit limit{};
     shard::Share share = {};  ///< of the rows

@@ -159,7 +159,7 @@ void seal(OffsetSummary& summary) {
 void require_few_solids(const Scene& scene) {
     if (scene.solid_count() <= most_solids) return;
     throw InputError(fmt::format(
-        "scene {}: has {} solids, and every ray is held against all of them; at most {}: try a part of the scene",
+        "scene {}: has {} solids, and every ray is tried against all of them; {} is the most: try a part of the scene",
         scene.id, scene.solid_count(), most_solids));
 }
 

@@ -80,7 +80,7 @@ class Search {
 public:
     Search(const WorstRequest& request, const evaluate::TestedForm& row)
         : request_(request),
-          file_(*request.search),
+          file_(request.search),
           row_(row),
           random_(file_.seed),
           metric_(metric::place_of(request.metrics, file_.metric)) {}

@@ -23,7 +23,7 @@ struct WorstFound {
 };
 
 struct WorstRequest {
-    const scene::sweep::SearchFile* search = nullptr;
+    scene::sweep::SearchFile search;
     std::vector<evaluate::TestedForm> rows;
     std::vector<const metric::Metric*> metrics;  ///< the search's own, by `searched`
     truth::TruthLimit limit{};

@@ -112,8 +112,8 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
                          std::string(intersect::hull::innermost(form).info->name));
     if (!form.record)
         throw InputError(name +
-                         ": its operations are not seen, since it is compiled elsewhere; written as a form they are "
-                         "(docs/your-own-form.md)");
+                         ": its operations are not known, since it is compiled elsewhere; write it as a form over any "
+                         "number to see them (docs/your-own-form.md)");
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     Solid<double> solid(form.shape);
     for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<double>(k + 1);

@@ -84,7 +84,7 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
     std::string text =
         fmt::format("{} in {} over the ranges of the rays of {}, in {} boxes:\n{}", request.form->info->name,
                     request.format.name, request.id(), r.boxes, ranges_block(r));
-    if (request.step)
+    if (request.is_of_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. Where they are drawn at random, others may lie beyond.\n",
             r.rays);
@@ -96,7 +96,7 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
     if (r.unknown < 1 - r.missed)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp wherever there is a bound\n", r.largest, r.largest_ulps);
-    text += seen_text(r.given, request.step ? "the rays of the step" : "the rays of the scene");
+    text += seen_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
     text += seen_text(r.drawn, "rays drawn where the bounds are largest");
     return r.shares.empty() ? text : text + operations_block(r);
 }
@@ -117,7 +117,7 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
                               {"ulps", number(r.shares[static_cast<std::size_t>(i)])}});
     const Json all{{"form", std::string(request.form->info->name)},
                    {"format", request.format.name},
-                   {request.step ? "sweep" : "scene", request.id()},
+                   {request.is_of_step() ? "sweep" : "scene", request.id()},
                    {"ranges", ranges},
                    {"boxes", r.boxes},
                    {"missed", r.missed},
@@ -125,7 +125,7 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
                    {"undecided", r.undecided + r.unknown},
                    {"quantiles", quantiles},
                    {"largest", {{"error", number(r.largest)}, {"ulps", number(r.largest_ulps)}}},
-                   {request.step ? "rays_of_step" : "rays_of_scene", seen_json(r.given)},
+                   {request.is_of_step() ? "rays_of_step" : "rays_of_scene", seen_json(r.given)},
                    {"rays_drawn", seen_json(r.drawn)},
                    {"operations", operations}};
     return all.dump(2) + "\n";

@@ -138,8 +138,8 @@ std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& marc
 /// The culprit, or why there is none to name.
 std::string blame_sentence(const Explanation& x, bool marches) {
     if (!x.has_tape())
-        return "Its operations cannot be looked at, since it is compiled elsewhere; written as a form over any number "
-               "they can (docs/your-own-form.md).";
+        return "Its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
+               "see them (docs/your-own-form.md).";
     if (names_culprit(x)) {
         const std::string alone = counterfactual_sentence(x);
         return culprit_sentence(x) + (alone.empty() ? "" : " " + alone);
@@ -185,9 +185,8 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
     for (const measure::blame::Standing& s : x.beside) {
         const auto& name = s.form->info->name;
         if (s.other_question)
-            text +=
-                fmt::format("{} has another contract, by which another answer is true of this ray. By its own: {}.\n",
-                            name, fares(s));
+            text += fmt::format("{} has another contract, so another answer is right for this ray. By its own: {}.\n",
+                                name, fares(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
                                 s.around < x.standing.around ? ", by a bit or more" : "", fares(s));

@@ -130,9 +130,10 @@ std::string room_in_words(const Room& room, const Chosen& chosen, int precision)
     const Wish& wish = chosen.request.wish;
     const bool rays = chosen.request.rays != nullptr;
     if (room.holds == 0) {
-        return fmt::format("no room in {} is known: on the {} that it is tried on, it fails at once, by {}",
-                           measure::choice::growth_names[static_cast<std::size_t>(room.way)],
-                           rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
+        return fmt::format(
+            "in {} it is not known how far it holds: on the {} on which that is tried it fails as it is, by {}",
+            measure::choice::growth_names[static_cast<std::size_t>(room.way)],
+            rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
     }
     const std::string until = fmt::format("until {} {}", of_the_way(room.way, rays), so_far(room, rays));
     switch (room.end) {
@@ -210,7 +211,7 @@ std::string nothing_meets(const Chosen& chosen) {
 std::string mended_in_words(const Chosen& chosen) {
     if (!chosen.mended) return "";
     if (chosen.mended->empty())
-        return "Nothing came out of mending: every form here meets the wish, or none was mended so that it does.\n";
+        return "Mending gave nothing: every form here meets the wish already, or none could be mended to meet it.\n";
     const Wish& wish = chosen.request.wish;
     std::string text;
     for (const MendedCandidate& one : *chosen.mended) {
@@ -270,7 +271,7 @@ std::string in_words(const Chosen& chosen) {
                             kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
         text += fmt::format("  It takes {:.2f} ns a ray and solid, {}.\n", nanoseconds(c), width_of(c));
         const std::string assumed = assumptions(*c.row.form->info);
-        text += assumed.empty() ? "  It assumes nothing of the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
+        text += assumed.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
         for (const Room& room : chosen.rooms) text += fmt::format("  It {}.\n", room_in_words(room, chosen, precision));
         text += next_ray(chosen);

@@ -81,8 +81,8 @@ std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
     const Worth& exact = found.trials.front().exact;
     if (exact.meets(wish)) return "";
     return fmt::format(
-               "  Apart from that, all formats get the scene rounded to binary32, and the wish counts from there. Held "
-               "against the scene as it is written, even exact arithmetic on it keeps {}.\n",
+               "  Apart from that, all formats get the scene rounded to binary32, and the wish counts from there. "
+               "Compared with the scene as it is written, even exact arithmetic on it keeps {}.\n",
                kept_and_wrong(exact, wish)) +
            what_it_takes(chosen, near);
 }
@@ -127,7 +127,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const char* const what = near.worth.decides(wish) ? "the formula" : "its decisions, by the formula";
     const std::string inputs =
         found.trials.empty() && !found.rounded_before
-            ? "What the rounding of the inputs has to do with it is not measured: the solids are too many"
+            ? "How much the rounding of the inputs matters was not measured: there are too many solids"
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the wish, and half an ulp of {} in each of them "
                   "would leave {}",

@@ -69,7 +69,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
             csv.add({request.rows[r], name_of(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
         }
     }
-    table::close_tables(folder, request.search->title, csv);
+    table::close_tables(folder, request.search.title, csv);
 }
 
 std::string NearestFiles::sentence(std::size_t r) const {

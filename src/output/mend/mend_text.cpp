@@ -42,8 +42,7 @@ std::string room_in_words(const Room& room, const MendResult& r) {
     const auto way = measure::choice::growth_names[static_cast<std::size_t>(room.way)];
     const auto& wish = r.request.wish;
     if (room.holds == 0)
-        return fmt::format("{}: not even where nothing grows, on a smaller picture: {}", way,
-                           in_words(room.broken, wish));
+        return fmt::format("{}: not even as it is, on a smaller picture: {}", way, in_words(room.broken, wish));
     const std::string holds = fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, room.holds, room.value);
     switch (room.end) {
         case End::fails:
@@ -145,7 +144,7 @@ std::string prices_in_words(const MendResult& r) {
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
     std::string text =
-        "Compiled, held against their tapes to the bit on all rays, and timed (*: nothing is as accurate and as "
+        "Compiled, compared with their tapes to the bit on all rays, and timed (*: nothing is as accurate and as "
         "fast):\n";
     std::string rest;
     for (const FormRow& row : rows_of(r)) {

@@ -236,7 +236,7 @@ std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {
 /// What the page is.
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
-    "answered the same rays in each format, and each answer is held against the true one, which is proved.";
+    "answered the same rays in each format, and each answer is compared with the true one, which is proved.";
 
 /// What to do with it first.
 std::string what_to_do(const Report& report) {

@@ -31,7 +31,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     using R = WorstRow;
     using W = WorstFound;
     const measure::metric::Metric& metric =
-        *request.metrics[measure::metric::place_of(request.metrics, request.search->metric)];
+        *request.metrics[measure::metric::place_of(request.metrics, request.search.metric)];
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
@@ -52,7 +52,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
                         "t*, correctly rounded to binary64, in the same unit; missing for a miss",
                         [](const W& w) { return number_or_missing(w.truth); }});
     of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
-    of_worst.add(table::solid_columns(request.search->shape, "of its solid"), &W::solid);
+    of_worst.add(table::solid_columns(request.search.shape, "of its solid"), &W::solid);
     table.add(of_worst, worst);
     return table.add(
         {"explain", "string", "", "the command that explains the worst ray: these numbers again", [](const R& r) {
@@ -64,9 +64,9 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
 
 std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstFound& w) {
     const bool decided = w.outcome == Outcome::agree_hit;
-    std::string what = decided ? fmt::format("{} {:.6g}", request.search->metric, w.value)
+    std::string what = decided ? fmt::format("{} {:.6g}", request.search.metric, w.value)
                                : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
-    if (!decided && request.search->nearest) what += fmt::format(" at {:.6g} radii", w.distance);
+    if (!decided && request.search.nearest) what += fmt::format(" at {:.6g} radii", w.distance);
     return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, what), alone(w));
 }
 
@@ -74,7 +74,7 @@ std::string case_of(const WorstRequest& request, const measure::evaluate::Tested
 
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
                  const std::vector<std::optional<WorstFound>>& found) {
-    const scene::sweep::SearchFile& search = *request.search;
+    const scene::sweep::SearchFile& search = request.search;
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
                                    worst_table(request));
     file::AtomicFile hard(folder / "hard.toml");

@@ -201,7 +201,7 @@ void Layout::require_whole(const Complain& complain) const {
     }
     if (const auto names = lacks(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
         complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
-                                "columns that are none of it",
+                                "columns that do not belong to it",
                                 names));
     if (!solid_) return;
     const std::size_t end = slot::solid + row_of(*solid_).numbers;

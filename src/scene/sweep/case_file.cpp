@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "scene/sweep/convention.hpp"
+#include "scene/sweep/families.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
@@ -251,8 +252,29 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
     return groups;
 }
 
+namespace {
+
+/// A misspelt table makes a file one of another kind, and what that kind lacks would be told in its place.
+void refuse_misspelt_tables(const Node& root) {
+    std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
+    for (const ShapeRow& row : shape_rows) tables.emplace_back(row.name);
+    for (const FamilyRow& row : families()) tables.emplace_back(row.table);
+    for (const auto& [key, where, value] : root.entries) {
+        const Node& first = value.kind == Node::Kind::array && !value.items.empty() ? value.items.front() : value;
+        if (first.kind != Node::Kind::table || std::ranges::find(tables, key) != tables.end()) continue;
+        if (toml::slip_of(key, tables))
+            toml::fail(where, "unknown key " + key + "; " + toml::did_you_mean(key, tables));
+    }
+}
+
+}  // namespace
+
 SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
+    if (TableReader file(root); file.has("schema")) {
+        toml::require_schema(file, sweep_schema);
+        refuse_misspelt_tables(root);
+    }
     const Node* const axis = root.find("axis");
     return root.find("case") != nullptr          ? SweepKind::cases
            : root.find("search") != nullptr      ? SweepKind::search

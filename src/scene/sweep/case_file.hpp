@@ -75,6 +75,7 @@ private:
 
 /// What a sweep file holds, by its tables.
 enum class SweepKind { axes, cases, search, edge_search, every_float };
+/// InputError for a file of another schema, and for a table whose name is misspelt.
 SweepKind sweep_kind(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::sweep

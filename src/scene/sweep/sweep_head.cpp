@@ -7,7 +7,7 @@
 namespace lostbits::scene::sweep {
 
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path) {
-    toml::require_schema(file, "lostbits-sweep/1");
+    toml::require_schema(file, sweep_schema);
     return {.id = toml::result_name(path),
             .title = file.title("title"),
             .source = file.string("source"),

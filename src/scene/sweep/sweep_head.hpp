@@ -3,10 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::sweep {
+
+inline constexpr std::string_view sweep_schema = "lostbits-sweep/1";
 
 /// What every file of a sweep says of itself; `id` is the file's stem.
 struct SweepHead {

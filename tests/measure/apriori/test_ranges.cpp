@@ -140,8 +140,7 @@ scene::file::Scene scene_named(const std::string& id) {
 }
 
 RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
-    return bound_over_ranges(
-        {.scene = &scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});
+    return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});
 }
 
 }  // namespace
@@ -177,7 +176,7 @@ TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its s
         const scene::sweep::SweepFile sweep(data / "sweeps/sphere-distance.toml", data, changes);
         const measure::apriori::StepRays step{"step", sweep.rays({4})};
         const RangesBound r = bound_over_ranges(
-            {.step = &step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 1024});
+            {.rays = step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 1024});
         INFO(views);
         REQUIRE(r.ranges.size() == 1);
         CHECK(r.rays == 64 * step.groups.size());
@@ -210,7 +209,7 @@ TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
     CHECK(many.missed >= few.missed);
     CHECK(many.quantiles[0].error <= few.quantiles[0].error);
     const RangesRequest request{
-        .scene = &scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
+        .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     CHECK(output::blame::ranges_json(request, bound_over_ranges(request)) == output::blame::ranges_json(request, few));
 }
@@ -224,7 +223,7 @@ TEST_CASE("a form that takes the sign of what is zero but for rounding has no bo
 TEST_CASE("what has no bound over ranges says so", "[apriori]") {
     const auto scene = scene_named("near-benign");
     CHECK_THROWS_WITH(bound_of("sphere.filtered", scene), Catch::Contains("filters"));
-    RangesRequest request{.scene = &scene, .form = &form_named("sphere.press"), .format = *find_format("f32")};
+    RangesRequest request{.rays = scene, .form = &form_named("sphere.press"), .format = *find_format("f32")};
     request.asked = {{"d.w", {0, 1}}};
     CHECK_THROWS_WITH(bound_over_ranges(request), Catch::Contains("no input of that name"));
 }

@@ -31,7 +31,7 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
 
 std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
                                   const std::vector<measure::evaluate::TestedForm>& rows) {
-    return measure::edges::find_nearest({.search = &search, .rows = rows});
+    return measure::edges::find_nearest({.search = search, .rows = rows});
 }
 
 bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {
@@ -110,7 +110,7 @@ TEST_CASE("a search along edges does not depend on rows beside, on shards or on 
     const auto all = found_by(search, rows), again = found_by(search, rows);
     CHECK(equal(all, again));
     CHECK(equal(found_by(search, {rows[1]}), {all[1]}));
-    const auto second = measure::edges::find_nearest({.search = &search, .rows = rows, .share = {2, 2}});
+    const auto second = measure::edges::find_nearest({.search = search, .rows = rows, .share = {2, 2}});
     CHECK(equal(second, {all[1]}));
     const auto other = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 6\n");
     CHECK_FALSE(equal(found_by(other, rows), all));

@@ -123,8 +123,7 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
         {"sweep", [&] { m::sweep::run_sweep({.sweep = &sweep, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"cases", [&] { m::sweep::run_cases({.file = &cases, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"every float", [&] { m::sweep::run_exhaustive({.sweep = &floats, .rows = rows, .limit = limit}, state); }},
-        {"search",
-         [&] { m::sweep::find_worst({.search = &search, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"search", [&] { m::sweep::find_worst({.search = search, .rows = rows, .metrics = metrics, .limit = limit}); }},
         {"judge",
          [&] {
              m::judge::run_judge(

@@ -19,7 +19,7 @@ TEST_CASE("every hard ray measures what its name says") {
     // `sphere.press in f32: lost_bits 6.40002`, or an outcome in place of a metric and its value, perhaps with how far
     // away the sphere is.
     static const std::regex name(R"((\S+) in (\S+): (\w+)(?: at (\S+) radii)?(?: (\S+))?)");
-    int files = 0, values = 0, decisions = 0;
+    int files = 0, values = 0, decisions = 0, distances = 0;
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(LOSTBITS_DATA_DIR) / "hard")) {
         const scene::sweep::CaseFile file(entry.path());
         ++files;
@@ -44,6 +44,7 @@ TEST_CASE("every hard ray measures what its name says") {
                 CHECK(group.solids[0].numbers == exact.solids[0].numbers);
             }
             if (part[4].matched) {
+                ++distances;
                 const auto group = file.rays(i, binary64).front();
                 const double radii = scene::sweep::distance_in_radii(group.rays[0], group.solids[0].sphere());
                 CHECK(fmt::format("{:.6g}", radii) == part[4].str());
@@ -71,6 +72,7 @@ TEST_CASE("every hard ray measures what its name says") {
     CHECK(files >= 2);
     CHECK(values > 60);
     CHECK(decisions >= 9);
+    CHECK(distances > 20);
 }
 
 }  // namespace test_hard

@@ -72,7 +72,7 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
     const scene::sweep::SearchFile search(text.path());
     const measure::sweep::WorstRequest request{
-        .search = &search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
+        .search = search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
     std::vector<std::optional<measure::sweep::WorstFound>> found[3];
     for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
         const Threads limit(threads);
@@ -85,7 +85,7 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         // A row's result does not depend on its neighbours.
         if (i % 7 == 0)
             CHECK(equal(measure::sweep::find_worst(
-                            {.search = &search, .rows = {request.rows[i]}, .metrics = request.metrics})[0],
+                            {.search = search, .rows = {request.rows[i]}, .metrics = request.metrics})[0],
                         found[0][i]));
         REQUIRE(found[0][i].has_value());
         const measure::sweep::WorstFound& w = *found[0][i];
@@ -100,7 +100,7 @@ TEST_CASE("a search finds the same for any number of threads, and another for an
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
     const scene::sweep::SearchFile second(other.path());
     CHECK_FALSE(
-        equal(measure::sweep::find_worst({.search = &second, .rows = {request.rows[0]}, .metrics = request.metrics})[0],
+        equal(measure::sweep::find_worst({.search = second, .rows = {request.rows[0]}, .metrics = request.metrics})[0],
               found[0][0]));
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("a search at edges parts slabs further than random rays do, the same f
     scene::sweep::SearchFile search(folder / "padding.toml");
     search.starts = 64;
     search.generations = 96;
-    const measure::sweep::WorstRequest request{.search = &search,
+    const measure::sweep::WorstRequest request{.search = search,
                                                .rows = {row("box.filtered", "f32"), row("box.filtered", "f64")},
                                                .metrics = metrics_of(search)};
     std::vector<std::optional<measure::sweep::WorstFound>> found[2];
@@ -130,7 +130,7 @@ TEST_CASE("a search for the smallest reports the metric itself, and no wrong dec
     search.starts = 8;
     search.generations = 16;
     const auto found = measure::sweep::find_worst(
-        {.search = &search, .rows = {row("sphere.embree_point", "f32")}, .metrics = metrics_of(search)})[0];
+        {.search = search, .rows = {row("sphere.embree_point", "f32")}, .metrics = metrics_of(search)})[0];
     REQUIRE(found);
     CHECK(found->outcome == measure::answer::Outcome::agree_hit);
     CHECK(found->value >= 1);
@@ -144,7 +144,7 @@ TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
     search.generations = 16;
     const auto worst = [&] {
         return measure::sweep::find_worst(
-            {.search = &search, .rows = {row("sphere.schoolbook", "f32")}, .metrics = metrics_of(search)})[0];
+            {.search = search, .rows = {row("sphere.schoolbook", "f32")}, .metrics = metrics_of(search)})[0];
     };
     const auto hit = worst();
     search.hits_only = false;
@@ -158,6 +158,7 @@ TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
 }
 
 TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
+    int hits = 0, wrong = 0;
     for (const char* name : {"near", "far"}) {
         scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));
         search.starts = 2;
@@ -167,11 +168,13 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
               row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, r.form->info->name, r.format.name);
             const auto found =
-                measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
+                measure::sweep::find_worst({.search = search, .rows = {r}, .metrics = metrics_of(search)})[0];
             REQUIRE(found.has_value());
             const Alone alone(r, found->ray, found->solid);
             CHECK(search.holds(found->ray, found->solid));
-            if (found->outcome == measure::answer::Outcome::agree_hit) {
+            const bool agrees = found->outcome == measure::answer::Outcome::agree_hit;
+            (agrees ? hits : wrong) += 1;
+            if (agrees) {
                 CHECK(alone.hit);
                 CHECK(alone.t == found->t);
                 CHECK(alone.lost == Approx(found->value).epsilon(1e-9));
@@ -182,6 +185,8 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
             }
         }
     }
+    CHECK(hits > 0);
+    CHECK(wrong > 0);
 }
 
 TEST_CASE("a search beats as many rays drawn by chance") {
@@ -189,7 +194,7 @@ TEST_CASE("a search beats as many rays drawn by chance") {
     search.starts = 4;
     search.generations = 64;
     const measure::evaluate::TestedForm r = row("sphere.schoolbook", "f32");
-    const auto found = measure::sweep::find_worst({.search = &search, .rows = {r}, .metrics = metrics_of(search)})[0];
+    const auto found = measure::sweep::find_worst({.search = search, .rows = {r}, .metrics = metrics_of(search)})[0];
     REQUIRE(found.has_value());
     CHECK(found->outcome == measure::answer::Outcome::agree_hit);
     CHECK(found->evaluations == 4 * 64 * 32);
@@ -218,13 +223,13 @@ TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets 
     const TextFile none(search_text("distance_radii = [500, 600]\n"));
     const scene::sweep::SearchFile empty(none.path());
     CHECK_FALSE(measure::sweep::find_worst(
-                    {.search = &empty, .rows = {row("sphere.press", "f32")}, .metrics = metrics_of(empty)})[0]
+                    {.search = empty, .rows = {row("sphere.press", "f32")}, .metrics = metrics_of(empty)})[0]
                     .has_value());
     // Near the silhouette a five-bit format decides wrongly at once.
     const TextFile edge(search_text("impact_radii = [0.95, 1]\nstarts = 64\n"));
     const scene::sweep::SearchFile hard(edge.path());
     const auto found = measure::sweep::find_worst(
-        {.search = &hard, .rows = {row("sphere.schoolbook", "p5")}, .metrics = metrics_of(hard)})[0];
+        {.search = hard, .rows = {row("sphere.schoolbook", "p5")}, .metrics = metrics_of(hard)})[0];
     REQUIRE(found.has_value());
     CHECK(found->outcome != measure::answer::Outcome::agree_hit);
     CHECK(found->evaluations < 64 * 64 * 32);
@@ -243,7 +248,7 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         "impact_radii = [0, 0.99]\nnearest = true\nstarts = 32\ngenerations = 192\n");
     const scene::sweep::SearchFile search(text.path());
     const measure::sweep::WorstRequest request{
-        .search = &search,
+        .search = search,
         .rows = {row("sphere.schoolbook", "p16"), row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
         .metrics = metrics_of(search)};
     const auto found = measure::sweep::find_worst(request);

@@ -167,7 +167,7 @@ radius = [0.5, 2]
 )");
     const scene::sweep::SearchFile search(text.path());
     const measure::sweep::WorstRequest request{
-        .search = &search,
+        .search = search,
         .rows = {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.unified", "bf16")},
         .metrics = lostbits::testing::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};

@@ -272,4 +272,20 @@ TEST_CASE("the tables of a sweep tell its kind") {
     }
 }
 
+TEST_CASE("a misspelt table of a sweep is told as one, whatever kind the file then seems to be") {
+    const Scratch folder;
+    const auto error = [&folder](const std::string& text) {
+        const fs::path file = folder.write("s.toml", text);
+        return error_in(folder, [&] { static_cast<void>(sweep_kind(file)); });
+    };
+    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\n";
+    CHECK(error(head + "[edge_serch]\n") == "s.toml:4:2: unknown key edge_serch; did you mean \"edge_search\"?");
+    CHECK(error(head + "[serch]\n") == "s.toml:4:2: unknown key serch; did you mean \"search\"?");
+    CHECK(error(head + "[[axes]]\n") == "s.toml:4:3: unknown key axes; did you mean \"axis\"?");
+    CHECK(error(head + "[famly]\n[[axis]]\n") == "s.toml:4:2: unknown key famly; did you mean \"family\"?");
+    CHECK(error(head + "[[axis]]\n[spher]\n") == "s.toml:5:2: unknown key spher; did you mean \"sphere\"?");
+    CHECK(error("schema = \"lostbits-scene/1\"\n[rays]\n").starts_with("s.toml:1:10: schema is"));
+    CHECK(sweep_kind(folder.write("s.toml", head + "[unheard_of]\n")) == SweepKind::axes);  // told by its reader
+}
+
 }  // namespace test_case_file

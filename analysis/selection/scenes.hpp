@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/choice/judge_words.hpp"
-#include "analysis/choice/sets.hpp"
+#include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/sets.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Scenes as the command line names them, and what it changes about them.
 struct SceneChoice {
@@ -79,4 +79,4 @@ OpenedRays open_rays(const RayFileWords& words, const std::vector<std::string>& 
 /// Says on stderr that numbers of the files were rounded.
 void note_rounded(const measure::choice::FileRays& rays, bool quiet);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -9,7 +9,7 @@
 #include "intersect/table/sets.hpp"
 #include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// More sets than this on one scene are an error: whoever writes two globs seldom means their product.
 inline constexpr std::size_t most_sets = 200;
@@ -73,4 +73,4 @@ std::string globs_of(const Meets& meets);
 /// boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
 std::string words_to_meet(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/judge_words.hpp"
+#include "analysis/selection/judge_words.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,14 +7,14 @@
 #include <cmath>
 #include <map>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/rays/rays.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using scene::dump::Container;
 using scene::dump::DumpOptions;
@@ -102,7 +102,7 @@ void add_ray_options(const shell::Command& command, RayFileWords& words, const s
                     fmt::format("The {} of all rays: {}", row.name, option_words(row.shape)));
     command.add("--scene", words.scene, "The scene whose solids the rays are aimed at");
     command.add("--miss", words.miss,
-                "Where no column is hit: the t that means a miss, negative, or never (NaN and inf always do)");
+                "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)");
     command.add("--direction", words.direction, "unit: t is a distance, of the direction normalised (default: any)",
                 shell::one_of({"any", "unit"}));
     command.add("--touching", words.touching, "Whether a ray that touches should hit (default) or miss",
@@ -207,7 +207,7 @@ std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layo
     const auto kept = layout.kept();
     const auto found = std::ranges::find(kept, o.by);
     if (found != kept.end()) return static_cast<std::size_t>(found - kept.begin());
-    throw InputError(fmt::format("--by {}: {} has no column of its own that is called so; {}", o.by, o.file,
+    throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", o.by, o.file,
                                  kept.empty() ? "all its columns are the ray's, its solid's or the answer's"
                                               : fmt::format("it has {}", fmt::join(kept, ", "))));
 }
@@ -220,9 +220,9 @@ void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
         words.insert(words.end(),
                      {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
     else if (!o.unit.empty())
-        throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is not there; write both");
+        throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing; write both");
     for (const measure::metric::Metric* m : select_metrics(words, made))
         if (std::ranges::find(metrics, m) == metrics.end()) metrics.push_back(m);
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

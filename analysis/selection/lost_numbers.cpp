@@ -1,4 +1,4 @@
-#include "analysis/choice/lost_numbers.hpp"
+#include "analysis/selection/lost_numbers.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "scene/file/march_table.hpp"
 #include "scene/rays/lost_lengths.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using measure::evaluate::TestedForm;
 using scene::rays::LostLengths;
@@ -119,4 +119,4 @@ void note_numbers(const scene::file::Scene& scene, const std::vector<std::string
     note_idle_settings(set, scene.id, rows);
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -12,7 +12,7 @@
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Options of every command that takes forms.
 struct DoorWords {
@@ -84,4 +84,4 @@ struct DeviceTold {
 /// is one that is not here.
 DeviceTold ask_device(std::string_view kind, const DoorWords& words);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

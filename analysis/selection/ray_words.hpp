@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/ray_numbers.hpp"
+#include "analysis/selection/ray_numbers.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/evaluate/evaluate.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// The words of the command line that name a ray and what it is aimed at.
 struct RayWords {
@@ -44,4 +44,4 @@ AskedRay find_ray(const RayWords& words, const measure::evaluate::TestedForm& ro
 /// The file of a sweep where the subject is one: its path, or its name and not that of a scene.
 std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/scenes.hpp"
+#include "analysis/selection/scenes.hpp"
 
 #include <fmt/format.h>
 
@@ -6,14 +6,14 @@
 #include <cctype>
 #include <set>
 
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/result_name.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using scene::file::Scene;
 
@@ -181,4 +181,4 @@ void note_rounded(const measure::choice::FileRays& rays, bool quiet) {
                rays.name, rays.rounded, rays.format.name);
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

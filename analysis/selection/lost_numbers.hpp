@@ -9,7 +9,7 @@
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// The constants of its march, where a row marches, and its lengths.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
@@ -28,4 +28,4 @@ void note_idle_settings(const std::vector<std::string>& set, const std::string& 
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

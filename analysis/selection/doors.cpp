@@ -1,4 +1,4 @@
-#include "analysis/choice/doors.hpp"
+#include "analysis/selection/doors.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <system_error>
 #include <thread>
 
-#include "analysis/choice/options.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/options.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/device/device.hpp"
 #include "intersect/doors/formulas.hpp"
 #include "intersect/doors/guard.hpp"
@@ -26,7 +26,7 @@
 #include "output/file/atomic_file.hpp"
 #include "scene/toml/files_of_run.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::doors::ForeignForm;
 using intersect::doors::open_pipe;
@@ -142,7 +142,7 @@ void note_where(const DoorWords& words, bool times) {
                    here);
     if (times && !words.plugins.empty())
         fmt::print(stderr,
-                   "lostbits: CI is set, so libraries run in processes of their own, and their times hold the way "
+                   "lostbits: CI is set, so libraries run in processes of their own, and their times include the way "
                    "there and back; --in-process leaves that out\n");
 }
 
@@ -248,7 +248,7 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
             .push_back(form.info->name);
     }
     for (const auto& [what, names] : left_out)
-        fmt::print(stderr, "lostbits: left out: {} {} {}, and nothing else that is selected fits that\n",
+        fmt::print(stderr, "lostbits: left out: {} {} {}, and nothing else that is selected is for that\n",
                    fmt::join(names, ", "), names.size() == 1 ? "is" : "are", what);
 }
 
@@ -274,7 +274,7 @@ DeviceTold ask_device(std::string_view kind, const DoorWords& words) {
                                         {.who = told.kind, .duty = "", .seconds = words.seconds, .stop = words.stop});
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {
             const std::size_t equals = line.find('=');
-            if (equals == std::string::npos) child.fail("says " + line + " where a fact is due");
+            if (equals == std::string::npos) child.fail("says " + line + " where a line NAME=FACT is expected");
             if (line.starts_with("missing=")) told.lacks = line.substr(equals + 1);
             else told.facts.emplace_back(line.substr(0, equals), line.substr(equals + 1));
         }
@@ -284,4 +284,4 @@ DeviceTold ask_device(std::string_view kind, const DoorWords& words) {
     return told;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

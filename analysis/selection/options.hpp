@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/scenes.hpp"
+#include "analysis/selection/scenes.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "output/map/map_colour.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Whether a name is, or fits, one of the patterns (fnmatch).
 bool matches_any(const std::vector<std::string>& patterns, const std::string& name);
@@ -64,4 +64,4 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
 /// The words of a command as `shell_word` wrote them.
 std::vector<std::string> words_in(const std::string& command);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

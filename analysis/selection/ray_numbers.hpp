@@ -12,7 +12,7 @@
 #include "number/real.hpp"
 #include "shapes/solid.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// What an option holds: so many numbers.
 struct WantedNumbers {
@@ -54,4 +54,4 @@ std::pair<int, int> pixel_named(const std::string& text);
 /// says that scenes do not tell theirs.
 double tolerance_in_units(const std::string& text, const std::string& unit);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -11,7 +11,7 @@
 #include "output/blame/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::table::Intersector;
 using measure::evaluate::TestedForm;
@@ -162,12 +162,12 @@ bool any_marches(const std::vector<TestedForm>& rows) {
 
 }  // namespace
 
-std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
-                                      const std::string& what) {
+std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
+                                              const std::string& what) {
     if (!any_against(rows) && !asked.empty()) {
         std::erase_if(asked, is_of_pairs);
         if (asked.empty())
-            throw InputError("--metric against, apart: name the form to hold the others against, by --against FORM");
+            throw InputError("--metric against, apart: name the form to compare the others with, by --against FORM");
     }
     if (asked.empty()) return asked;
     const std::string first = fmt::format("--metric {}: ", asked.front()->name);
@@ -178,11 +178,12 @@ std::vector<const Metric*> that_apply(std::vector<const Metric*> asked, const st
         if (asked.empty()) throw InputError(first + lack);
     };
     using namespace measure::metric;
-    keep_where([](const TestedForm& row) { return row.form->way != nullptr; },
-               [](const Metric* m) { return (m->needs & needs_way) != 0; },
-               fmt::format("none of the selected forms in {} filters, that is, has a wider way beside a cheap one; add "
-                           "-i '*.filtered'",
-                           what));
+    keep_where(
+        [](const TestedForm& row) { return row.form->way != nullptr; },
+        [](const Metric* m) { return (m->needs & needs_way) != 0; },
+        fmt::format(
+            "none of the selected forms in {} filters, that is, computes wider where it has to; add -i '*.filtered'",
+            what));
     keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                fmt::format("no solid of {} stands under a matrix, so that no step leads into its space", what));
@@ -207,7 +208,7 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     if (rows.empty())
         throw InputError(fmt::format(
-            "--against {}: it is for a {}, in {}, and no selected form is so; choose by -i and -f", name,
+            "--against {}: it is for a {}, in {}, and no selected form is for that; choose others with -i and -f", name,
             other.is_set() ? "scene of several shapes" : lostbits::name_of(other.shape), formats_of(other)));
     for (TestedForm& row : rows) {
         row.against = &other;
@@ -237,8 +238,8 @@ void note_without_formula(const std::vector<const Metric*>& asked, const std::ve
     for (const Metric* m : asked) {
         if (!(m->needs & (measure::metric::needs_self | measure::metric::needs_attribution))) continue;
         const std::string why =
-            fmt::format("--metric {}: leaves out {}, of which only answers are known, no operations", m->name, forms);
-        if (all) throw InputError(why + "; written as a form over any number they are (docs/your-own-form.md)");
+            fmt::format("--metric {}: leaves out {}, whose operations are not known", m->name, forms);
+        if (all) throw InputError(why + "; a form over any number shows its operations (docs/your-own-form.md)");
         if (!quiet) fmt::print(stderr, "lostbits: {}\n", why);
     }
 }
@@ -301,4 +302,4 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
     return rows;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

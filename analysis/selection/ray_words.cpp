@@ -1,4 +1,4 @@
-#include "analysis/choice/ray_words.hpp"
+#include "analysis/selection/ray_words.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <optional>
 #include <tuple>
 
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/select.hpp"
-#include "analysis/choice/sweep_options.hpp"
-#include "analysis/choice/worst_ray.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/select.hpp"
+#include "analysis/selection/sweep_options.hpp"
+#include "analysis/selection/worst_ray.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
@@ -22,7 +22,7 @@
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using measure::answer::OneRay;
 using measure::evaluate::TestedForm;
@@ -157,7 +157,7 @@ AskedRay worst_of_sweep(const RayWords& words, TestedForm row, const std::filesy
     for (const auto& [given, option, why] :
          {std::tuple{&words.pixel, "--pixel", "names one ray, and --worst finds it among all"},
           {&words.ray, "--ray", "names one ray, and --worst finds it among all"},
-          {&words.variant, "--variant", "is of a scene, and a sweep names the one that it is over"}}) {
+          {&words.variant, "--variant", "is for a scene, and a sweep names its own"}}) {
         if (!given->empty()) throw InputError(fmt::format("{} {}: {}; leave it out", option, *given, why));
     }
     const SweepWords changes{words.size, words.steps, words.set};
@@ -293,8 +293,10 @@ void check(const RayWords& words) {
     for (const auto& [given, option] :
          {std::pair{&words.tmin, "--tmin"}, {&words.tmax, "--tmax"}, {&words.open_ends, "--open-ends"}})
         without(!given->empty(), option, own, "a ray with solids of its own (of a scene: --set rays.tmin=VALUE)");
-    without(!words.size.empty(), "--size", words.ray.empty() || own, "--pixel: a ray of one's own is of no picture");
-    without(words.worst, "--worst", words.named_case.empty() && !own, "a scene or a sweep, of all of whose rays it is");
+    without(!words.size.empty(), "--size", words.ray.empty() || own,
+            "--pixel (a ray of your own belongs to no picture)");
+    without(words.worst, "--worst", words.named_case.empty() && !own,
+            "a scene or a sweep, to look among all of its rays");
     if (words.named_case.empty() && !own) return;
     for (const auto& [given, option] :
          {std::pair{&words.pixel, "--pixel"}, {&words.size, "--size"}, {&words.variant, "--variant"}})
@@ -343,4 +345,4 @@ AskedRay find_ray(const RayWords& words, const TestedForm& row, const std::files
     return found;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/ray_numbers.hpp"
+#include "analysis/selection/ray_numbers.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 namespace {
 
@@ -140,4 +140,4 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
     return x * find_unit(own)->micrometres / scenes->micrometres;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

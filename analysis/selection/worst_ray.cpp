@@ -1,4 +1,4 @@
-#include "analysis/choice/worst_ray.hpp"
+#include "analysis/selection/worst_ray.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::process::StopToken;
 using measure::answer::OneRay;
@@ -65,8 +65,8 @@ struct WorstOfAll {
 
 [[noreturn]] void refuse(const TestedForm& row, const std::string& where, const WorstOfAll& worst) {
     throw InputError(fmt::format(
-        "--worst: {} in {} has no worst ray in {}: it decides all rays rightly, and {}; name "
-        "a ray, as with --pixel X,Y",
+        "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
+        "X,Y",
         row.form->info->name, row.format.name, where,
         worst.any_hit ? "tells no t that could be off: it answers yes or no" : "none of them hits anything"));
 }
@@ -155,4 +155,4 @@ AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& ro
     return found;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,17 +1,17 @@
-#include "analysis/choice/sets.hpp"
+#include "analysis/selection/sets.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
 #include "number/error.hpp"
 #include "scene/rays/made_rows.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using intersect::table::Intersector;
 using measure::evaluate::TestedForm;
@@ -143,7 +143,7 @@ std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
     }
     if (lacking.empty()) return fmt::format("try -i {}", example);
-    return fmt::format("it has {}, and no selected form is for {}; try -i {}", choice::plurals(shapes),
+    return fmt::format("it has {}, and no selected form is for {}; try -i {}", selection::plurals(shapes),
                        joined_plurals(lacking), example);
 }
 
@@ -169,7 +169,7 @@ void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, 
         fmt::print(stderr,
                    "lostbits: {}: it has {}, which are measured by a form for each; without -i by {} alone; name "
                    "forms, such as -i '{}.*' -i {}, for every combination of them\n",
-                   name, choice::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
+                   name, selection::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
                    plain.parts.back()->info->name);
 }
 
@@ -292,4 +292,4 @@ std::string words_to_meet(const std::vector<TestedForm>& rows, const Meets& meet
     return "; try -i '" + globs_of(meets) + "'";
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/ray_numbers.hpp"
+#include "analysis/selection/ray_numbers.hpp"
 #include "analysis/shell/command_line.hpp"
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
@@ -16,7 +16,7 @@
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Which columns mean what, which solids the rays are aimed at, and what the answers are held to.
 struct RayFileWords {
@@ -79,4 +79,4 @@ void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
 /// The contract of the answers.
 intersect::Info contract_of(const RayFileWords& o);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

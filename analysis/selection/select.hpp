@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/choice/scenes.hpp"
-#include "analysis/choice/sets.hpp"
+#include "analysis/selection/scenes.hpp"
+#include "analysis/selection/sets.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
@@ -21,7 +21,7 @@
 #include "number/format.hpp"
 #include "scene/file/scene.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Forms whose name matches any of the globs (`sphere.*`, `*press*`), in the catalogue's order, and then the sets of
 /// words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
@@ -53,11 +53,11 @@ std::vector<const measure::consistency::Check*> select_checks(const std::vector<
 
 /// Those of the metrics that any of the rows has: the ones of marches go where no row marches. InputError where that
 /// leaves none; `what` is the scene or sweep.
-std::vector<const measure::metric::Metric*> that_apply(std::vector<const measure::metric::Metric*> asked,
-                                                       const std::vector<measure::evaluate::TestedForm>& rows,
-                                                       const std::string& what);
+std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> asked,
+                                                               const std::vector<measure::evaluate::TestedForm>& rows,
+                                                               const std::string& what);
 
-/// Holds each row against a form, by name; rows of other shapes go, and of formats that it does not exist in.
+/// Each row is compared with a form, by name; rows of other shapes go, and of formats that it does not exist in.
 /// InputError where that leaves none; says so on stderr, unless `quiet`, where only decisions can be compared.
 void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
 
@@ -134,4 +134,4 @@ void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const
 /// InputError for a scene whose rays each format makes, of a command that rounds them.
 void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

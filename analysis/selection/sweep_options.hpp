@@ -10,7 +10,7 @@
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// As on the command line; what was not given is empty.
 struct SweepWords {
@@ -35,4 +35,4 @@ void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const 
 /// The error of an interrupted sweep: where it stopped, and which files there are.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,4 +1,4 @@
-#include "analysis/choice/options.hpp"
+#include "analysis/selection/options.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -13,11 +13,11 @@
 #include <string_view>
 #include <thread>
 
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 namespace {
 
@@ -151,7 +151,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
                                          first->name, m->name));
         first = m;
     }
-    if (!first) throw InputError(fmt::format("--range {}: what is drawn has names for colours, and no bar", text));
+    if (!first)
+        throw InputError(fmt::format("--range {}: what is drawn has one colour for each name, and no bar", text));
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
         throw InputError(fmt::format("--range {}: the bar of {} is logarithmic, so both ends are above 0, like 1:1000",
                                      text, first->name));
@@ -197,4 +198,4 @@ ThreadLimit::ThreadLimit(int threads) {
 
 ThreadLimit::~ThreadLimit() = default;
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

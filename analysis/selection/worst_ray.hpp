@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/choice/ray_words.hpp"
+#include "analysis/selection/ray_words.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 /// Ray K of a case, as its groups of so many rays have them one after another.
 scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays, int k);
@@ -25,4 +25,4 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const measure::evalua
 AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& row,
                         intersect::process::StopToken stop);
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection

@@ -1,14 +1,14 @@
-#include "analysis/choice/sweep_options.hpp"
+#include "analysis/selection/sweep_options.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "analysis/choice/ray_numbers.hpp"
-#include "analysis/choice/select.hpp"
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/selection/select.hpp"
 #include "number/error.hpp"
 
-namespace lostbits::analysis::choice {
+namespace lostbits::analysis::selection {
 
 using scene::sweep::SweepKind;
 
@@ -56,7 +56,7 @@ std::string SweepWords::in_title() const {
 
 scene::sweep::SweepChanges read_changes(const SweepWords& words) {
     scene::sweep::SweepChanges changes;
-    if (!words.size.empty()) changes.size = choice::parse_size(words.size);
+    if (!words.size.empty()) changes.size = selection::parse_size(words.size);
     if (!words.steps.empty()) changes.steps = read_steps(words.steps);
     for (const std::string& s : words.set) changes.set.push_back(scene::toml::parse_override(s));
     return changes;
@@ -106,4 +106,4 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, S
     return files;
 }
 
-}  // namespace lostbits::analysis::choice
+}  // namespace lostbits::analysis::selection
