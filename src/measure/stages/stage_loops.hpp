@@ -18,7 +18,7 @@ struct Lanes {
     static constexpr std::size_t count = P::lanes;
     template <class S>
     static P load(const S* from) {
-        return P(typename P::Simd(from, stdx::element_aligned));
+        return P::load(from);
     }
     static void store(const P& x, double* to) { x.store(to); }
     static void store(const mask_t<P>& x, std::uint8_t* to) {
