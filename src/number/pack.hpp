@@ -127,15 +127,23 @@ struct Decisions {
 #endif
     }
     static void store(Lanes mask, bool* to) {
-        __m128i x;
-        if constexpr (Width::bytes == 16) x = _mm_packs_epi32((__m128i)mask, (__m128i)mask);
+        if constexpr (sizeof(F) == 8) {
+            std::uint32_t bits;
+            if constexpr (Width::bytes == 16) bits = static_cast<std::uint32_t>(_mm_movemask_pd((__m128d)mask));
 #if defined(__AVX2__)
-        else x = _mm_packs_epi32(_mm256_castsi256_si128((__m256i)mask), _mm256_extracti128_si256((__m256i)mask, 1));
+            else bits = static_cast<std::uint32_t>(_mm256_movemask_pd((__m256d)mask));
 #endif
-        x = _mm_packs_epi16(x, x);
-        if constexpr (sizeof(F) == 8) x = _mm_packs_epi16(x, x);  // which had two of each
-        x = _mm_and_si128(x, _mm_set1_epi8(1));
-        std::memcpy(to, &x, count);
+            bits = bits * 0x204081 & 0x01010101;  // bit k to byte k
+            std::memcpy(to, &bits, count);
+        } else {
+            __m128i x;
+            if constexpr (Width::bytes == 16) x = _mm_packs_epi32((__m128i)mask, (__m128i)mask);
+#if defined(__AVX2__)
+            else x = _mm_packs_epi32(_mm256_castsi256_si128((__m256i)mask), _mm256_extracti128_si256((__m256i)mask, 1));
+#endif
+            x = _mm_and_si128(_mm_packs_epi16(x, x), _mm_set1_epi8(1));
+            std::memcpy(to, &x, count);
+        }
     }
 #else
     static bool any(Lanes mask) {
