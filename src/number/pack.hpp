@@ -174,7 +174,7 @@ struct Decisions {
         static Lanes both(Lanes a, Lanes b) { return _kand_mask##bits(a, b); }                               \
         static Lanes either(Lanes a, Lanes b) { return _kor_mask##bits(a, b); }                              \
         static Lanes opposite(Lanes a) { return _knot_mask##bits(a); }                                       \
-        static bool any(Lanes mask) { return mask != 0; }                                                    \
+        static bool any(Lanes mask) { return _kortestz_mask##bits##_u8(mask, mask) == 0; }                   \
         static Numbers select(Lanes m, Numbers a, Numbers b) { return _mm512_mask_blend_##suffix(m, b, a); } \
         static void store(Lanes mask, bool* to) {                                                            \
             const __m128i x = _mm512_cvt##words##_epi8(_mm512_maskz_set1_##words(mask, 1));                  \
