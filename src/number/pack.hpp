@@ -26,8 +26,8 @@ struct Registers {
     static constexpr std::size_t bytes = Bytes;
 };
 
-/// A register of numbers, and one of whole numbers that are as wide. (With the compiler's own vectors a formula over
-/// packs is compiled in half the time that std::experimental::simd takes.)
+/// A register of numbers, and one of whole numbers that are as wide. (With the compiler's own vectors the forms over
+/// packs are compiled in two thirds of the time that std::experimental::simd takes.)
 template <class F, std::size_t bytes>
 struct RegisterOf {
     typedef F Numbers [[gnu::vector_size(bytes)]];
@@ -102,7 +102,7 @@ inline constexpr bool has_pack_registers = false;
 
 /// Decisions in a register: each lane all ones or all zeros.
 template <class F, class Width>
-struct Decisions {
+struct PackDecisions {
     using Numbers = typename RegisterOf<F, Width::bytes>::Numbers;
     using Lanes = typename RegisterOf<F, Width::bytes>::Words;
     static constexpr std::size_t count = Width::bytes / sizeof(F);
@@ -164,9 +164,9 @@ struct Decisions {
 
 #if defined(__AVX512DQ__)
 /// Decisions about registers of 512 bits: a bit each.
-#define LOSTBITS_DECISIONS(F, bits, suffix, words)                                                           \
+#define LOSTBITS_PACK_DECISIONS(F, bits, suffix, words)                                                      \
     template <class Width>                                                                                   \
-    requires(Width::bytes == 64) struct Decisions<F, Width> {                                                \
+    requires(Width::bytes == 64) struct PackDecisions<F, Width> {                                            \
         using Numbers = typename RegisterOf<F, 64>::Numbers;                                                 \
         using Lanes = __mmask##bits;                                                                         \
         static Lanes less(Numbers a, Numbers b) { return _mm512_cmp_##suffix##_mask(a, b, _CMP_LT_OS); }     \
@@ -187,16 +187,16 @@ struct Decisions {
             return _mm512_test_##words##_mask(all, all);                                                     \
         }                                                                                                    \
     };
-LOSTBITS_DECISIONS(float, 16, ps, epi32)
-LOSTBITS_DECISIONS(double, 8, pd, epi64)
-#undef LOSTBITS_DECISIONS
+LOSTBITS_PACK_DECISIONS(float, 16, ps, epi32)
+LOSTBITS_PACK_DECISIONS(double, 8, pd, epi64)
+#undef LOSTBITS_PACK_DECISIONS
 #endif
 
 /// A decision in each lane.
 template <class F, class Width>
 class PackMask : public NotABool {
 public:
-    using All = Decisions<F, Width>;
+    using All = PackDecisions<F, Width>;
 
     PackMask() = default;
     explicit PackMask(typename All::Lanes lanes) : lanes_(lanes) {}
