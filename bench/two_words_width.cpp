@@ -1,4 +1,5 @@
 // Compiled once for each register width.
+#include "number/wide/wide_pack.hpp"
 #include "number/width.hpp"
 #include "shapes/sphere/forms/filtered_steps.hpp"
 #include "two_words.hpp"

@@ -5,8 +5,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <experimental/simd>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -25,29 +26,33 @@ struct Registers {
     static constexpr std::size_t bytes = Bytes;
 };
 
-namespace stdx = std::experimental;
-
-template <class F, class Width>
-using PackAbi = stdx::simd_abi::deduce_t<F, Width::bytes / sizeof(F)>;
+/// A register of numbers, and one of whole numbers that are as wide. (With the compiler's own vectors the forms over
+/// packs are compiled in two thirds of the time that std::experimental::simd takes.)
+template <class F, std::size_t bytes>
+struct RegisterOf {
+    typedef F Numbers [[gnu::vector_size(bytes)]];
+    typedef std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t> Words [[gnu::vector_size(bytes)]];
+};
 
 #if defined(__SSE2__)
 /// x86's minimum and maximum, which are `a < b ? a : b` and `a > b ? a : b` to the bit, NaN and ±0 included: the rule
 /// of `min` and `max` in concept.hpp.
 inline constexpr bool has_pack_registers = true;
-#define LOSTBITS_PACK_MINMAX(V, prefix, suffix)                                                \
+#define LOSTBITS_PACK_REGISTER(V, prefix, suffix)                                              \
     [[gnu::always_inline]] inline V pack_min(V a, V b) { return prefix##_min_##suffix(a, b); } \
-    [[gnu::always_inline]] inline V pack_max(V a, V b) { return prefix##_max_##suffix(a, b); }
-LOSTBITS_PACK_MINMAX(__m128, _mm, ps)
-LOSTBITS_PACK_MINMAX(__m128d, _mm, pd)
+    [[gnu::always_inline]] inline V pack_max(V a, V b) { return prefix##_max_##suffix(a, b); } \
+    [[gnu::always_inline]] inline V pack_sqrt(V a) { return prefix##_sqrt_##suffix(a); }
+LOSTBITS_PACK_REGISTER(__m128, _mm, ps)
+LOSTBITS_PACK_REGISTER(__m128d, _mm, pd)
 #if defined(__AVX__)
-LOSTBITS_PACK_MINMAX(__m256, _mm256, ps)
-LOSTBITS_PACK_MINMAX(__m256d, _mm256, pd)
+LOSTBITS_PACK_REGISTER(__m256, _mm256, ps)
+LOSTBITS_PACK_REGISTER(__m256d, _mm256, pd)
 #endif
 #if defined(__AVX512F__)
-LOSTBITS_PACK_MINMAX(__m512, _mm512, ps)
-LOSTBITS_PACK_MINMAX(__m512d, _mm512, pd)
+LOSTBITS_PACK_REGISTER(__m512, _mm512, ps)
+LOSTBITS_PACK_REGISTER(__m512d, _mm512, pd)
 #endif
-#undef LOSTBITS_PACK_MINMAX
+#undef LOSTBITS_PACK_REGISTER
 
 #if defined(__FMA__)
 /// One instruction. (std::fma of each lane stays one of each lane where the vectoriser of straight code is off, as in
@@ -65,83 +70,184 @@ LOSTBITS_PACK_FMA(__m512d, _mm512, pd)
 #undef LOSTBITS_PACK_FMA
 #endif
 
-/// A register of floats as two of doubles, and back with one rounding. (stdx goes through memory, where a whole
-/// register waits until both of its halves have been stored: the second step of sphere.filtered took twice as long.)
+/// A register of floats as two of doubles, and back with one rounding; doubles rounded to float. (Of the compiler's own
+/// conversions GCC 12.2 takes one to float and back for nothing: cmake/isa.cmake.)
 [[gnu::always_inline]] inline __m128d pack_low(__m128 x) { return _mm_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m128d pack_high(__m128 x) { return _mm_cvtps_pd(_mm_movehl_ps(x, x)); }
 [[gnu::always_inline]] inline __m128 pack_narrow(__m128d low, __m128d high) {
     return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
 }
+[[gnu::always_inline]] inline __m128d pack_rounded(__m128d x) { return _mm_cvtps_pd(_mm_cvtpd_ps(x)); }
 #if defined(__AVX__)
+[[gnu::always_inline]] inline __m256d pack_widened(__m128 x) { return _mm256_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m256d pack_low(__m256 x) { return _mm256_cvtps_pd(_mm256_castps256_ps128(x)); }
 [[gnu::always_inline]] inline __m256d pack_high(__m256 x) { return _mm256_cvtps_pd(_mm256_extractf128_ps(x, 1)); }
 [[gnu::always_inline]] inline __m256 pack_narrow(__m256d low, __m256d high) {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
 }
+[[gnu::always_inline]] inline __m256d pack_rounded(__m256d x) { return _mm256_cvtps_pd(_mm256_cvtpd_ps(x)); }
 #endif
 #if defined(__AVX512F__)
+[[gnu::always_inline]] inline __m512d pack_widened(__m256 x) { return _mm512_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m512d pack_low(__m512 x) { return _mm512_cvtps_pd(_mm512_castps512_ps256(x)); }
 [[gnu::always_inline]] inline __m512d pack_high(__m512 x) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(x, 1)); }
 [[gnu::always_inline]] inline __m512 pack_narrow(__m512d low, __m512d high) {
     return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1);
 }
+[[gnu::always_inline]] inline __m512d pack_rounded(__m512d x) { return _mm512_cvtps_pd(_mm512_cvtpd_ps(x)); }
 #endif
 #else
 inline constexpr bool has_pack_registers = false;
+#endif
+
+/// Decisions in a register: each lane all ones or all zeros.
+template <class F, class Width>
+struct PackDecisions {
+    using Numbers = typename RegisterOf<F, Width::bytes>::Numbers;
+    using Lanes = typename RegisterOf<F, Width::bytes>::Words;
+    static constexpr std::size_t count = Width::bytes / sizeof(F);
+
+    static Lanes less(Numbers a, Numbers b) { return a < b; }
+    static Lanes at_most(Numbers a, Numbers b) { return a <= b; }
+    static Lanes both(Lanes a, Lanes b) { return a & b; }
+    static Lanes either(Lanes a, Lanes b) { return a | b; }
+    static Lanes opposite(Lanes a) { return ~a; }
+#if defined(__AVX2__)
+    static Numbers select(Lanes mask, Numbers a, Numbers b) { return mask < 0 ? a : b; }  // one instruction
+#else
+    static Numbers select(Lanes mask, Numbers a, Numbers b) {
+        return (Numbers)(((Lanes)a & mask) | ((Lanes)b & ~mask));
+    }
+#endif
+#if defined(__SSE2__)
+    static bool any(Lanes mask) {
+        if constexpr (Width::bytes == 16) return _mm_movemask_epi8((__m128i)mask) != 0;
+#if defined(__AVX2__)
+        else return _mm256_movemask_epi8((__m256i)mask) != 0;
+#endif
+    }
+    static void store(Lanes mask, bool* to) {
+        if constexpr (sizeof(F) == 8) {
+            std::uint32_t bits;
+            if constexpr (Width::bytes == 16) bits = static_cast<std::uint32_t>(_mm_movemask_pd((__m128d)mask));
+#if defined(__AVX2__)
+            else bits = static_cast<std::uint32_t>(_mm256_movemask_pd((__m256d)mask));
+#endif
+            bits = bits * 0x204081 & 0x01010101;  // bit k to byte k
+            std::memcpy(to, &bits, count);
+        } else {
+            __m128i x;
+            if constexpr (Width::bytes == 16) x = _mm_packs_epi32((__m128i)mask, (__m128i)mask);
+#if defined(__AVX2__)
+            else x = _mm_packs_epi32(_mm256_castsi256_si128((__m256i)mask), _mm256_extracti128_si256((__m256i)mask, 1));
+#endif
+            x = _mm_and_si128(_mm_packs_epi16(x, x), _mm_set1_epi8(1));
+            std::memcpy(to, &x, count);
+        }
+    }
+#else
+    static bool any(Lanes mask) {
+        bool found = false;
+        for (std::size_t k = 0; k < count; ++k) found = found || mask[k] != 0;
+        return found;
+    }
+    static void store(Lanes mask, bool* to) {
+        for (std::size_t k = 0; k < count; ++k) to[k] = mask[k] != 0;
+    }
+#endif
+    static Lanes load(const bool* from) {
+        Lanes mask{};
+        for (std::size_t k = 0; k < count; ++k) mask[k] = from[k] ? -1 : 0;
+        return mask;
+    }
+};
+
+#if defined(__AVX512DQ__)
+/// Decisions about registers of 512 bits: a bit each. By `&` of them GCC makes the second of two comparisons one under
+/// the mask of the first, and by `_kand_mask8` an instruction of its own.
+#define LOSTBITS_PACK_DECISIONS(F, bits, suffix, words)                                                      \
+    template <class Width>                                                                                   \
+    requires(Width::bytes == 64) struct PackDecisions<F, Width> {                                            \
+        using Numbers = typename RegisterOf<F, 64>::Numbers;                                                 \
+        using Lanes = __mmask##bits;                                                                         \
+        static Lanes less(Numbers a, Numbers b) { return _mm512_cmp_##suffix##_mask(a, b, _CMP_LT_OS); }     \
+        static Lanes at_most(Numbers a, Numbers b) { return _mm512_cmp_##suffix##_mask(a, b, _CMP_LE_OS); }  \
+        static Lanes both(Lanes a, Lanes b) { return static_cast<Lanes>(a & b); }                            \
+        static Lanes either(Lanes a, Lanes b) { return static_cast<Lanes>(a | b); }                          \
+        static Lanes opposite(Lanes a) { return _knot_mask##bits(a); }                                       \
+        static bool any(Lanes mask) { return _kortestz_mask##bits##_u8(mask, mask) == 0; }                   \
+        static Numbers select(Lanes m, Numbers a, Numbers b) { return _mm512_mask_blend_##suffix(m, b, a); } \
+        static void store(Lanes mask, bool* to) {                                                            \
+            const __m128i x = _mm512_cvt##words##_epi8(_mm512_maskz_set1_##words(mask, 1));                  \
+            std::memcpy(to, &x, bits);                                                                       \
+        }                                                                                                    \
+        static Lanes load(const bool* from) {                                                                \
+            __m128i x{};                                                                                     \
+            std::memcpy(&x, from, bits);                                                                     \
+            const __m512i all = _mm512_cvtepu8_##words(x);                                                   \
+            return _mm512_test_##words##_mask(all, all);                                                     \
+        }                                                                                                    \
+    };
+LOSTBITS_PACK_DECISIONS(float, 16, ps, epi32)
+LOSTBITS_PACK_DECISIONS(double, 8, pd, epi64)
+#undef LOSTBITS_PACK_DECISIONS
 #endif
 
 /// A decision in each lane.
 template <class F, class Width>
 class PackMask : public NotABool {
 public:
-    using Simd = stdx::simd_mask<F, PackAbi<F, Width>>;
+    using All = PackDecisions<F, Width>;
 
     PackMask() = default;
-    explicit PackMask(const Simd& lanes) : lanes_(lanes) {}
+    explicit PackMask(typename All::Lanes lanes) : lanes_(lanes) {}
 
-    friend PackMask operator&&(const PackMask& a, const PackMask& b) {
-        if constexpr (sizeof(Simd) == sizeof(Bits)) return from_bits(a.bits() & b.bits());
-        else return PackMask(a.lanes_ && b.lanes_);
-    }
+    friend PackMask operator&&(const PackMask& a, const PackMask& b) { return PackMask(All::both(a.lanes_, b.lanes_)); }
     friend PackMask operator||(const PackMask& a, const PackMask& b) {
-        if constexpr (sizeof(Simd) == sizeof(Bits)) return from_bits(a.bits() | b.bits());
-        else return PackMask(a.lanes_ || b.lanes_);
+        return PackMask(All::either(a.lanes_, b.lanes_));
     }
-    friend PackMask operator!(const PackMask& a) { return PackMask(!a.lanes_); }
-    friend bool any_of(const PackMask& a) { return stdx::any_of(a.lanes_); }
+    friend PackMask operator!(const PackMask& a) { return PackMask(All::opposite(a.lanes_)); }
+    friend bool any_of(const PackMask& a) { return All::any(a.lanes_); }
 
-    [[nodiscard]] const Simd& simd() const { return lanes_; }
-    void store(bool* to) const { lanes_.copy_to(to, stdx::element_aligned); }
+    [[nodiscard]] typename All::Lanes registers() const { return lanes_; }
+    static PackMask load(const bool* from) { return PackMask(All::load(from)); }
+    void store(bool* to) const { All::store(lanes_, to); }
 
 private:
-    /// Of masks with a bit a lane, as AVX-512 has them: by `&` of these GCC makes the second of two comparisons one
-    /// under the mask of the first, and by that of stdx an instruction of its own.
-    using Bits = std::conditional_t<Width::bytes == 8 * sizeof(F), std::uint8_t, std::uint16_t>;
-    [[nodiscard]] Bits bits() const { return __builtin_bit_cast(Bits, lanes_); }
-    static PackMask from_bits(int bits) { return PackMask(__builtin_bit_cast(Simd, static_cast<Bits>(bits))); }
-
-    mutable Simd lanes_;  // as `Pack::x_`
+    mutable typename All::Lanes lanes_;  // as `Pack::x_`
 };
 
 /// F is float or double, Width a `Registers`; as many lanes as fit.
 template <class F, class Width>
 class Pack {
 public:
-    using Simd = stdx::simd<F, PackAbi<F, Width>>;
+    using Register = typename RegisterOf<F, Width::bytes>::Numbers;
+    using Words = typename RegisterOf<F, Width::bytes>::Words;
     using Lanes = PackMask<F, Width>;
-    static constexpr std::size_t lanes = Simd::size();
-    static_assert(lanes * sizeof(F) == Width::bytes);
+    static constexpr std::size_t lanes = Width::bytes / sizeof(F);
 
     Pack() = default;
-    explicit Pack(int x) : x_(static_cast<F>(x)) {}
+    explicit Pack(int x) : Pack(static_cast<F>(x)) {}
     template <std::floating_point X>
-    explicit Pack(X x) : x_(static_cast<F>(x)) {}  ///< x in every lane, rounded once where X is wider
-    explicit Pack(const Simd& x) : x_(x) {}
+    explicit Pack(X x) : x_(static_cast<F>(x) - Register{}) {}  ///< x in every lane, rounded once where X is wider
+    explicit Pack(const Register& x) : x_(x) {}
+    explicit Pack(const Words& bits) : x_((Register)bits) {}
 
-    /// `lanes` numbers from any address.
-    static Pack load(const F* from) { return Pack(Simd(from, stdx::element_aligned)); }
-    void store(F* to) const { x_.copy_to(to, stdx::element_aligned); }
-    [[nodiscard]] const Simd& simd() const { return x_; }
+    /// `lanes` numbers from any address, floats among them where F is double.
+    template <std::floating_point X>
+    static Pack load(const X* from) {
+        typedef X Stored [[gnu::vector_size(lanes * sizeof(X)), gnu::aligned(alignof(X)), gnu::may_alias]];
+        const auto& stored = *reinterpret_cast<const Stored*>(from);
+        if constexpr (sizeof(X) == sizeof(F)) return Pack(Register(stored));
+        else if constexpr (has_pack_registers && Width::bytes > 16) return Pack(Register(pack_widened(stored)));
+        else return Pack(Register(__builtin_convertvector(stored, Register)));
+    }
+    void store(F* to) const {
+        typedef F Stored [[gnu::vector_size(Width::bytes), gnu::aligned(alignof(F)), gnu::may_alias]];
+        *reinterpret_cast<Stored*>(to) = x_;
+    }
+    [[nodiscard]] const Register& registers() const { return x_; }
+    [[nodiscard]] Words words() const { return (Words)x_; }
 
     friend Pack operator+(const Pack& a, const Pack& b) { return Pack(a.x_ + b.x_); }
     friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.x_ - b.x_); }
@@ -152,35 +258,35 @@ public:
     Pack& operator-=(const Pack& b) { return *this = *this - b; }
     Pack& operator*=(const Pack& b) { return *this = *this * b; }
 
-    friend Lanes operator<(const Pack& a, const Pack& b) { return Lanes(a.x_ < b.x_); }
-    friend Lanes operator<=(const Pack& a, const Pack& b) { return Lanes(a.x_ <= b.x_); }
-    friend Lanes operator>(const Pack& a, const Pack& b) { return Lanes(a.x_ > b.x_); }
-    friend Lanes operator>=(const Pack& a, const Pack& b) { return Lanes(a.x_ >= b.x_); }
+    friend Lanes operator<(const Pack& a, const Pack& b) { return Lanes(Lanes::All::less(a.x_, b.x_)); }
+    friend Lanes operator<=(const Pack& a, const Pack& b) { return Lanes(Lanes::All::at_most(a.x_, b.x_)); }
+    friend Lanes operator>(const Pack& a, const Pack& b) { return b < a; }
+    friend Lanes operator>=(const Pack& a, const Pack& b) { return b <= a; }
 
-    friend Pack sqrt(const Pack& a) { return Pack(stdx::sqrt(a.x_)); }
-    friend Pack abs(const Pack& a) { return Pack(stdx::abs(a.x_)); }
-    friend Pack copysign(const Pack& a, const Pack& b) { return Pack(stdx::copysign(a.x_, b.x_)); }
+    friend Pack sqrt(const Pack& a) {
+        if constexpr (has_pack_registers) return Pack(Register(pack_sqrt(a.x_)));
+        else return each_lane([&a](std::size_t k) { return std::sqrt(a.x_[k]); });
+    }
+    friend Pack abs(const Pack& a) { return Pack(a.words() & ~sign()); }
+    friend Pack copysign(const Pack& a, const Pack& b) { return Pack((a.words() & ~sign()) | (b.words() & sign())); }
     /// Without FMA lane by lane: std::fma is correctly rounded all the same.
     friend Pack fma(const Pack& a, const Pack& b, const Pack& c) {
 #if defined(__FMA__)
-        return Pack(__builtin_bit_cast(Simd, pack_fma(a.registers(), b.registers(), c.registers())));
+        return Pack(Register(pack_fma(a.x_, b.x_, c.x_)));
 #else
-        const auto lane = [](const Simd& x, auto i) { return static_cast<F>(x[i]); };
-        return Pack(Simd([&](auto i) { return std::fma(lane(a.x_, i), lane(b.x_, i), lane(c.x_, i)); }));
+        return each_lane([&](std::size_t k) { return std::fma(a.x_[k], b.x_[k], c.x_[k]); });
 #endif
     }
     friend Pack select(const Lanes& mask, const Pack& a, const Pack& b) {
-        Simd chosen = b.x_;
-        stdx::where(mask.simd(), chosen) = a.x_;
-        return Pack(chosen);
+        return Pack(Register(Lanes::All::select(mask.registers(), a.x_, b.x_)));
     }
 
     friend Pack min(const Pack& a, const Pack& b) {
-        if constexpr (has_pack_registers) return Pack(__builtin_bit_cast(Simd, pack_min(a.registers(), b.registers())));
+        if constexpr (has_pack_registers) return Pack(Register(pack_min(a.x_, b.x_)));
         else return select(a < b, a, b);
     }
     friend Pack max(const Pack& a, const Pack& b) {
-        if constexpr (has_pack_registers) return Pack(__builtin_bit_cast(Simd, pack_max(a.registers(), b.registers())));
+        if constexpr (has_pack_registers) return Pack(Register(pack_max(a.x_, b.x_)));
         else return select(a > b, a, b);
     }
 
@@ -188,8 +294,7 @@ public:
     /// it, NaN none at all; both fail the test below.
     friend Pack next_up(const Pack& a) {
         const Pack x = a + Pack(0);  // −0 + 0 = +0, whose neighbour by bits is right; −0's would be −2⁻¹⁴⁹
-        const Bits bits = __builtin_bit_cast(Bits, x.x_);
-        const Pack towards_zero(__builtin_bit_cast(Simd, bits - 1)), away(__builtin_bit_cast(Simd, bits + 1));
+        const Pack towards_zero(x.words() - 1), away(x.words() + 1);
         return select(a < Pack(std::numeric_limits<F>::infinity()), select(x < Pack(0), towards_zero, away), a);
     }
     friend Pack next_down(const Pack& a) { return -next_up(-a); }
@@ -197,104 +302,27 @@ public:
     /// ±2^⌊log2|a|⌋ of normal doubles: the significand's stored bits cleared.
     friend Pack binade(const Pack& a) {
         static_assert(sizeof(F) == 8);
-        return Pack(__builtin_bit_cast(Simd, __builtin_bit_cast(Bits, a.x_) & (std::int64_t{-1} << 52)));
+        return Pack(a.words() & (std::int64_t{-1} << 52));
     }
 
-    typedef F Register [[gnu::vector_size(Width::bytes)]];
-    [[nodiscard]] Register registers() const { return __builtin_bit_cast(Register, x_); }
-
 private:
-    using Bits = stdx::rebind_simd_t<std::conditional_t<sizeof(F) == 4, std::int32_t, std::int64_t>, Simd>;
+    static Words sign() { return Pack(F(-0.0)).words(); }
+    template <class Of>
+    static Pack each_lane(const Of& of) {
+        Register x{};
+        for (std::size_t k = 0; k < lanes; ++k) x[k] = of(k);
+        return Pack(x);
+    }
 
     /// Mutable for GCC alone: to a const local of other types a function that is inlined writes through memory, and all
     /// that it is made of stays there.
-    mutable Simd x_;
+    mutable Register x_;
 };
 
-/// The doubles inside a pack of floats: as many lanes, twice the registers.
+/// The doubles inside a pack of floats: number/wide/wide_pack.hpp.
 template <class Width>
-class WidePack {
-public:
-    using Half = Pack<double, Width>;
-    using Narrow = Pack<float, Width>;
+struct Wider<Pack<float, Width>>;
 
-    /// A decision in each lane; it is a decision about the floats, too.
-    struct Lanes {
-        PackMask<double, Width> low, high;
-
-        friend Lanes operator&&(const Lanes& a, const Lanes& b) { return {a.low && b.low, a.high && b.high}; }
-        friend Lanes operator||(const Lanes& a, const Lanes& b) { return {a.low || b.low, a.high || b.high}; }
-        friend Lanes operator!(const Lanes& a) { return {!a.low, !a.high}; }
-        friend bool any_of(const Lanes& a) { return any_of(a.low) || any_of(a.high); }
-        operator PackMask<float, Width>() const { return select(*this, WidePack(1), WidePack(0)).narrow() > Narrow(0); }
-    };
-
-    WidePack() = default;
-    explicit WidePack(int x) : low_(x), high_(x) {}
-    explicit WidePack(double x) : low_(x), high_(x) {}
-    WidePack(const Half& low, const Half& high) : low_(low), high_(high) {}
-    explicit WidePack(const Narrow& x) {
-        if constexpr (has_pack_registers) {
-            low_ = Half(__builtin_bit_cast(typename Half::Simd, pack_low(x.registers())));
-            high_ = Half(__builtin_bit_cast(typename Half::Simd, pack_high(x.registers())));
-        } else {
-            float lanes[Narrow::lanes];
-            x.store(lanes);
-            low_ = Half(typename Half::Simd(lanes, stdx::element_aligned));
-            high_ = Half(typename Half::Simd(lanes + Half::lanes, stdx::element_aligned));
-        }
-    }
-    /// Each lane rounded once.
-    [[nodiscard]] Narrow narrow() const {
-        if constexpr (has_pack_registers)
-            return Narrow(__builtin_bit_cast(typename Narrow::Simd, pack_narrow(low_.registers(), high_.registers())));
-        else
-            return Narrow(stdx::concat(stdx::static_simd_cast<HalfOfFloats>(low_.simd()),
-                                       stdx::static_simd_cast<HalfOfFloats>(high_.simd())));
-    }
-
-    friend WidePack operator+(const WidePack& a, const WidePack& b) { return {a.low_ + b.low_, a.high_ + b.high_}; }
-    friend WidePack operator-(const WidePack& a, const WidePack& b) { return {a.low_ - b.low_, a.high_ - b.high_}; }
-    friend WidePack operator*(const WidePack& a, const WidePack& b) { return {a.low_ * b.low_, a.high_ * b.high_}; }
-    friend WidePack operator/(const WidePack& a, const WidePack& b) { return {a.low_ / b.low_, a.high_ / b.high_}; }
-    friend WidePack operator-(const WidePack& a) { return {-a.low_, -a.high_}; }
-    WidePack& operator+=(const WidePack& b) { return *this = *this + b; }
-    WidePack& operator-=(const WidePack& b) { return *this = *this - b; }
-    WidePack& operator*=(const WidePack& b) { return *this = *this * b; }
-
-    friend Lanes operator<(const WidePack& a, const WidePack& b) { return {a.low_ < b.low_, a.high_ < b.high_}; }
-    friend Lanes operator<=(const WidePack& a, const WidePack& b) { return {a.low_ <= b.low_, a.high_ <= b.high_}; }
-    friend Lanes operator>(const WidePack& a, const WidePack& b) { return {a.low_ > b.low_, a.high_ > b.high_}; }
-    friend Lanes operator>=(const WidePack& a, const WidePack& b) { return {a.low_ >= b.low_, a.high_ >= b.high_}; }
-
-    friend WidePack sqrt(const WidePack& a) { return {sqrt(a.low_), sqrt(a.high_)}; }
-    friend WidePack abs(const WidePack& a) { return {abs(a.low_), abs(a.high_)}; }
-    friend WidePack copysign(const WidePack& a, const WidePack& b) {
-        return {copysign(a.low_, b.low_), copysign(a.high_, b.high_)};
-    }
-    friend WidePack fma(const WidePack& a, const WidePack& b, const WidePack& c) {
-        return {fma(a.low_, b.low_, c.low_), fma(a.high_, b.high_, c.high_)};
-    }
-    friend WidePack select(const Lanes& mask, const WidePack& a, const WidePack& b) {
-        return {select(mask.low, a.low_, b.low_), select(mask.high, a.high_, b.high_)};
-    }
-    friend WidePack next_up(const WidePack& a) { return {next_up(a.low_), next_up(a.high_)}; }
-    friend WidePack next_down(const WidePack& a) { return {next_down(a.low_), next_down(a.high_)}; }
-
-private:
-    using HalfOfFloats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
-
-    Half low_, high_;
-};
-
-template <class Width>
-struct Wider<Pack<float, Width>> {
-    using type = WidePack<Width>;
-    static type widen(const Pack<float, Width>& x) { return type(x); }
-    static Pack<float, Width> narrow(const type& x) { return x.narrow(); }
-};
-
-static_assert(Number<Pack<float, Registers<16>>> && Number<Pack<double, Registers<16>>> &&
-              Number<WidePack<Registers<16>>>);
+static_assert(Number<Pack<float, Registers<16>>> && Number<Pack<double, Registers<16>>>);
 
 }  // namespace lostbits

@@ -15,6 +15,7 @@
 #include "intersect/form_list.hpp"
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "shapes/capsule/forms/filtered.hpp"
 #include "shapes/cone/forms/filtered.hpp"
 #include "shapes/cylinder/forms/filtered.hpp"

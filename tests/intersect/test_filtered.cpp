@@ -14,6 +14,7 @@
 #include "intersect/hostile_rays.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "number/pack.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "shapes/box/forms/filtered.hpp"
 #include "shapes/sphere/forms/filtered.hpp"
 

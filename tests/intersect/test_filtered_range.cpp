@@ -17,6 +17,7 @@
 #include "intersect/hostile_rays.hpp"
 #include "measure/truth/exact_reference.hpp"
 #include "number/pack.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "shapes/box/forms/filtered.hpp"
 #include "shapes/sphere/forms/filtered.hpp"
 

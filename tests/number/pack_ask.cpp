@@ -1,5 +1,6 @@
 // The loop over a question's numbers; compiled once for each register width.
 #include "number/pack_ops.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "number/width.hpp"
 
 namespace lostbits::test {

@@ -2,6 +2,7 @@
 #include "catch.hpp"
 #include "number/kind.hpp"
 #include "number/kind_bounded.hpp"
+#include "number/wide/wide_pack.hpp"
 
 namespace lostbits::test {
 namespace {

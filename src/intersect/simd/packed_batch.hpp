@@ -11,6 +11,7 @@
 #include "intersect/simd/packed_raw.hpp"
 #include "intersect/takes.hpp"
 #include "number/pack.hpp"
+#include "number/wide/wide_pack.hpp"
 
 namespace lostbits::intersect::simd {
 

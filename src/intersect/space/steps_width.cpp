@@ -1,6 +1,7 @@
 // The ways into the space of a solid in registers of one width; compiled once for each.
 #include "intersect/space/list.hpp"
 #include "intersect/space/raw_steps.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "number/width.hpp"
 
 namespace lostbits::intersect::space {

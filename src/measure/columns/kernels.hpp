@@ -17,8 +17,8 @@ struct LaneBits {
     using P = Pack<double, Width>;
     typedef std::uint64_t Words [[gnu::vector_size(Width::bytes)]];
 
-    static Words words(const P& x) { return __builtin_bit_cast(Words, x.simd()); }
-    static P of_words(Words words) { return P(__builtin_bit_cast(typename P::Simd, words)); }
+    static Words words(const P& x) { return __builtin_bit_cast(Words, x.registers()); }
+    static P of_words(Words words) { return P(__builtin_bit_cast(typename P::Register, words)); }
     static bits::NearOne<P> near_one(const P& x) {
         const Words moved = words(x) + (bits::bits_of_one - bits::bits_of_root_half);
         return {of_words((moved >> 52) | bits::bits_of_two_52) - P(0x1p52 + 1023),

@@ -12,6 +12,7 @@
 #include "shapes/solid.hpp"
 
 #if defined(LOSTBITS_ISA)
+#include "number/wide/wide_pack.hpp"
 #include "number/width.hpp"
 #endif
 

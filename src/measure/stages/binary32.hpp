@@ -9,8 +9,14 @@ namespace lostbits::measure::stages {
 template <class Width>
 Pack<double, Width> nearest_binary32(const Pack<double, Width>& x) {
     using P = Pack<double, Width>;
-    using Floats = stdx::simd<float, PackAbi<float, Registers<Width::bytes / 2>>>;
-    return P(stdx::static_simd_cast<typename P::Simd>(stdx::static_simd_cast<Floats>(x.simd())));
+    if constexpr (has_pack_registers) {
+        return P(typename P::Register(pack_rounded(x.registers())));
+    } else {
+        double lanes[P::lanes];
+        x.store(lanes);
+        for (double& lane : lanes) lane = static_cast<double>(static_cast<float>(lane));
+        return P::load(lanes);
+    }
 }
 inline double nearest_binary32(double x) { return static_cast<double>(static_cast<float>(x)); }
 

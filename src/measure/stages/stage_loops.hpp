@@ -19,7 +19,7 @@ struct Lanes {
     static constexpr std::size_t count = P::lanes;
     template <class S>
     static P load(const S* from) {
-        return P(typename P::Simd(from, stdx::element_aligned));
+        return P::load(from);
     }
     static void store(const P& x, double* to) { x.store(to); }
     static void store(const mask_t<P>& x, std::uint8_t* to) {
@@ -119,7 +119,7 @@ template <template <class> class Of, bool plain, class S, class W>
     }
 }
 /// Plain problems, which most are, have a loop of their own, twice as fast; not in the narrowest registers, which
-/// processors of today do not use: a loop is ten seconds of compiling a shape.
+/// processors of today do not use: a loop is two seconds of compiling a shape.
 template <template <class> class Of, class S, class W>
 void settle_all(const RawProblems<S>& raw) {
     if constexpr (Lanes<typename Running<W>::P>::count > 2) {

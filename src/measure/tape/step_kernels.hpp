@@ -84,8 +84,7 @@ private:
         const bool* const first = decisions(s.operands[0]);
         using Lanes = typename Numbers<N>::Lanes;
         for (std::size_t i = 0; i < at_.rays; i += Numbers<N>::lanes) {
-            const Lanes mask(typename Lanes::Simd(first + i, stdx::element_aligned));
-            out.store(i, select(mask, a.load(i), b.load(i)));
+            out.store(i, select(Lanes::load(first + i), a.load(i), b.load(i)));
         }
     }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "number/tri.hpp"
@@ -16,15 +17,16 @@ namespace lostbits::number::wide {
 /// not finite says nothing.
 template <std::floating_point F>
 [[gnu::always_inline]] inline bool is_known_zero(const F& x) {
-    return __builtin_constant_p(x) && x >= 0 && x <= 0;
+    return __builtin_constant_p(x) & (x >= 0) & (x <= 0);
 }
+/// Without a branch: each would stay in the code of a whole shape until the compiler knows its answer.
 template <class P>
-requires requires(const P& x) { x.registers(); }
+requires requires(const P& x) { x.words(); }
 [[gnu::always_inline]] inline bool is_known_zero(const P& x) {
-    const auto lanes = x.registers();
-    if (!__builtin_constant_p(lanes)) return false;
-    return [&]<std::size_t... i>(std::index_sequence<i...>) { return ((lanes[i] >= 0 && lanes[i] <= 0) && ...); }
+    const auto words = x.words();
+    const auto all = [&]<std::size_t... i>(std::index_sequence<i...>) { return (words[i] | ...); }
     (std::make_index_sequence<P::lanes>());
+    return __builtin_constant_p(all) & (static_cast<std::uint64_t>(all) << 1 == 0);
 }
 
 /// What `Running` must know of its words: W is P, double or a pack of doubles, or `TwoWords<P>`.

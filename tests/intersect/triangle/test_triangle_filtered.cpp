@@ -12,6 +12,7 @@
 #include "intersect/way.hpp"
 #include "number/pack.hpp"
 #include "number/rounded.hpp"
+#include "number/wide/wide_pack.hpp"
 #include "shapes/triangle/forms/forms.hpp"
 
 namespace lostbits::test::test_triangle_filtered {
