@@ -10,7 +10,7 @@
 
 namespace lostbits::output::test {
 
-inline output::image::Rgb8 pixel(const output::image::PngImage& image, int x, int y) {
+inline output::image::Rgb8 pixel_at(const output::image::PngImage& image, int x, int y) {
     return image.pixels[static_cast<std::size_t>(y * image.width + x)];
 }
 
@@ -24,7 +24,7 @@ inline std::optional<std::pair<int, int>> find_block(const output::image::PngIma
     const auto all = [&](int x0, int y0) {
         for (int y = y0; y < y0 + height; ++y) {
             for (int x = x0; x < x0 + width; ++x) {
-                if (pixel(image, x, y) != colour) return false;
+                if (pixel_at(image, x, y) != colour) return false;
             }
         }
         return true;
@@ -42,7 +42,7 @@ inline bool rim_is_blank(const output::image::PngImage& image) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && pixel(image, x, y) != image::style::page) return false;
+            if (!inside && pixel_at(image, x, y) != image::style::page) return false;
         }
     }
     return true;

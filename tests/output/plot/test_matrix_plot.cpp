@@ -69,7 +69,7 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
         int darker = 0, lighter = 0, same = 0;
         for (int y = 0; y < 21; ++y) {
             for (int x = 0; x < 25; ++x) {
-                const Rgb8 p = pixel(image, at.first + x, at.second + y);
+                const Rgb8 p = pixel_at(image, at.first + x, at.second + y);
                 same += p == ground;
                 darker += p.g < ground.g;
                 lighter += p.g > ground.g;
@@ -79,7 +79,7 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
         CHECK((dark_ink ? darker : lighter) > 10);
         CHECK((dark_ink ? lighter : darker) == 0);
         CHECK(rim_is_blank(image));
-        CHECK((pixel(image, at.first, at.second) == ground && pixel(image, at.first + 24, at.second + 20) == ground));
+        CHECK((pixel_at(image, at.first, at.second) == ground && pixel_at(image, at.first + 24, at.second + 20) == ground));
     }
 }
 

@@ -43,7 +43,7 @@ lostbits::output::image::PngImage plotted(const Scratch& folder, const ScatterPl
 int column_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour, int least) {
     for (int x = 0; x < image.width; ++x) {
         int n = 0;
-        for (int y = 0; y < image.height - 60; ++y) n += pixel(image, x, y) == colour;
+        for (int y = 0; y < image.height - 60; ++y) n += pixel_at(image, x, y) == colour;
         if (n >= least) return x;
     }
     return -1;

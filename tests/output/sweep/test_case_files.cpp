@@ -127,7 +127,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const auto first = find_block(image, {226, 238, 226}, pitch - 1, 21);
     REQUIRE(first.has_value());
     const auto corner = [&](int column, int line) {
-        return pixel(image, first->first + column, first->second + 22 * line);
+        return pixel_at(image, first->first + column, first->second + 22 * line);
     };
     const output::image::Rgb8 colours[] = {
         {226, 238, 226}, scale.colour(12, binary32), outcome_colours[3], outcome_colours[2], outcome_colours[4]};
@@ -141,7 +141,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     const auto flat = [&](int line) {
         for (int y = 0; y < 21; ++y) {
             for (int x = 0; x < pitch - 1; ++x) {
-                if (pixel(image, first->first + x, first->second + 22 * line + y) != colours[line]) return false;
+                if (pixel_at(image, first->first + x, first->second + 22 * line + y) != colours[line]) return false;
             }
         }
         return true;
