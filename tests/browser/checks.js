@@ -76,7 +76,7 @@ function make() {
     lostbits("sweep", sweep, ...forms, ...two, ...once, "-o", at("sweep"));
     const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
     const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"),
-          rest = [...size, "--pixels", "csv", "-o", at("map")];
+          rest = [...size, "--pixels", "csv", "--pictures", "all", "-o", at("map")];
     lostbits(
         "report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric",
         "residual", "--metric", "culprit", "--no-claims", "-o", at("small"));

@@ -133,7 +133,7 @@ TEST_CASE("consistency refuses what it cannot measure, and says what to try") {
         {"near-benign -i 'box.*'", 4, "no selected form handles near-benign"},
         {"near-benign -f f33", 2, "f32"},
         {"near-benign --size 0x4", 2, "--size"},
-        {"sphereflake-near", 2, "at most 1000"},
+        {"sphereflake-near", 2, "1000 is the most"},
         {"", 2, "SCENE"},
     };
     for (const Case& c : cases) {

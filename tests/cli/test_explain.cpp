@@ -309,7 +309,7 @@ TEST_CASE("explain refuses what it cannot read, and says why") {
 TEST_CASE("culprits, cancellation and contributions are maps like any other") {
     const Scratch scratch;
     REQUIRE(run("map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric "
-                "culprit --metric cancellation --metric contribution:c --pixels csv -q -o one",
+                "culprit --metric cancellation --metric contribution:c --pixels csv --pictures all -q -o one",
                 scratch.path())
                 .code == 0);
     CHECK(scratch.files().size() > 10);

@@ -80,7 +80,7 @@ TEST_CASE("offsets refuses what it cannot measure, and says what to try") {
         {"near-benign --points nowhere", 2, "computed"},
         {"near-benign --along time", 2, "distance, radius, world"},
         {"near-benign --size 0x4", 2, "--size"},
-        {"sphereflake-near", 2, "at most 1000"},
+        {"sphereflake-near", 2, "1000 is the most"},
         {"sdf-union -i 'sphere.*'", 4, "it has spheres and boxes, and no selected form is for boxes; try -i sphere."},
         {"raycast-course.pixels --along distance", 2, "cannot move"},
         {boxes, 2, "wall.toml:"},

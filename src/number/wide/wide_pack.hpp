@@ -84,15 +84,11 @@ private:
 
 }  // namespace lostbits::number::wide
 
-namespace lostbits {
-
 template <class Width>
-struct Wider<Pack<float, Width>> {
+struct lostbits::Wider<lostbits::Pack<float, Width>> {
     using type = number::wide::WidePack<Width>;
     static type widen(const Pack<float, Width>& x) { return type(x); }
     static Pack<float, Width> narrow(const type& x) { return x.narrow(); }
 };
 
-static_assert(Number<number::wide::WidePack<Registers<16>>>);
-
-}  // namespace lostbits
+static_assert(lostbits::Number<lostbits::number::wide::WidePack<lostbits::Registers<16>>>);

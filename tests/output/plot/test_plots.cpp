@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "output/helpers.hpp"
+#include "output/image/pixels.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_frame.hpp"
@@ -24,17 +25,6 @@ constexpr lostbits::output::image::Rgb8 first_colour{0, 114, 178}, second_colour
 
 lostbits::output::image::Rgb8 at(const lostbits::output::image::PngImage& image, int x, int y) {
     return image.pixels[static_cast<std::size_t>(y * image.width + x)];
-}
-
-bool rim_is_blank(const lostbits::output::image::PngImage& image) {
-    const int rim = image::style::margin - 1;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && at(image, x, y) != image::style::page) return false;
-        }
-    }
-    return true;
 }
 
 /// What is inside the frame: the longest run of the frame's colour in a row is its upper edge, in a column its left.
