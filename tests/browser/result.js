@@ -48,7 +48,7 @@ async function worst({ browser, report, odd, lostbits }) {
         assert.match(lostbits(...command.split(" ")), /sphere\.schoolbook in f32/);
         // It is the one that the program takes for the worst.
         const [, named] = command.match(/^explain (.*) --pixel/),
-              told = lostbits("explain", named, "--worst", "-i", "sphere.schoolbook", "-f", "f32");
+                 told = lostbits("explain", named, "--worst", "-i", "sphere.schoolbook", "-f", "f32");
         assert.ok(told.startsWith(`Pixel ${x},${y}, the worst of `), told.slice(0, 80));
     }
 }
