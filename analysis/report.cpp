@@ -217,6 +217,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             });
             work.units += scene.pixels() * fit.size();
             std::string named = selection::name_of_scene(scene, data);
+            if (!o.size.empty()) named += fmt::format(" --size {}x{}", scene.width, scene.height);
             work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named)});
         }
     }

@@ -157,10 +157,7 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     const auto file = folder.path() / "contact.png";
     output::map::MapFiles sheet(
         request,
-        {.folder = {},
-         .drawn = {measure::metric::find_metric("lost_bits")},
-         .named = work.own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height),
-         .sheet_alone = file});
+        {.folder = {}, .drawn = {measure::metric::find_metric("lost_bits")}, .named = work.named, .sheet_alone = file});
     output::page::MapData data(request);
     std::vector<std::unique_ptr<Both>> both;
     std::vector<EvaluationSink*> sinks;
@@ -170,14 +167,12 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
     const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
     sheet.finish(summaries);
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    auto index = data.index(summaries, work.own_size);
-    index["named"] = work.named;
     return {.id = scene.id,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
             .rows = keys_of(work.rows),
-            .index = std::move(index),
+            .index = data.index(summaries, work.own_size, work.named),
             .blobs = data.blobs(summaries),
             .table = output::page::summary_table(request, summaries),
             .sheet = {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},

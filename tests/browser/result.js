@@ -33,19 +33,24 @@ async function order({ browser, report }) {
     assert.ok(both[0].endsWith("(near-benign)") && both[1].endsWith("(rtg-fig-7-3-4100-oblique)"), `${both}`);
 }
 
-/** Below the map stands its worst pixel, with a command that explains it; a click on the button goes there. */
-async function worst({ browser, report, lostbits }) {
-    const page =
-        await browser.page(report, { hash: "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32" });
-    const line = await page.locator("#worst-line").innerText(),
-          [, x, y, command] = line.match(/^Worst pixel (\d+), (\d+): lostbits (explain .*)$/);
-    await page.locator("#worst").click();
-    const now = await page.evaluate(() => [state.x, state.y]);
-    assert.deepEqual(now, [Number(x), Number(y)]);
-    assert.match(lostbits(...command.split(" ")), /sphere\.schoolbook in f32/);
-    // It is the one that the program takes for the worst.
-    const told = lostbits("explain", "rtg-fig-7-3-4100-oblique", "--worst", "-i", "sphere.schoolbook", "-f", "f32");
-    assert.ok(told.startsWith(`Pixel ${x},${y}, the worst of `), told.slice(0, 80));
+/**
+ * Below the map stands its worst pixel, with a command that explains it, of a scene of one's own too; a click on the
+ * button goes there.
+ */
+async function worst({ browser, report, odd, lostbits }) {
+    for (const [file, scene] of [[report, "rtg-fig-7-3-4100-oblique"], [odd, "one-pixel"]]) {
+        const page = await browser.page(file, { hash: `#scene=${scene}&form=sphere.schoolbook&format=f32` });
+        const line = await page.locator("#worst-line").innerText(),
+              [, x, y, command] = line.match(/^Worst pixel (\d+), (\d+): lostbits (explain .*)$/);
+        await page.locator("#worst").click();
+        const now = await page.evaluate(() => [state.x, state.y]);
+        assert.deepEqual(now, [Number(x), Number(y)]);
+        assert.match(lostbits(...command.split(" ")), /sphere\.schoolbook in f32/);
+        // It is the one that the program takes for the worst.
+        const [, named] = command.match(/^explain (.*) --pixel/),
+                 told = lostbits("explain", named, "--worst", "-i", "sphere.schoolbook", "-f", "f32");
+        assert.ok(told.startsWith(`Pixel ${x},${y}, the worst of `), told.slice(0, 80));
+    }
 }
 
 /** At 400 pixels the table of operations has a bar to scroll it by, and a word that it goes on. */

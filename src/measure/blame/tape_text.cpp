@@ -1,6 +1,7 @@
 #include "measure/blame/tape_text.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 #include "measure/blame/operations.hpp"
 
@@ -21,8 +22,14 @@ std::string in_brackets(const std::string& text) {
     return all.append(text).append(")");
 }
 
-/// `centre.x`, `tmin2`, `hit_eps` in math mode: \mathit{centre}_{x}, \mathit{tmin}_{2}, \mathit{hit\_eps}.
+/// `centre.x`, `tmin2`, `hit_eps`, `A^-1_2` in math mode: \mathit{centre}_{x}, \mathit{tmin}_{2}, \mathit{hit\_eps},
+/// A^{-1}_{2}.
 std::string in_latex(const std::string& name) {
+    if (const auto hat = name.find('^'); hat != std::string::npos) {
+        const auto end = std::min(name.find('_', hat), name.size());
+        const std::string power = in_latex(name.substr(0, hat)) + "^{" + name.substr(hat + 1, end - hat - 1) + "}";
+        return end == name.size() ? power : power + "_{" + name.substr(end + 1) + "}";
+    }
     const auto digits = name.find_last_not_of("0123456789") + 1;
     const std::string base = vector_of(name);
     std::string stem = base.empty() ? name.substr(0, digits) : base,
@@ -103,9 +110,9 @@ void TapeText::name_all() {
         else if (!n.label.empty()) {
             name = n.label;
             if (const int again = ++times[name]; again > 1 && style_ != Style::generic) {
-                const std::string base = vector_of(name);
-                name = base.empty() ? name + std::to_string(again)
-                                    : base + std::to_string(again) + name.substr(name.size() - 2);
+                const std::string base = vector_of(name), stem = base.empty() ? name : base;
+                const bool is_number = std::isdigit(static_cast<unsigned char>(stem.back())) != 0;  // A^-1, not A^-12
+                name = stem + (is_number ? "_" : "") + std::to_string(again) + name.substr(stem.size());
             }
         } else if (name.empty()) {
             name = (is_decision(n.op) ? "m" : "s") + std::to_string(i);

@@ -281,15 +281,16 @@ Json summary_json(const EvaluationRequest& request, const TestedForm& row, const
 
 }  // namespace
 
-Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size) const {
+Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
+                    const std::string& named) const {
     const scene::file::Scene& scene = *request_.scene;
-    const std::string named = own_size ? scene.id : fmt::format("{} --size {}x{}", scene.id, scene.width, scene.height);
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
         rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), named));
     return {{"id", scene.id},
             {"title", scene.title},
             {"note", scene.note},
+            {"named", named},
             {"width", scene.width},
             {"height", scene.height},
             {"own_size", own_size},

@@ -36,8 +36,9 @@ public:
     [[nodiscard]] std::vector<measure::evaluate::EvaluationSink*> sinks();
 
     /// After the map: everything but pixels. `own_size`: no other size was asked for than the scene's, so that
-    /// claims have the same rays.
-    [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size) const;
+    /// claims have the same rays. `named`: the scene in its size, as words of a command.
+    [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
+                             const std::string& named) const;
     /// After the map: the pixels, and the operations of the chosen rays.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const;
 

@@ -63,6 +63,16 @@ TEST_CASE("axes of a box share their categories and not their names", "[attribut
     CHECK(categories == std::set<std::string>{"inv = 1/d.i"});
 }
 
+TEST_CASE("the second of two names that end in a digit is no larger number", "[attribution]") {
+    Recording r("sphere.schoolbook");
+    const NodeId first = r.labelled("a"), second = r.labelled("b");
+    for (const NodeId i : {first, second}) r.tape[i].label = "A^-1";
+    const TapeText text = r.text(TapeText::Style::pretty);
+    CHECK(text.name(first) == "A^-1");
+    CHECK(text.name(second) == "A^-1_2");
+    CHECK(r.text(TapeText::Style::latex).definition(second).starts_with("A^{-1}_{2} = "));
+}
+
 TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
     for (const Intersector& form : intersect::table::intersectors()) {
         const Recording r(form.info->name);

@@ -88,11 +88,10 @@ function metricTable(facts) {
 
 /** What to type for the same map, and for one ray of it. */
 function commandsFor(map, row, x, y, metric) {
-    const size = map.own_size ? "" : ` --size ${map.width}x${map.height}`;
     const drawn = metric.kind === "classes" ? "" : ` --metric ${metric.name}`;
     return {
-        map: `lostbits map ${map.named} -i ${row.form} -f ${row.format}${row.from}${drawn}${size} --pixels csv -o out`,
-        explain: `lostbits explain ${map.named}${size} --pixel ${x},${y} -i ${row.form} -f ${row.format}${row.from}`,
+        map: `lostbits map ${map.named} -i ${row.form} -f ${row.format}${row.from}${drawn} --pixels csv -o out`,
+        explain: `lostbits explain ${map.named} --pixel ${x},${y} -i ${row.form} -f ${row.format}${row.from}`,
     };
 }
 
