@@ -146,6 +146,12 @@ void refuse_what_searches_ignore(const std::string& search, bool edges, const Sw
     if (!o.against.empty()) refuse("--against " + o.against, "compares with the truth alone", "");
 }
 
+/// InputError where further draws are asked of a sweep that has none.
+void refuse_draws(const std::string& sweep, const std::string& why, const SweepOptions& o) {
+    if (o.seeds.value_or(0) > 0)
+        throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep, why));
+}
+
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data) {
@@ -161,6 +167,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (searches) refuse_what_searches_ignore(path.stem().string(), kind == K::edge_search, o);
     selection::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
+    if (kind == K::cases) refuse_draws(path.stem().string(), "names its rays and draws none at random", o);
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
     if (kind == K::edge_search)
@@ -169,6 +176,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o.changes));
+        if (!sweep.is_drawn()) refuse_draws(sweep.id, "has the rays of its scene and draws none at random", o);
+        if (sweep.axes.size() != 1) refuse_draws(sweep.id, "has two axes, and onsets are found along one", o);
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);

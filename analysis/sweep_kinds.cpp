@@ -109,6 +109,12 @@ std::uint64_t ExhaustiveRun::run() {
     const auto found = chosen_.division().result_of(
         job_, [this] { return try_all(); }, [this](const ExhaustiveState& part) { part.require_of(request_); });
     if (!found) return 0;
+    // Where a state of --resume is joined as if it were a shard, floats are missing that no sentence may speak of.
+    if (const std::uint64_t all = measure::sweep::floats_of(sweep_, {}); found->tried != all)
+        throw InputError(fmt::format(
+            "{} of the {} floats of {} were tried: a part is that of a run that was stopped; run that shard again with "
+            "--resume, and join what it ends with",
+            found->tried, all, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     forget_state();
@@ -134,6 +140,11 @@ void check_exhaustive_options(const std::string& sweep, const SweepOptions& o) {
     if (o.seeds)
         throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
                                      *o.seeds, sweep));
+    if (!o.against.empty())
+        throw InputError(
+            fmt::format("--against {}: {} tries every float and compares with the truth alone; leave out "
+                        "--against",
+                        o.against, sweep));
 }
 
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,

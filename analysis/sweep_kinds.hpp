@@ -105,7 +105,8 @@ private:
     const Common& common_;
 };
 
-/// InputError where the options ask of such a sweep what it does not do: formats beside f32, metrics, further draws.
+/// InputError where the options ask of such a sweep what it does not do: formats beside f32, metrics, further draws,
+/// another form to compare with.
 void check_exhaustive_options(const std::string& sweep, const SweepOptions& o);
 
 }  // namespace lostbits::analysis
