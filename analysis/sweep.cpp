@@ -97,7 +97,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
     request.recoveries = request.both_ends = true;
     selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
-    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows);
+    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     const auto owner = chosen.own(folder, path, common);
     const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
