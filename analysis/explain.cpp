@@ -140,12 +140,12 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
         request.form = form_for(*row.form, sweep);
         request.rays = step_of(sweep, words.at);
     } else {
-        if (!words.at.empty())
-            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
-                             " is not a sweep; leave it out");
         auto scene = selection::load_one_scene(
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
+        if (!words.at.empty())
+            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
+                             " is not a sweep; leave it out");
         request.form = form_for(*row.form, scene);
         request.rays = std::move(scene);
     }
