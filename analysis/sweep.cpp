@@ -196,6 +196,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     return only(search.shape);
 }
 
+/// Of several sweeps one was stopped: those in front of it have no state any more, those behind it none yet.
+void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
+    const bool any = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
+    for (const auto& run : runs)
+        if (!any || run->was_stopped()) run->resume();
+}
+
 Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
     Divided divided;
@@ -251,6 +258,7 @@ Exit run(SweepOptions o, const Common& common) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, data, chosen, o, common));
     }
+    if (o.resume) resume_stopped(exhaustive);
     const selection::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         try {

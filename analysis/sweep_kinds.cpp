@@ -46,7 +46,6 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
                        selection::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
                    .share = chosen.division().share()},
                   job_),
-      resumed_(o.resume),
       chosen_(chosen),
       common_(common) {
     request_.sweep = &sweep_;
@@ -58,11 +57,14 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
     }
-    if (resumed_)
-        unfinished_.read([this](output::shard::BitReader& bits) {
-            bits(state_);
-            state_.require_of(request_);
-        });
+}
+
+void ExhaustiveRun::resume() {
+    unfinished_.read([this](output::shard::BitReader& bits) {
+        bits(state_);
+        state_.require_of(request_);
+    });
+    resumed_ = true;
 }
 
 ExhaustiveState ExhaustiveRun::try_all() {

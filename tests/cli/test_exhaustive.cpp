@@ -203,6 +203,14 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     write(good);
     CHECK(run("-q " + resume, scratch.path()).code == 0);
     CHECK(table(scratch, "s/statements.csv").rows() == 2);
+    // Of several sweeps those that have no state begin anew.
+    static_cast<void>(scratch.write("t.toml", small));
+    const std::string both = "-q sweep t.toml s.toml -i sphere.press --resume -o .";
+    CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: there is no such file"));
+    write(good);
+    CHECK(run(both, scratch.path()).code == 0);
+    CHECK(table(scratch, "s/statements.csv").rows() == 2);
+    CHECK(table(scratch, "t/statements.csv").rows() == 2);
     // Without --resume it begins anew, and says that a state is there.
     write(good);
     const auto anew = run(sweep + " -o .", scratch.path());
