@@ -135,17 +135,22 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
             throw InputError("--range " + text + ": " + asked.name + " has a range already; leave out one of the two");
     }
     const auto data = selection::data_folder(common.data);
-    if (const auto file = selection::sweep_named(ray.subject, data)) {
+    auto file = selection::sweep_named(ray.subject, data);
+    // Of a scene and a sweep of one name --at means the sweep.
+    if (const auto sweep = data / "sweeps" / (ray.subject + ".toml");
+        !file && !words.at.empty() && std::filesystem::is_regular_file(sweep))
+        file = sweep;
+    if (file) {
         const auto sweep = sweep_of(ray, *file, data);
         request.form = form_for(*row.form, sweep);
         request.rays = step_of(sweep, words.at);
     } else {
-        if (!words.at.empty())
-            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
-                             " is not a sweep; leave it out");
         auto scene = selection::load_one_scene(
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
+        if (!words.at.empty())
+            throw InputError("--at " + words.at + ": is a step of a sweep, and " + ray.subject +
+                             " is not a sweep; leave it out");
         request.form = form_for(*row.form, scene);
         request.rays = std::move(scene);
     }

@@ -168,7 +168,7 @@ Exit run(const JudgeWords& o, const Common& common) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(o.file);
-    intersect::Info contract = selection::contract_of(o);
+    intersect::Info contract = selection::contract_of(o, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump->layout().solid() ? *dump->layout().solid() : request.solids.front().shape;
     intersect::doors::require_front(contract.facing, shape, o.file);

@@ -97,7 +97,7 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen, co
     request.recoveries = request.both_ends = true;
     selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
-    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows);
+    if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
     const auto folder = std::filesystem::path(o.out) / sweep.id;
     const auto owner = chosen.own(folder, path, common);
     const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
@@ -146,6 +146,12 @@ void refuse_what_searches_ignore(const std::string& search, bool edges, const Sw
     if (!o.against.empty()) refuse("--against " + o.against, "compares with the truth alone", "");
 }
 
+/// InputError where further draws are asked of a sweep that has none.
+void refuse_draws(const std::string& sweep, const std::string& why, const SweepOptions& o) {
+    if (o.seeds.value_or(0) > 0)
+        throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep, why));
+}
+
 /// Reads the file only to check it: InputError if something is wrong. Returns which forms can handle it.
 Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
                  const std::filesystem::path& data) {
@@ -161,6 +167,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     if (searches) refuse_what_searches_ignore(path.stem().string(), kind == K::edge_search, o);
     selection::check_changes(o.changes, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
+    if (kind == K::cases) refuse_draws(path.stem().string(), "names its rays and draws none at random", o);
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data).solid.shape);
     if (kind == K::edge_search)
@@ -169,6 +176,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o.changes));
+        if (!sweep.is_drawn()) refuse_draws(sweep.id, "has the rays of its scene and draws none at random", o);
+        if (sweep.axes.size() != 1) refuse_draws(sweep.id, "has two axes, and onsets are found along one", o);
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(o.changes).set);
@@ -185,6 +194,13 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
             path.string() + ":1:1: search.metric is \"" + search.metric +
             "\", which names an operation and has no largest value; try cancellation, or contribution:LABEL");
     return only(search.shape);
+}
+
+/// Of several sweeps one was stopped: those in front of it have no state any more, those behind it none yet.
+void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
+    const bool any = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
+    for (const auto& run : runs)
+        if (!any || run->was_stopped()) run->resume();
 }
 
 Exit run(SweepOptions o, const Common& common) {
@@ -242,6 +258,7 @@ Exit run(SweepOptions o, const Common& common) {
         if (sweep.kind == SweepKind::every_float)
             exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, data, chosen, o, common));
     }
+    if (o.resume) resume_stopped(exhaustive);
     const selection::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         try {

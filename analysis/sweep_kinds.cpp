@@ -46,7 +46,6 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
                        selection::files_of(path, scene::sweep::SweepKind::every_float, o.changes, data), common),
                    .share = chosen.division().share()},
                   job_),
-      resumed_(o.resume),
       chosen_(chosen),
       common_(common) {
     request_.sweep = &sweep_;
@@ -58,11 +57,14 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const std::files
         row.judged = sweep_.convention;
         request_.rows.push_back(row);
     }
-    if (resumed_)
-        unfinished_.read([this](output::shard::BitReader& bits) {
-            bits(state_);
-            state_.require_of(request_);
-        });
+}
+
+void ExhaustiveRun::resume() {
+    unfinished_.read([this](output::shard::BitReader& bits) {
+        bits(state_);
+        state_.require_of(request_);
+    });
+    resumed_ = true;
 }
 
 ExhaustiveState ExhaustiveRun::try_all() {
@@ -109,6 +111,12 @@ std::uint64_t ExhaustiveRun::run() {
     const auto found = chosen_.division().result_of(
         job_, [this] { return try_all(); }, [this](const ExhaustiveState& part) { part.require_of(request_); });
     if (!found) return 0;
+    // Where a state of --resume is joined as if it were a shard, floats are missing that no sentence may speak of.
+    if (const std::uint64_t all = measure::sweep::floats_of(sweep_, {}); found->tried != all)
+        throw InputError(fmt::format(
+            "{} of the {} floats of {} were tried: a part is that of a run that was stopped; run that shard again with "
+            "--resume, and join what it ends with",
+            found->tried, all, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     forget_state();
@@ -134,6 +142,11 @@ void check_exhaustive_options(const std::string& sweep, const SweepOptions& o) {
     if (o.seeds)
         throw InputError(fmt::format("--seeds {}: {} tries every float and draws nothing at random; leave out --seeds",
                                      *o.seeds, sweep));
+    if (!o.against.empty())
+        throw InputError(
+            fmt::format("--against {}: {} tries every float and compares with the truth alone; leave out "
+                        "--against",
+                        o.against, sweep));
 }
 
 void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen, const SweepOptions& o,

@@ -78,13 +78,15 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
 /// A run that may be stopped and resumed. Not movable: the request points into it.
 class ExhaustiveRun {
 public:
-    /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep and,
-    /// where the run is to be resumed, for a state that it cannot go on from.
+    /// Of the forms of the rows that can meet the sweep, in f32. InputError for a file that is not such a sweep.
     ExhaustiveRun(const std::filesystem::path& path, const std::filesystem::path& data, const ChosenOfSweep& chosen,
                   const SweepOptions& o, const Common& common);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
+    [[nodiscard]] bool was_stopped() const { return unfinished_.is_there(); }
+    /// InputError where there is no state, or one that it cannot go on from.
+    void resume();
     /// Tries what is left and writes the results, or notes them in a shard; when it is stopped, the state. Returns how
     /// many truths were not proved.
     std::uint64_t run();
@@ -100,12 +102,13 @@ private:
     std::filesystem::path path_, folder_;
     std::string job_;
     output::shard::UnfinishedFile unfinished_;
-    bool resumed_;
+    bool resumed_ = false;
     const ChosenOfSweep& chosen_;
     const Common& common_;
 };
 
-/// InputError where the options ask of such a sweep what it does not do: formats beside f32, metrics, further draws.
+/// InputError where the options ask of such a sweep what it does not do: formats beside f32, metrics, further draws,
+/// another form to compare with.
 void check_exhaustive_options(const std::string& sweep, const SweepOptions& o);
 
 }  // namespace lostbits::analysis

@@ -86,7 +86,10 @@ MendWork mend_of(const std::string& word, const std::string& size, const std::fi
     if (rows.size() != 1) said.refuse(form + " is not one form for the solids of that scene");
     selection::refuse_makers({rows.front().form}, "mend");
     selection::refuse_made_rays({scene}, "mend");
-    return {std::move(scene), said.wish, rows.front()};
+    MendWork work{std::move(scene), said.wish, rows.front()};
+    // A form that filters is refused here, before anything is measured.
+    static_cast<void>(measure::mend::recorded({.scene = &work.scene, .row = work.row}));
+    return work;
 }
 
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {

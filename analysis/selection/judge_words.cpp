@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "analysis/selection/select.hpp"
 #include "number/error.hpp"
@@ -189,7 +190,18 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Solid<double>
     dump.put_under_matrices(given.front());
 }
 
-intersect::Info contract_of(const RayFileWords& o) {
+intersect::Info contract_of(const RayFileWords& o, const scene::dump::Dump& dump) {
+    const RayFileWords usual;
+    for (const auto& [option, said, unsaid] : {std::tuple("--direction", o.direction, usual.direction),
+                                               {"--touching", o.touching, usual.touching},
+                                               {"--at-origin", o.at_origin, usual.at_origin},
+                                               {"--inside", o.inside, usual.inside},
+                                               {"--facing", o.facing, usual.facing}})
+        if (said != unsaid && !dump.layout().has_answers())
+            throw InputError(
+                fmt::format("{} {}: says what the answers of {} mean, and it has none (columns hit or t); "
+                            "leave {} out: forms are judged by their own words",
+                            option, said, dump.name(), option));
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;

@@ -76,7 +76,7 @@ std::optional<std::size_t> group_of(const JudgeWords& o, const scene::dump::Layo
 void add_wish(const JudgeWords& o, measure::metric::MetricSet& made,
               std::vector<const measure::metric::Metric*>& metrics);
 
-/// The contract of the answers.
-intersect::Info contract_of(const RayFileWords& o);
+/// The contract of the answers. InputError for a word about answers where there are none.
+intersect::Info contract_of(const RayFileWords& o, const scene::dump::Dump& dump);
 
 }  // namespace lostbits::analysis::selection

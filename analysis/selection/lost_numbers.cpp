@@ -65,7 +65,8 @@ void note_lost_numbers(const scene::file::Scene& scene, const std::vector<Tested
     }
 }
 
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& rows) {
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& rows,
+                       intersect::process::StopToken stop) {
     const std::vector<Format> formats = formats_of(rows);
     std::vector<LostLengths> lost;
     std::vector<bool> marches;
@@ -77,6 +78,7 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
     const bool two = sweep.axes.size() > 1;
     for (const double first : sweep.axes.front().values) {
         for (const double second : two ? sweep.axes[1].values : only) {
+            stop.check();
             const std::vector<double> values = two ? std::vector{first, second} : std::vector{first};
             const auto where = [&] { return place_of(sweep, values); };
             for (const RayGroup& group : sweep.rays(values)) {

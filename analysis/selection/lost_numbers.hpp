@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -14,8 +15,9 @@ namespace lostbits::analysis::selection {
 /// The constants of its march, where a row marches, and its lengths.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// The same at every step of a sweep.
-void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows);
+/// The same at every step of a sweep, whose rays are made for it: 4 s for 4000 steps of 1024 views.
+void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
+                       intersect::process::StopToken stop);
 
 /// The lengths of all cases. Words such as `tiny` are numbers of every format and never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);

@@ -166,8 +166,9 @@ OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& file
         opened.words += (opened.words.empty() ? "" : " ") + output::blame::shell_word(file);
     }
     opened.dump = scene::dump::join_dumps(std::move(each));
-    opened.terms = {
-        .id = opened.id, .solids = solids_given(o, aimed_at, opened.dump->format()), .contract = contract_of(o)};
+    opened.terms = {.id = opened.id,
+                    .solids = solids_given(o, aimed_at, opened.dump->format()),
+                    .contract = contract_of(o, *opened.dump)};
     put_under_matrices(*opened.dump, opened.terms.solids);
     opened.shapes = shapes_of_rays(opened.dump->layout(), opened.terms.solids);
     return opened;

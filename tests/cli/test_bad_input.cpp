@@ -105,6 +105,7 @@ TEST_CASE("bad words on the command line: exit code and what was meant") {
         {"explain " + scene + " --ranges -i sphere.press --range d.x=nan..1", 2, "--range d.x=nan..1: \"nan\""},
         {"explain " + scene + " --ranges -i sphere.press --range d.q=0..1", 2, "d.x"},
         {"explain " + scene + " --ranges -i sphere.press --at 4", 2, "is a step of a sweep"},
+        {"explain none.toml --ranges -i sphere.press --at 4", 2, "none.toml: there is no such file"},
         {"explain sphere-distance --ranges -i sphere.press", 2, "--at distance_radii"},
         {"mpa", 2, "map"},
         {"list intersector", 2, "intersectors"},

@@ -129,6 +129,9 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         if (!std::filesystem::exists(state)) break;
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));
+        const auto joined = run("merge '" + state.string() + "' -o " + out("joined"));
+        CHECK(joined.code == 2);
+        CHECK(has(joined.err, " floats of s were tried: a part is that of a run that was stopped"));
         CHECK_FALSE(std::filesystem::exists(scratch.path() / "parts/s/binades.csv"));
     }
     if (std::filesystem::exists(state)) REQUIRE(run("-q " + rows + out("parts") + " --resume").code == 0);
@@ -200,6 +203,14 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     write(good);
     CHECK(run("-q " + resume, scratch.path()).code == 0);
     CHECK(table(scratch, "s/statements.csv").rows() == 2);
+    // Of several sweeps those that have no state begin anew.
+    static_cast<void>(scratch.write("t.toml", small));
+    const std::string both = "-q sweep t.toml s.toml -i sphere.press --resume -o .";
+    CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: there is no such file"));
+    write(good);
+    CHECK(run(both, scratch.path()).code == 0);
+    CHECK(table(scratch, "s/statements.csv").rows() == 2);
+    CHECK(table(scratch, "t/statements.csv").rows() == 2);
     // Without --resume it begins anew, and says that a state is there.
     write(good);
     const auto anew = run(sweep + " -o .", scratch.path());
@@ -223,6 +234,7 @@ TEST_CASE("an axis of every float is of one format, and bad input leaves nothing
     refused("'" + file + "' --metric condition", "--metric condition: s tries every float");
     refused("'" + file + "' --worst", "[search]");
     refused("'" + file + "' --seeds 2", "--seeds 2: s tries every float and draws nothing at random");
+    refused("'" + file + "' --against sphere.unified", "--against sphere.unified: s tries every float");
     const std::string bad = scratch.write("bad.toml", replaced("\"0x1.69p10\"", "1444.1"));
     refused("'" + bad + "'", "bad.toml:10:8: axis.from is not a number of binary32");
     const std::string empty = scratch.write(

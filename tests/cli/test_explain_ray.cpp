@@ -218,6 +218,10 @@ TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
     CHECK(has(r.out, "the ranges of the 64 rays of the step"));
     const auto far = run("explain sphere-distance --ranges --at 4096 --set views=1 --json" + with, folder.path());
     CHECK(has(far.out, "\"sweep\": \"sphere-distance at 4096\""));
+    // A scene has the same name; it has no steps.
+    const std::string thin = "explain triangle-thin --ranges -i triangle.woop --size 4x4 --boxes 1";
+    CHECK(has(run(thin + " --at 0.5", folder.path()).out, "of triangle-thin at 0.5, in 1 box:"));
+    CHECK(has(run(thin, folder.path()).out, "of triangle-thin, in 1 box:"));
     for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
              {"sphere-distance --ranges", "name one step of it by --at distance_radii"},
              {"sphere-distance --ranges --at 1,2", "write --at distance_radii"},

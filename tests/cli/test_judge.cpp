@@ -204,6 +204,8 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
         Bad{"--scene rtg-fig-7-4", head + good, "variants"},
         Bad{"--scene sphereflake-near", head + good, "solids"},
         Bad{"--sphere 0,0,0,1 --skip 3", head + good, "--skip"},
+        Bad{"--sphere 0,0,0,1 -i sphere.press --touching miss", "ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n",
+            "and it has none (columns hit or t); leave --touching out"},
     };
     for (const Bad& b : bad) {
         INFO(b.options << "\n" << b.text);

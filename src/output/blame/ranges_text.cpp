@@ -82,8 +82,8 @@ Json seen_json(const SeenErrors& seen) {
 
 std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
     std::string text =
-        fmt::format("{} in {} over the ranges of the rays of {}, in {} boxes:\n{}", request.form->info->name,
-                    request.format.name, request.id(), r.boxes, ranges_block(r));
+        fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
+                    request.format.name, request.id(), r.boxes, r.boxes == 1 ? "" : "es", ranges_block(r));
     if (request.is_of_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. Where they are drawn at random, others may lie beyond.\n",

@@ -276,12 +276,13 @@ SweepKind sweep_kind(const std::filesystem::path& path) {
         refuse_misspelt_tables(root);
     }
     const Node* const axis = root.find("axis");
-    return root.find("case") != nullptr          ? SweepKind::cases
-           : root.find("search") != nullptr      ? SweepKind::search
-           : root.find("edge_search") != nullptr ? SweepKind::edge_search
-           : root.find("ray") != nullptr || (axis != nullptr && axis->kind == Node::Kind::table)
-               ? SweepKind::every_float
-               : SweepKind::axes;
+    // One table without steps, as files of every float had it; with steps it is a slip for [[axis]].
+    const bool is_of_every_float = axis != nullptr && axis->kind == Node::Kind::table && axis->find("steps") == nullptr;
+    return root.find("case") != nullptr                       ? SweepKind::cases
+           : root.find("search") != nullptr                   ? SweepKind::search
+           : root.find("edge_search") != nullptr              ? SweepKind::edge_search
+           : root.find("ray") != nullptr || is_of_every_float ? SweepKind::every_float
+                                                              : SweepKind::axes;
 }
 
 }  // namespace lostbits::scene::sweep

@@ -129,7 +129,8 @@ void ExhaustiveFile::check_solids(TableReader& file, const TableReader& of_axis)
             file.table(name).fail_at(broken->key->name, limit_words(solid.shape, *broken->key));
         return;
     }
-    // Every limit holds between two numbers for which it holds: where both ends of a range are solids, all between are.
+    // A limit of lengths holds between two numbers for which it holds. A normal may be 0 between them, and a point on
+    // one line with two others: such a solid is met by nothing (`truth::is_proper`).
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (const auto broken = broken_limit(solid_at(float_at(end))))

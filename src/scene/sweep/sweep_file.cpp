@@ -222,7 +222,8 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     const auto named = std::ranges::count_if(families(), [&](const FamilyRow& row) { return file.has(row.table); });
     if (named + int{scene.has_value()} != 1)
         toml::fail(file.where(),
-                   "a sweep is over either scene = \"…\", " + tables_of_families() + "; write one of them");
+                   "a sweep is over either scene = \"…\", " + tables_of_families() +
+                       "; write one of them, or [[ray]] tables and their solid to try every float of a number");
     const FamilyRow* const family = family_of(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);

@@ -260,6 +260,8 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
 TEST_CASE("the tables of a sweep tell its kind") {
     const Scratch folder;
     CHECK(scene::sweep::sweep_kind(folder.write("a.toml", "[[axis]]\n")) == scene::sweep::SweepKind::axes);
+    CHECK(sweep_kind(folder.write("e.toml", "[axis]\n")) == scene::sweep::SweepKind::every_float);
+    CHECK(sweep_kind(folder.write("n.toml", "[axis]\nsteps = 3\n")) == scene::sweep::SweepKind::axes);
     CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == scene::sweep::SweepKind::cases);
     CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == scene::sweep::SweepKind::search);
     for (const char* name : {"contact", "directions", "not-numbers", "scale"})
