@@ -140,20 +140,35 @@ TEST_CASE("packs say of tori what the truth of each ray says", "[truth][torus]")
 TEST_CASE("every torus form but one solves the problem when nothing is rounded", "[intersect][torus][formula]") {
     namespace torus = intersect::torus;
     // The resolvent of nearly biquadratic ones leaves half of the bits.
-    UnroundedForms<intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::SturmTorus,
-                                       torus::TorusDoubleInside, torus::TorusFromClosest, torus::Bracketed,
-                                       torus::BracketedInDouble, torus::FilteredTorus>>
-        forms(-60);
     UnroundedForms<
-        intersect::FormList<torus::SturmTorus, torus::Bracketed, torus::BracketedInDouble, torus::FilteredTorus>>
-        close;
+        intersect::FormList<torus::GraphicsGems, torus::PovRay, torus::BrlCad, torus::TorusDoubleInside,
+                            torus::TorusFromClosest, torus::Bracketed, torus::BracketedInDouble, torus::FilteredTorus>>
+        forms(-60);
+    UnroundedForms<intersect::FormList<torus::Bracketed, torus::BracketedInDouble, torus::FilteredTorus>> close;
+    // Where two roots are one, complex ones too, the last remainder is 0, and rounded in any precision it has a sign.
+    UnroundedForms<intersect::FormList<torus::SturmTorus>> by_remainders;
     for_each_torus(static_cast<int>(draws(300)), [&](const SampledRays<Torus>& family, const Sample<Torus>& s) {
         const ClearTorusAnswer right = answer_of(s);
         forms.ask(family.name, s, right, right.is_within(0));
         close.ask(family.name, s, right, right.is_within(0));
+        if (right.is_square_free()) by_remainders.ask(family.name, s, right, right.is_within(0));
     });
     forms.check(150);
     close.check(150);
+    by_remainders.check(150);
+}
+
+TEST_CASE("a chain of remainders sees a torus where there is none, however wide its numbers", "[intersect][torus]") {
+    // In the plane of its top, further from the axis than the top: the quartic is a square without real roots.
+    const Ray<double> ray{{-1087, 9, -450}, {-3, -4, 0}};
+    const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 875, 450};
+    const TorusAnswer right(ray, torus);
+    REQUIRE_FALSE(right.is_square_free());
+    REQUIRE_FALSE(right.meets());
+    Ray<Real> wide{lifted<Real>(ray.origin), lifted<Real>(ray.direction)};
+    wide.direction = wide.direction / length(wide.direction);
+    CHECK(intersect::torus::SturmTorus::intersect(wide, in_real(torus)).hit);
+    CHECK_FALSE(intersect::torus::FilteredTorus::intersect(wide, in_real(torus)).hit);
 }
 
 TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding", "[intersect][torus][formula]") {

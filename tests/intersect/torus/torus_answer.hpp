@@ -83,6 +83,8 @@ public:
             if ((!crossed || root.crosses) && (root.low >= t || count(t, root.high) > 0)) return &root;
         return nullptr;
     }
+    /// No root is a double one, complex roots included.
+    [[nodiscard]] bool is_square_free() const { return simple_.size() == q_.size(); }
     [[nodiscard]] bool meets() const { return first(0) != nullptr; }
     [[nodiscard]] bool goes_through() const { return first(0, true) != nullptr; }
     [[nodiscard]] bool holds(const Rational& t) const { return at(t) <= 0; }
