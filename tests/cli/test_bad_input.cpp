@@ -38,7 +38,6 @@ const BadScene bad_scenes[] = {
     {"another schema", spoilt("lostbits-scene/1", "lostbits-scene/9"), ":1:", "lostbits-scene/1"},
     {"unknown camera", spoilt("\"orthographic\"", "\"orthografic\""), ":9:8:", "orthographic"},
     {"a book for a title", spoilt("title = \"", "title = \"" + std::string(400, 'x')), ":2:9:", "400 are enough"},
-    {"a title of two lines", spoilt("title = \"", "title = \"one\\n"), ":2:9:", "one line"},
     {"unknown inputs", spoilt("\"shared\"", "\"sharde\""), ":5:10:", "shared"},
 };
 
