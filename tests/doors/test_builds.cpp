@@ -157,7 +157,7 @@ TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[
     INFO(page.err);
     REQUIRE(page.code == 0);
     const std::string html = contents(folder.path() / "page/index.html");
-    CHECK(has(html, "\"named\":\"'my scenes/mine.toml'\""));
+    CHECK(has(html, "\"named\":\"'my scenes/mine.toml' --size 16x12\""));
     CHECK(has(html, "\"from\":\" --plugin " + library("odd_plugin") + "\""));
 }
 
