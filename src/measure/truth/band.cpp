@@ -148,12 +148,6 @@ Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const Solid
     return truth;
 }
 
-/// Whether the truth by a convention may be another than the closed solid's.
-bool matters(Convention convention, const Truth& closed) {
-    return (convention.touching == Touching::miss && closed.touches) ||
-           (convention.at_origin == AtOrigin::miss && closed.on_surface);
-}
-
 }  // namespace
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
@@ -175,7 +169,8 @@ void Band::find_truth_of_all() {
                      : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index, paired_}, limit_, truths_);
     for (const auto& [i, closed] : truths_.whole) {
         for (const Convention convention : other_conventions) {
-            if (matters(convention, closed)) apart_[key(i, convention)].truth = find_truth_of(i, convention);
+            if (matters(convention, closed.touches, closed.on_surface))
+                apart_[key(i, convention)].truth = find_truth_of(i, convention);
         }
     }
 }
@@ -186,7 +181,8 @@ std::size_t Band::key(std::size_t i, Convention convention) {
 
 const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const {
     const Truth* const closed = truths_.find_whole(i);
-    return closed && matters(convention, *closed) ? &apart_.at(key(i, convention)) : nullptr;
+    return closed && matters(convention, closed->touches, closed->on_surface) ? &apart_.at(key(i, convention))
+                                                                              : nullptr;
 }
 
 bool Band::shows_side(std::size_t i, Facing facing) const {
@@ -205,7 +201,7 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
     if (convention.by_shape)
         return std::ranges::any_of(all_shapes, [&](Shape shape) {
             const Convention own = convention.of(shape);
-            return (whole && matters(own, *whole)) || asks_anew(i, own);
+            return (whole && matters(own, whole->touches, whole->on_surface)) || asks_anew(i, own);
         });
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;

@@ -108,7 +108,9 @@ private:
         wanted(raw.out) = length;
         stage(raw);
         const auto is_settled = [&](std::size_t i) {
-            return gathered.found.settled[i] != 0 && !(stage == ties_ && matters(gathered.found, i));
+            const auto& found = gathered.found;
+            return found.settled[i] != 0 &&
+                   !(stage == ties_ && matters(terms_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
         for (std::size_t i = 0; i < which.size(); ++i) {
             out_.decision[which[i]] = static_cast<Truth::Decision>(gathered.found.hit[i]);
@@ -119,11 +121,6 @@ private:
         for (std::size_t i = 0; i < which.size(); ++i)
             if (!is_settled(i)) open_.push_back(which[i]);
         out_.stages.double_double += which.size() - open_.size();
-    }
-    /// Whether the truth by what is asked may be another than the closed solid's.
-    [[nodiscard]] bool matters(const FoundTogether& found, std::size_t i) const {
-        return (terms_.convention.touching == intersect::Touching::miss && found.touches[i] != 0) ||
-               (terms_.convention.at_origin == intersect::AtOrigin::miss && found.on_surface[i] != 0);
     }
     [[nodiscard]] stages::RawLength& wanted(stages::RawFindings& found) const {
         return terms_.length == Length::distance ? found.distance : found.t;

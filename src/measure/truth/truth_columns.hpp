@@ -32,6 +32,12 @@ struct ProblemColumns {
     std::array<std::span<const S>, most_stored> solid_low = {};
 };
 
+/// Whether the truth by a convention may be another than that of the closed solid, which the ray touches or starts on.
+[[nodiscard]] constexpr bool matters(const intersect::Convention& convention, bool touches, bool on_surface) {
+    return (convention.touching == intersect::Touching::miss && touches) ||
+           (convention.at_origin == intersect::AtOrigin::miss && on_surface);
+}
+
 /// How closely a length must be known for what is measured against it.
 enum class Tightness {
     ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
