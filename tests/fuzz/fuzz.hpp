@@ -1,7 +1,8 @@
-// Readers under arbitrary bytes. Each target is a function of the bytes, `fuzz_NAME` in NAME.cpp: libFuzzer calls it
-// (entry.cpp), and so does the test that replays what was found (test_found.cpp).
+// Readers under arbitrary bytes. Each target is a function of the bytes, `fuzz_NAME`: libFuzzer calls it (entry.cpp),
+// and so does the test that replays what was found (test_found.cpp).
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -11,25 +12,13 @@
 
 namespace lostbits::fuzz {
 
-void fuzz_scene(std::string_view bytes);
-void fuzz_sweep(std::string_view bytes);
-void fuzz_claims(std::string_view bytes);
-void fuzz_report(std::string_view bytes);
-void fuzz_csv(std::string_view bytes);
-void fuzz_rays(std::string_view bytes);
-void fuzz_words(std::string_view bytes);
-void fuzz_headers(std::string_view bytes);
-void fuzz_exr(std::string_view bytes);
-void fuzz_baseline(std::string_view bytes);
-void fuzz_shard(std::string_view bytes);
-void fuzz_ray(std::string_view bytes);
-void fuzz_plugin(std::string_view bytes);
-void fuzz_requests(std::string_view bytes);
-void fuzz_shader(std::string_view bytes);
+using Fuzz = void(std::string_view bytes);
+Fuzz fuzz_scene, fuzz_sweep, fuzz_claims, fuzz_report, fuzz_csv, fuzz_rays, fuzz_words, fuzz_baseline, fuzz_ray;
+Fuzz fuzz_headers, fuzz_plugin, fuzz_requests, fuzz_shader, fuzz_shard, fuzz_exr;
 
 struct Target {
     std::string_view name;
-    void (*run)(std::string_view bytes);
+    Fuzz* run;
 };
 inline constexpr Target targets[] = {
     {"scene", fuzz_scene},   {"sweep", fuzz_sweep},       {"claims", fuzz_claims}, {"report", fuzz_report},
@@ -40,6 +29,14 @@ inline constexpr Target targets[] = {
 
 /// A file in memory that holds the bytes for as long as nobody asks for the next one.
 std::filesystem::path file_of(std::string_view bytes);
+
+/// Takes the first line away, and the break behind it.
+inline std::string take_line(std::string_view& bytes) {
+    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+    std::string line(bytes.substr(0, end));
+    bytes.remove_prefix(std::min(end + 1, bytes.size()));
+    return line;
+}
 
 /// Bad input ends in an answer or in an error that says something, with the exit code of bad input. Anything else,
 /// std::bad_alloc and Exit::internal among it, is left to whoever calls.

@@ -1,0 +1,150 @@
+// Readers of files and of words of the command line.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "analysis/selection/ray_numbers.hpp"
+#include "fuzz/fuzz.hpp"
+#include "output/claim/claim_history.hpp"
+#include "output/file/read_csv.hpp"
+#include "scene/claim/claims_file.hpp"
+#include "scene/claim/report_file.hpp"
+#include "scene/dump/dump.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/edge_search_file.hpp"
+#include "scene/sweep/exhaustive_file.hpp"
+#include "scene/sweep/search_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/toml_tree.hpp"
+
+namespace lostbits::fuzz {
+
+std::filesystem::path file_of(std::string_view bytes) {
+    static const int file = memfd_create("input", 0);
+    if (file < 0 || ftruncate(file, 0) != 0) throw std::runtime_error("no file in memory");
+    for (std::size_t done = 0; done < bytes.size();) {
+        const ssize_t written = pwrite(file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+        if (written <= 0) throw std::runtime_error("the file in memory takes no more");
+        done += static_cast<std::size_t>(written);
+    }
+    return "/proc/self/fd/" + std::to_string(file);
+}
+
+void fuzz_scene(std::string_view bytes) {
+    const std::filesystem::path path = file_of(bytes);
+    answer_or_error([&] {
+        const scene::file::SceneFile file(path);
+        for (const scene::file::Scene& scene : file.load({.size = std::pair{4, 3}})) {
+            if (scene.solid_count() > 1000) continue;
+            static_cast<void>(scene.solids());
+            static_cast<void>(scene.shapes());
+        }
+        static_cast<void>(file.load());
+    });
+}
+
+void fuzz_sweep(std::string_view bytes) {
+    using namespace scene::sweep;
+    const std::filesystem::path path = file_of(bytes);
+    answer_or_error([&] {
+        switch (sweep_kind(path)) {
+            case SweepKind::axes: static_cast<void>(SweepFile(path, LOSTBITS_DATA_DIR).shapes()); return;
+            case SweepKind::cases: static_cast<void>(CaseFile{path}); return;
+            case SweepKind::search: static_cast<void>(SearchFile{path}); return;
+            case SweepKind::edge_search: static_cast<void>(EdgeSearchFile(path, LOSTBITS_DATA_DIR)); return;
+            case SweepKind::every_float: break;
+        }
+        const ExhaustiveFile file(path, LOSTBITS_DATA_DIR);
+        if (file.floats() > 0) static_cast<void>(file.group_at(0, float_at(file.ranges().front().first)));
+    });
+}
+
+void fuzz_claims(std::string_view bytes) {
+    answer_or_error([&] { static_cast<void>(scene::claim::read_claims(file_of(bytes))); });
+}
+
+void fuzz_report(std::string_view bytes) {
+    answer_or_error([&] { static_cast<void>(scene::claim::read_report_file(file_of(bytes))); });
+}
+
+/// A table, every cell of it read as a value, and each value equal to itself.
+void fuzz_csv(std::string_view bytes) {
+    answer_or_error([&] {
+        const output::file::CsvTable table = output::file::parse_csv(std::string(bytes), "input.csv");
+        for (const auto& column : table.columns) {
+            for (const std::string_view cell : column.cells) {
+                const output::file::CellValue value = output::file::read_cell(cell);
+                if (value.kind != output::file::CellValue::Kind::number) continue;
+                static_cast<void>(value.approximate());
+                if (!(value == value)) throw std::logic_error("a number differs from itself");
+            }
+        }
+    });
+}
+
+/// A file of rays: its first byte says in which container, and with which columns, the rest is.
+void fuzz_rays(std::string_view bytes) {
+    if (bytes.empty()) return;
+    const unsigned kind = static_cast<unsigned char>(bytes.front());
+    const std::filesystem::path path = file_of(bytes.substr(1));
+    using scene::dump::Container;
+    scene::dump::DumpOptions options;
+    options.container = std::array{Container::csv, Container::npy, Container::raw}[kind % 3];
+    if (options.container == Container::raw || (kind & 64) != 0)
+        options.columns = (kind & 8) != 0 ? "ox:f32,oy,oz,dx,dy,dz,t:f64,hit:u8" : "ox:f64,oy,oz,dx,dy,dz,t";
+    if ((kind & 16) != 0) options.skip = kind >> 5;
+    if ((kind & 32) != 0) options.solid = Shape::sphere;
+    options.keep = (kind & 128) != 0;
+    answer_or_error([&] {
+        const auto dump = scene::dump::open_dump(path, options);
+        scene::dump::Records records;
+        while (dump->next(97, records)) static_cast<void>(dump->decode(records));
+    });
+}
+
+/// Words of the command line, a line each: a number of `--ray` as it is, and a change of `--set` to a scene.
+void fuzz_words(std::string_view bytes) {
+    static const scene::file::SceneFile file(LOSTBITS_DATA_DIR "/scenes/near-benign.toml");
+    scene::file::LoadOptions options{.size = std::pair{2, 2}};
+    while (!bytes.empty() && options.overrides.size() < 16) {
+        const std::string line = take_line(bytes);
+        static_cast<void>(scene::toml::parse_number(line));
+        static_cast<void>(scene::toml::did_you_mean(line.substr(0, 64), {"sphere", "camera"}));
+        answer_or_error([&] { options.overrides.push_back(scene::toml::parse_override(line)); });
+    }
+    answer_or_error([&] { static_cast<void>(file.load(options)); });
+}
+
+/// `--ray`, `--sphere`, `--pixel` and `--as`: a line each.
+void fuzz_ray(std::string_view bytes) {
+    using namespace analysis::selection;
+    std::array<std::string, 4> lines;
+    for (std::string& line : lines) line = take_line(bytes);
+    const std::optional<Format> as = find_format(lines[3]);
+    answer_or_error([&] { static_cast<void>(numbers_of(lines[0], {"--ray", "a ray", 6, as.has_value()}, as)); });
+    answer_or_error([&] { static_cast<void>(numbers_of(lines[1], {"--sphere", "a sphere", 4}, as)); });
+    answer_or_error([&] { static_cast<void>(pixel_named(lines[2])); });
+}
+
+/// The file of `check --against`: what is read is written and read back as the same, and is compared with itself.
+void fuzz_baseline(std::string_view bytes) {
+    using namespace output::claim;
+    const std::filesystem::path path = file_of(bytes);
+    answer_or_error([&] {
+        const ClaimBaseline read = read_baseline(path);
+        const ClaimBaseline again = read_baseline(file_of(baseline_text(read)));
+        if (again.claims.size() != read.claims.size() || again.command != read.command)
+            throw std::logic_error("a baseline is read back as another one");
+        for (std::size_t i = 0; i < read.claims.size(); ++i) {
+            const ClaimBaseline before{.claims = {read.claims[i]}}, now{.claims = {again.claims[i]}};
+            if (moves_between(before, now).same != 1) throw std::logic_error("a claim is read back as another one");
+        }
+        ClaimBaseline other = read;
+        if (!other.claims.empty()) other.claims.back().measured += 1;
+        static_cast<void>(moves_text(read, other, moves_between(read, other)));
+    });
+}
+
+}  // namespace lostbits::fuzz
