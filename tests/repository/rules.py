@@ -1,0 +1,207 @@
+"""The rules of the house, on the tree itself; and for each rule what breaks it and what does not.
+
+A rule takes the path of a file, from the root of the repository, and its text, and returns `path:line: what` of each
+offence.
+"""
+import pathlib
+import re
+from collections import Counter
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = "analysis"
+
+
+def read(path):
+    return (ROOT / path).read_text()
+
+
+def tree(*folders):
+    """The C and C++ files of some folders: path and text."""
+    paths = (p for folder in folders for p in (ROOT / folder).rglob("*") if p.suffix in (".hpp", ".cpp", ".h"))
+    return [(str(p.relative_to(ROOT)), p.read_text()) for p in sorted(paths) if p.is_file()]
+
+
+def code_of(text):
+    """The text with comments and the contents of strings replaced by spaces, lines kept. 1'000 holds no character."""
+    def blank(m):
+        keep = m[0][0] if m[0][0] in "\"'" else ""
+        end = keep if keep and len(m[0]) > 1 and m[0].endswith(keep) else ""
+        return keep + re.sub(r"[^\n]", " ", m[0][len(keep):len(m[0]) - len(end)]) + end
+    return re.sub(r"//[^\n]*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"?|(?<![0-9A-Za-z])'(?:\\.|[^'\\\n])*'?", blank, text,
+                  flags=re.S)
+
+
+def includes_of(text):
+    """Line, bracket and name of each include."""
+    found = re.finditer(r"^[ \t]*#[ \t]*include[ \t]*([<\"])([^>\"\n]+)[>\"]", text, re.M)
+    return [(text.count("\n", 0, m.start()) + 1, m[1], m[2]) for m in found]
+
+
+def room_of(path):
+    """`measure/truth` of src/measure/truth/x.hpp, `analysis` of analysis/x.cpp."""
+    return path.rpartition("/")[0].removeprefix("src/")
+
+
+def rooms_in(readme):
+    """In include order, from the table of src/README.md; last the program."""
+    return re.findall(r"\| `([\w/]+)` \|", readme) + [PROGRAM]
+
+
+def namespace_of(room):
+    """That of the path. Operations of numbers must be found where a formula over float looks."""
+    if m := re.fullmatch(r"shapes/(\w+)/(\w+)", room):
+        return ("lostbits::intersect::" if m[2] == "forms" else "lostbits::scene::") + m[1]
+    if room in ("number", "geometry") or room.startswith("shapes"):
+        return "lostbits"
+    return "lostbits::" + room.replace("/", "::")
+
+
+def include_directions(path, text, rooms):
+    """A file lies in a room, and includes its own and rooms above it; headers of ours are named from src/ (the
+    program's own, in analysis/, by their bare name)."""
+    own = room_of(path)
+    if own not in rooms:
+        return [f"{path}: in no room of src/README.md"]
+    offences = []
+    for line, bracket, name in includes_of(text):
+        room = name.rpartition("/")[0]
+        # The catalogue is the closed list of the forms, so it alone looks down into their rooms.
+        lists = path == "src/intersect/catalogue.hpp" and (room.startswith("intersect/") or room.endswith("/forms"))
+        if room not in rooms:
+            if bracket == '"' and not (own == PROGRAM and not room):
+                offences.append(f"{path}:{line}: {name} is not named from the source root")
+        elif rooms.index(room) > rooms.index(own) and not lists:
+            offences.append(f"{path}:{line}: {own} includes {name}, which stands below it")
+    return offences
+
+
+def room_namespace(path, text):
+    """A file of a room opens that room's namespace and no other, but to specialise what another room declares."""
+    own, code = namespace_of(room_of(path)), "\n" + code_of(text)
+    names = re.findall(r"\n(?:inline )?namespace ([\w:]+) \{", code)
+    offences = [f"{path}: opens {name}, and its room is {own}" for name in names
+                if name.startswith("lostbits") and not (name + "::").startswith(own + "::")]
+    return offences + [f"{path}: does not open {own}"] * ("\nnamespace " in code and own not in names)
+
+
+def definitions_in(path, text):
+    """What is defined at namespace scope, outside of anonymous namespaces: place, name with its namespaces (of an
+    inline function with its parameters), and of a type the last part alone."""
+    code = re.sub(r"(?m)^[ \t]*#[^\n]*", lambda m: " " * len(m[0]), code_of(text))
+    found, scopes, begin = [], [], 0
+    for m in re.finditer(r"[{};]", code):
+        head = code[begin:m.start()]
+        line = code.count("\n", 0, begin + len(head) - len(head.lstrip())) + 1
+        begin, flat, scope = m.end(), re.sub(r"\s+", " ", head.lstrip()), ""
+        space = re.match(r"(?:inline )?namespace ?([\w:]*) ?$", flat)
+        kind = re.search(r"\b(?:struct|class|union|enum(?: class)?) (?:\[\[\w+\]\] ?)?(\w+(?:<.*>)?) ?"
+                         r"(?:final ?)?(?::[^:(].*)?$", flat)
+        alias = re.match(r"(?:template ?<[^=]*> ?)?using (\w+) ?=", flat)
+        if m[0] == "}":
+            scopes = scopes[:-1]
+            continue
+        if all(scopes) and not space:
+            plain = alias[1] if m[0] == ";" and alias else kind[1] if m[0] == "{" and kind and "(" not in flat else ""
+            if plain or (m[0] == "{" and re.match(r"(template|inline|constexpr)\b", flat)):
+                found.append((f"{path}:{line}", "::".join([*scopes, plain or flat]), plain))
+        if m[0] == "{":
+            scopes.append(space[1] if space else "")
+    return found
+
+
+def names_are_unique(files):
+    """No two definitions of one qualified name (undefined behaviour, and no linker says so), and no two types of one
+    name in different namespaces (a reader takes one for the other)."""
+    names, words, offences = {}, {}, []
+    for place, name, plain in (d for path, text in files for d in definitions_in(path, text)):
+        if name in names:
+            offences.append(f"{place}: {name} is defined at {names[name]} too")
+        elif plain in words:
+            offences.append(f"{place}: {name} has the name of {words[plain]}")
+        names.setdefault(name, place)
+        if plain:
+            words.setdefault(plain, f"{name} at {place}")
+    return offences
+
+
+def room_sizes(paths):
+    """A room that nobody can survey: more than 22 files. The rooms of forms grow with the forms."""
+    grow = {"shapes/sphere/forms", "shapes/box/forms", "shapes/triangle/forms", "intersect/sdf"}
+    return [f"{room}: {n} files" for room, n in Counter(map(room_of, paths)).items() if n > 22 and room not in grow]
+
+
+def in_shape_folder(path):
+    return re.fullmatch(r"src/(shapes/\w+/forms|intersect/sdf)/\w+\.hpp", path)
+
+
+def is_form(path, text):
+    """A file that declares an `Info`, as opposed to a helper of forms."""
+    return in_shape_folder(path) and "static constexpr Info info" in text
+
+
+def form_includes(path, text):
+    """A file of a shape's folder stands on these four alone."""
+    allowed = ("number/", "geometry/", "shapes/", "intersect/")
+    return [f"{path}:{line}: a form includes {name}" for line, _, name in includes_of(text)
+            if in_shape_folder(path) and not name.startswith(allowed)]
+
+
+def find_all(path, text, patterns):
+    code = code_of(text)
+    return [f"{path}:{code.count(chr(10), 0, m.start()) + 1}: {what}: {m[0]}"
+            for what, pattern in patterns.items() for m in re.finditer(pattern, code)]
+
+
+def formula_rules(path, text):
+    """No libm by name, no decimal literal, no `if` on a mask, no ternary, no double by the back door."""
+    return find_all(path, text, {
+        "libm by name": r"(?:\bstd::|(?<![:\w])::)(?:sqrt|cbrt|hypot|fma|f?abs|f?min|f?max|copysign|signbit|pow|exp|log"
+                        r"|sin|cos|tan|floor|ceil|nextafter)\w*\b",
+        "a decimal literal": r"(\b\d+\.\d*|\.\d+)([eE][-+]?\d+)?[fFlL]?|\b\d+[eE][-+]?\d+"
+                             r"|\b0[xX][0-9a-fA-F.]*[pP][-+]?\d+",
+        "a branch that is not on any_of": r"\b(if|while|switch)\s*\((?!\s*!?\s*any_of\b)",
+        "a ternary": r"\?",
+        "a type that is not T": r"\b(float|double)\b",
+        "an epsilon": r"\b(numeric_limits|FLT_EPSILON|DBL_EPSILON)\b"}) if in_shape_folder(path) else []
+
+
+def locale_rules(path, text):
+    """No function whose decimal point is the locale's reads a number: a library that is loaded may set it."""
+    return find_all(path, text, {"reads a number as the locale says; use std::from_chars":
+                                 r"\b(stod|stof|stold|strtod|strtof|strtold|atof|setlocale)\s*\("})
+
+
+def catalogue_agrees(files, catalogue):
+    """Every form is included once and listed once, and the catalogue holds nothing else."""
+    included = Counter(name for _, _, name in includes_of(catalogue))
+    listed = Counter(re.findall(r"\b\w+::[A-Z]\w+\b", code_of(catalogue)))
+    offences = []
+    for path, text in files:
+        if not is_form(path, text):
+            continue
+        shape, header = path.split("/")[2], path.removeprefix("src/")
+        declared = re.search(r"struct (\w+) [^{;]*\{\s*static constexpr Info info", text)
+        form, name = f"{shape}::{declared and declared[1]}", re.search(r'\.name = "([^"]*)"', text)[1]
+        if (times := included.pop(header, 0)) != 1:
+            offences.append(f"{path}: included {times} times by the catalogue")
+        if (times := listed.pop(form, 0)) != 1:
+            offences.append(f"{path}: {form} listed {times} times in the catalogue")
+        if name != f"{shape}.{pathlib.Path(path).stem}":
+            offences.append(f"{path}: is named {name}")
+    offences += [f"the catalogue includes {name}, which is no form" for name in included
+                 if in_shape_folder("src/" + name) and not name.endswith("/forms/forms.hpp")]
+    return offences + [f"the catalogue lists {form}, which has no file" for form in listed if not form.endswith("Forms")]
+
+
+def file_length(path, text):
+    """A file that needs more than 350 lines is two files, and a line of more than 120 characters is two lines."""
+    lines = text.count("\n")
+    return [f"{path}: {lines} lines"] * (lines > 350) + [
+        f"{path}:{i}: {len(line)} characters" for i, line in enumerate(text.split("\n"), 1) if len(line) > 120]
+
+
+def names_of_shapes(text):
+    """Lines that name a shape, in comments and texts too: as `Shape::` of the list has it, or by its struct."""
+    structs = re.findall(r"    line\(\w+, (\w+)\)", read("src/shapes/list.hpp"))
+    name = re.compile("|".join(["Shape::", *(s + "<" for s in structs)]))
+    return sum(bool(name.search(line)) for line in text.split("\n"))
