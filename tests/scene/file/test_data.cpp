@@ -32,166 +32,22 @@ scene::file::Scene find(const std::string& id) {
     throw std::logic_error("no scene " + id);
 }
 
-/// Is there a t ≥ 0 with |o + t d − c| = r? By the perpendicular from the centre; plain, but in Real.
-bool hits(const Ray<Real>& ray, const Sphere<Real>& sphere) {
-    const Vec<Real> to_centre = sphere.centre - ray.origin;
-    const Real r2 = sphere.radius * sphere.radius;
-    if (dot(to_centre, to_centre) <= r2) return true;
-    const Real along = dot(to_centre, ray.direction);
-    const Real d2 = dot(ray.direction, ray.direction);
-    return along > 0 && dot(to_centre, to_centre) * d2 - along * along <= r2 * d2;
-}
-
-/// By clipping the ray with each slab in turn.
-bool hits(const Ray<Real>& ray, const Box<Real>& box) {
-    Real from(0), to = ldexp(Real(1), 1000);
-    for (int i = 0; i < 3; ++i) {
-        const Real &o = ray.origin[i], &d = ray.direction[i];
-        if (d == 0) {
-            if (o < box.lo[i] || o > box.hi[i]) return false;
-            continue;
-        }
-        const Real a = (box.lo[i] - o) / d, b = (box.hi[i] - o) / d;
-        from = std::max(from, Real(a < b ? a : b));
-        to = std::min(to, Real(a < b ? b : a));
-    }
-    return from <= to;
-}
-
-/// By the barycentric coordinates of the point where it crosses the plane.
-bool hits(const Ray<Real>& ray, const Triangle<Real>& triangle) {
-    const Vec<Real> ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, n = cross(ab, ac);
-    const Real along = dot(n, ray.direction);
-    if (along == 0) return false;
-    const Real t = dot(n, triangle.a - ray.origin) / along;
-    const Vec<Real> p = ray.origin + t * ray.direction - triangle.a;
-    const Real v = dot(cross(p, ac), n) / dot(n, n), w = dot(cross(ab, p), n) / dot(n, n);
-    return t >= 0 && v >= 0 && w >= 0 && v + w <= 1;
-}
-
-/// By the point of the ray that is nearest to the centre, where it is the unit sphere.
-bool hits(const Ray<Real>& ray, const Ellipsoid<Real>& e) {
-    const auto in_radii = [&e](const Vec<Real>& v) {
-        return Vec<Real>(v.x / e.radii.x, v.y / e.radii.y, v.z / e.radii.z);
-    };
-    const Vec<Real> f = in_radii(ray.origin - e.centre), d = in_radii(ray.direction);
-    const Real t = max(Real(-dot(f, d) / dot(d, d)), Real(0));
-    return length(Vec<Real>(f + t * d)) <= 1;
-}
-
-/// By its distances from the axis along the ray between the caps, less the radius there: that is convex.
-bool hits(const Ray<Real>& ray, const Cone<Real>& c) {
-    const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;
-    const Real v2 = dot(v, v), one = -dot(v, f) / dot(v, d), other = (v2 - dot(v, f)) / dot(v, d);
-    Real low = max(min(one, other), Real(0)), high = max(one, other);
-    const auto off = [&](const Real& t) {
-        const Vec<Real> p = f + t * d;
-        const Real k = dot(v, p) / v2;
-        return Real(length(Vec<Real>(p - k * v)) - c.base_radius - k * (c.top_radius - c.base_radius));
-    };
-    if (high < low) return false;
-    for (int i = 0; i < 60; ++i) {
-        const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
-        if (off(a) < off(b)) high = b;
-        else low = a;
-    }
-    return off(low) <= 0;
-}
-
-/// By its distance from the circle, which along the ray has its least near the least of three points in a row.
-bool hits(const Ray<Real>& ray, const Torus<Real>& t) {
-    const Vec<Real> f = ray.origin - t.centre, &d = ray.direction;
-    const Real a = dot(d, d), h = dot(f, d), outer = (t.major_radius + t.minor_radius) * 11 / 10;
-    const Real disc = h * h - a * (dot(f, f) - outer * outer);
-    if (disc < 0) return false;
-    const Real begin = max(Real((-h - sqrt(disc)) / a), Real(0)), step = ((-h + sqrt(disc)) / a - begin) / 64;
-    const auto off = [&](const Real& at) { return t.distance(ray.origin + at * d); };
-    for (int i = 1; i < 64 && step > 0; ++i) {
-        Real low = begin + (i - 1) * step, high = begin + (i + 1) * step;
-        const Real middle = off(begin + i * step);
-        if (off(low) < middle || off(high) < middle) continue;
-        for (int k = 0; k < 60; ++k) {
-            const Real x = (2 * low + high) / 3, y = (low + 2 * high) / 3;
-            if (off(x) < off(y)) high = y;
-            else low = x;
-        }
-        if (off(low) <= 0) return true;
-    }
-    return step >= 0 && (off(begin) <= 0 || off(begin + 64 * step) <= 0);
-}
-
-/// By the point of the ray between the caps that is nearest to the axis.
-bool hits(const Ray<Real>& ray, const Cylinder<Real>& c) {
-    const Vec<Real> v = c.top - c.base, f = ray.origin - c.base, &d = ray.direction;
-    const Real v2 = dot(v, v), one = -dot(v, f) / dot(v, d), other = (v2 - dot(v, f)) / dot(v, d);
-    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
-    const Real low = max(min(one, other), Real(0)), high = max(one, other);
-    if (high < low) return false;
-    const Real t = min(max(Real(-dot(from, across) / dot(across, across)), low), high);
-    return length(Vec<Real>(from + t * across)) <= c.radius;
-}
-
-/// By both points of the line at the radius from the axis.
-bool hits(const Ray<Real>& ray, const Tube<Real>& c) {
-    const Vec<Real> v = c.top - c.bottom, f = ray.origin - c.bottom, &d = ray.direction;
-    const Real v2 = dot(v, v);
-    const Vec<Real> across = d - (dot(v, d) / v2) * v, from = f - (dot(v, f) / v2) * v;
-    const Real middle = -dot(from, across) / dot(across, across), near = length(Vec<Real>(from + middle * across));
-    if (near > c.radius) return false;
-    const Real half = sqrt(Real(c.radius * c.radius - near * near)) / length(across);
-    const auto counts = [&](const Real& t) {
-        const Real k = dot(v, Vec<Real>(f + t * d)) / v2;
-        return t >= 0 && k >= 0 && k <= 1;
-    };
-    return counts(middle - half) || counts(middle + half);
-}
-
-/// By the point of its plane.
-bool hits(const Ray<Real>& ray, const Disc<Real>& disc) {
-    const Real along = dot(disc.normal, ray.direction);
-    if (along == 0) return false;
-    const Real t = dot(disc.normal, Vec<Real>(disc.centre - ray.origin)) / along;
-    const Real from = length(Vec<Real>(ray.origin + t * ray.direction - disc.centre));
-    return t >= 0 && from <= disc.outer_radius && from >= disc.inner_radius;
-}
-
-/// By whether it comes nearer.
-bool hits(const Ray<Real>& ray, const Plane<Real>& plane) {
-    return dot(plane.normal, Vec<Real>(plane.through - ray.origin)) * dot(plane.normal, ray.direction) > 0;
-}
-
-/// By the least of its distances from the axis along the ray: each part of it is convex, and so is the whole.
-bool hits(const Ray<Real>& ray, const Capsule<Real>& c) {
-    const Vec<Real> v = c.end - c.start;
-    const auto distance = [&](const Real& t) {
-        const Vec<Real> f = ray.origin + t * ray.direction - c.start;
-        const Real k = min(max(Real(dot(v, f) / dot(v, v)), Real(0)), Real(1));
-        return length(Vec<Real>(f - k * v));
-    };
-    Real low = 0, high = (length(Vec<Real>(c.start - ray.origin)) + length(v)) / length(ray.direction);
-    for (int i = 0; i < 60; ++i) {
-        const Real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
-        if (distance(a) < distance(b)) high = b;
-        else low = a;
-    }
-    return distance(low) <= c.radius;
-}
-
 /// Every eighth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
 /// one, it is every sixteenth.
 double hit_fraction(const scene::file::Scene& scene) {
-    const scene::rays::CameraFrame<Real> frame = make_frame<Real>(scene);
-    const std::vector<Solid<Real>> solids = scene.mesh ? scene.solids() : scene.listed;
+    const auto frame = make_frame<double>(scene);
+    std::vector<Solid<double>> solids;
+    for (const Solid<Real>& solid : scene.mesh ? scene.solids() : scene.listed)
+        solids.push_back(round_solid(solid, binary64));
     const int step = scene.mesh ? 16 : lostbits::test::is_long() ? 4 : 8;
     int hit = 0, seen = 0;
     for (int y = 1; y < scene.height; y += step) {
         for (int x = 1; x < scene.width; x += step) {
-            const Ray<Real> r = scene::rays::ray(frame, x, y);
             ++seen;
-            hit += std::ranges::any_of(solids, [&](const Solid<Real>& solid) {
-                if (!solid.placed) return visit(solid, [&](const auto& shape) { return hits(r, shape); });
-                const InObject<Real> in = in_object(r, *solid.placed);
-                return visit(scaled(solid, in.scale), [&](const auto& shape) { return hits(in.ray, shape); });
+            hit += std::ranges::any_of(solids, [&](const Solid<double>& solid) {
+                const auto ends =
+                    with_span(scene::rays::ray(frame, x, y), solid, [](const auto& span) { return ends_of(span); });
+                return ends && ends->near <= ends->far && ends->far >= 0;
             });
         }
     }
