@@ -1,22 +1,286 @@
-// The closed list of ways to make a ray: for each a line, and an include.
+// Ways to make a ray, as renderers and engines do it, and the closed list of them.
 #pragma once
 
-#include "scene/camera/babylon.hpp"
-#include "scene/camera/bevy.hpp"
-#include "scene/camera/bevy_view.hpp"
-#include "scene/camera/differentials.hpp"
-#include "scene/camera/dxr.hpp"
-#include "scene/camera/glm.hpp"
-#include "scene/camera/godot.hpp"
-#include "scene/camera/nvpro.hpp"
-#include "scene/camera/optix.hpp"
-#include "scene/camera/pbrt.hpp"
-#include "scene/camera/relative.hpp"
-#include "scene/camera/three.hpp"
-#include "scene/camera/unreal.hpp"
-#include "scene/camera/weekend.hpp"
+#include "scene/camera/numbers.hpp"
 
 namespace lostbits::scene::camera {
+
+/// As three.js makes the ray of a pointer.
+struct ThreeRay : InvertsProjection {
+    static constexpr MakerInfo info{
+        .name = "three",
+        .title =
+            "z = 1/2 through P^-1, inverted in the format, then through the stored matrix of the camera; minus the "
+            "eye",
+        .source = "three.js, src/core/Raycaster.js setFromCamera, src/math/Vector3.js unproject",
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const Vec<T> seen = times_over_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
+        const Vec<T> eye = camera.to_world.shift();
+        return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(seen) - eye))};
+    }
+};
+
+/// As Babylon.js makes a picking ray. The second point has z = 1 - 1e-8 whatever the range of depths is: behind the
+/// near plane where z is reversed, and 1 itself in float.
+struct BabylonRay : InvertsBoth {
+    static constexpr MakerInfo info{
+        .name = "babylon",
+        .title = "(P V)^-1, product and inverse in the format; from the near plane to z = 1 - 1e-8",
+        .source = "Babylon.js, packages/dev/core/src/Culling/ray.core.ts, unprojectRayToRef",
+        .from_near = true,
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const auto at = [&](const T& z) { return times_over_w(from_clip.point(clip_point(camera, pixel, z))); };
+        const Vec<T> near = at(camera.depth_near), far = at(T(1) - T(1) / T(100000000));
+        return {near, unit_by_reciprocal(Vec<T>(far - near))};
+    }
+};
+
+/// Two calls of `unProject`, at the near plane and at the far one: as tutorials of picking have it.
+struct GlmRay : InvertsBoth {
+    static constexpr MakerInfo info{
+        .name = "glm",
+        .title = "(P V)^-1, product and inverse in the format; from the near plane to the far one",
+        .source = "GLM 0.9.9.8, glm/ext/matrix_projection.inl:46 unProjectZO and :63 unProjectNO at depths 0 and 1",
+        .from_near = true,
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = at(camera.depth_near), far = at(camera.depth_far);
+        return {near, unit_by_reciprocal(Vec<T>(far - near))};
+    }
+};
+
+/// As the samples of DirectX Raytracing make a camera's ray. z = 0 is the near plane where z runs from 0 to 1, and the
+/// far one where it is reversed.
+struct DxrRay : InvertsBoth {
+    static constexpr MakerInfo info{
+        .name = "dxr",
+        .title = "z = 0 through (P V)^-1, product and inverse in the format; minus the eye",
+        .source = "DirectX-Graphics-Samples, Samples/Desktop/D3D12Raytracing, Raytracing.hlsl GenerateCameraRay",
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const Vec<T> world = unprojected(camera, from_clip, pixel, T(0));
+        return {camera.eye, unit(Vec<T>(world - camera.eye))};
+    }
+};
+
+/// As Unreal deprojects a point of the screen. Its depths, 1 and 0.01, are those of reversed z; of others the same
+/// shares between far and near.
+struct UnrealRay {
+    static constexpr MakerInfo info{
+        .name = "unreal",
+        .title = "(P V)^-1 inverted exactly and rounded once; from the near plane to reversed z = 0.01",
+        .source = "Unreal Engine, FSceneView::DeprojectScreenToWorld, FCameraPoseMath::UnprojectFromScreen",
+        .from_near = true,
+    };
+
+    template <Number T>
+    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
+        return camera.clip_to_world;
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> start = at(camera.depth_near), end = at(depth_at(camera, T(1) / T(100)));
+        return {start, unit_by_reciprocal(Vec<T>(end - start))};
+    }
+};
+
+/// As Bevy made the ray of a pointer from 0.9 to 0.16. Its depths, 1 and f32::EPSILON, are those of reversed z with the
+/// far plane at infinity.
+struct BevyRay {
+    static constexpr MakerInfo info{
+        .name = "bevy",
+        .title = "the camera's matrix times P^-1, in the format; from the near plane to reversed z = 2^-23",
+        .source = "Bevy 0.9 to 0.16, crates/bevy_render/src/camera/camera.rs, Camera::viewport_to_world",
+        .from_near = true,
+    };
+
+    template <Number T>
+    static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
+        return camera.to_world * inverse(camera.projection);
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        return {near, unit(Vec<T>(far - near))};
+    }
+};
+
+/// As Bevy makes the ray of a pointer since 0.17: the difference in the space of the camera.
+struct BevyViewRay : InvertsProjection {
+    static constexpr MakerInfo info{
+        .name = "bevy_view",
+        .title = "both points through P^-1, inverted in the format; their difference turned, the near one moved",
+        .source = "Bevy 0.17, crates/bevy_camera/src/camera.rs, Camera::viewport_to_world (pull request 20700)",
+        .from_near = true,
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
+        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        return {camera.to_world.affine(near), unit(camera.to_world.linear(Vec<T>(far - near)))};
+    }
+};
+
+/// As NVIDIA's ray tracing tutorial for Vulkan makes the ray of a pixel. The stored view has -R e, rounded, for its
+/// last column, and the eye is what its inverse makes of that.
+struct NvproRay {
+    static constexpr MakerInfo info{
+        .name = "nvpro",
+        .title = "z = 1 through P^-1, made unit and turned by V^-1, both inverted in the format; the eye from V^-1",
+        .source = "nvpro-samples/vk_raytracing_tutorial_KHR, ray_tracing__simple/shaders/raytrace.rgen",
+    };
+
+    template <class T>
+    struct Inverses {
+        Matrix4<T> projection, view;
+    };
+    template <Number T>
+    static Inverses<T> prepare(const CameraNumbers<T>& camera) {
+        return {inverse(camera.projection), inverse(camera.view)};
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel<T>& pixel) {
+        const Vec<T> target = from.projection.point(clip_point(camera, pixel, T(1))).at;
+        return {from.view.shift(), from.view.linear(unit(target))};
+    }
+};
+
+/// As Godot makes the normal of a ray through a point of the viewport.
+struct GodotRay : AsStored {
+    static constexpr MakerInfo info{
+        .name = "godot",
+        .title = "half extents of the near plane from P's diagonal, made unit, turned by the camera's basis, made unit",
+        .source = "Godot, scene/3d/camera_3d.cpp, project_local_ray_normal and project_ray_normal",
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
+        const auto& p = camera.projection.rows;
+        const Vec<T> at = clip_point(camera, pixel, T(0));
+        const Vec<T> local(at.x * (camera.near / p[0][0]), at.y * (camera.near / p[1][1]), -camera.near);
+        return {camera.eye, unit(camera.to_world.linear(unit(local)))};
+    }
+};
+
+/// Three vectors across and into the picture: as the samples of OptiX have it, and many path tracers.
+struct OptixRay : AsStored {
+    static constexpr MakerInfo info{
+        .name = "optix",
+        .title = "x U + y V + W, made unit; U and V are the tangents times the axes, in the format",
+        .source = "OptiX SDK, SDK/optixPathTracer/optixPathTracer.cu __raygen__rg: normalize(d.x*U + d.y*V + W)",
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
+        const Vec<T> at = clip_point(camera, pixel, T(0));
+        const Vec<T> u = camera.tan_x * camera.right, v = camera.tan_y * camera.up;
+        return {camera.eye, unit_by_reciprocal(Vec<T>(at.x * u + at.y * v + camera.forward))};
+    }
+};
+
+/// As "Ray Tracing in One Weekend" finds the middle of a pixel in the world, and the way there from the eye. Its
+/// directions are not made unit there; here they are, by a quotient for each component.
+struct WeekendRay {
+    static constexpr MakerInfo info{
+        .name = "weekend",
+        .title =
+            "the middle of the pixel in the world, 10 in front of the eye, by steps from the first one; minus the "
+            "eye",
+        .source = "RayTracing/raytracing.github.io 4.0, src/InOneWeekend/camera.h, initialize and get_ray",
+    };
+
+    template <class T>
+    struct Pixels {
+        Vec<T> first, right, down;
+    };
+    template <Number T>
+    static Pixels<T> prepare(const CameraNumbers<T>& camera) {
+        const T distance(10), two(2), half = T(1) / T(2);
+        const Vec<T> u = two * camera.tan_x * distance * camera.right, v = -(two * camera.tan_y * distance) * camera.up;
+        const Vec<T> right = over(u, T(camera.width)), down = over(v, T(camera.height));
+        const Vec<T> corner = camera.eye + distance * camera.forward - over(u, two) - over(v, two);
+        return {corner + half * Vec<T>(right + down), right, down};
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Pixels<T>& pixels, const Pixel<T>& pixel) {
+        const Vec<T> middle = pixels.first + pixel.x * pixels.right + pixel.y * pixels.down;
+        return {camera.eye, unit(Vec<T>(middle - camera.eye))};
+    }
+};
+
+/// As pbrt's perspective camera makes a ray, where the world is moved so that the eye is its origin.
+struct PbrtRay : AsStored {
+    static constexpr MakerInfo info{
+        .name = "pbrt",
+        .title =
+            "the middle of the pixel through the stored matrix from raster to camera, made unit and turned; the eye "
+            "apart",
+        .source = "pbrt-v4, src/pbrt/cameras.cpp, PerspectiveCamera::GenerateRay",
+    };
+
+    /// The middle of a pixel on the near plane, in the space of the camera.
+    template <Number T>
+    static Vec<T> on_near_plane(const CameraNumbers<T>& camera, const Pixel<T>& pixel) {
+        const T half = T(1) / T(2);
+        return over_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
+        return {camera.eye, camera.to_world.linear(unit(on_near_plane(camera, pixel)))};
+    }
+};
+
+/// The ray of a pixel from the differentials of the one to its left.
+struct DifferentialsRay {
+    static constexpr MakerInfo info{
+        .name = "differentials",
+        .title =
+            "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, made unit and turned",
+        .source = "pbrt-v4, src/pbrt/cameras.h and cameras.cpp, PerspectiveCamera::GenerateRayDifferential",
+    };
+
+    /// dxCamera: how far a pixel is on the near plane.
+    template <Number T>
+    static Vec<T> prepare(const CameraNumbers<T>& camera) {
+        const auto at = [&](int x) { return over_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
+        return at(1) - at(0);
+    }
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {
+        const Vec<T> left = PbrtRay::on_near_plane(camera, Pixel<T>{pixel.left, pixel.y, pixel.left});
+        return {camera.eye, camera.to_world.linear(unit(Vec<T>(left + step)))};
+    }
+};
+
+/// The inverse of projection and view without the eye's place, and the eye apart: camera-relative rendering.
+struct RelativeRay : AsStored {
+    static constexpr MakerInfo info{
+        .name = "relative",
+        .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye apart",
+        .source =
+            "Unity-Technologies/Graphics 4a193f6, com.unity.render-pipelines.high-definition/Documentation~/"
+            "Camera-Relative-Rendering.md:9; Unreal's ScreenToTranslatedWorld",
+    };
+
+    template <Number T>
+    static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
+        return {camera.eye, unit(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
+    }
+};
 
 /// `act.template operator()<ThreeRay>()` for each in turn.
 template <class Act>
