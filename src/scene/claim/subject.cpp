@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "scene/claim/claims_file.hpp"
-#include "scene/file/beside.hpp"
+#include "scene/file/scene.hpp"
 #include "scene/sweep/convention.hpp"
 
 namespace lostbits::scene::claim {

@@ -1,6 +1,6 @@
-#include "scene/file/appearance.hpp"
-
 #include <algorithm>
+
+#include "scene/file/tables.hpp"
 
 namespace lostbits::scene::file {
 
@@ -27,24 +27,24 @@ Vec<Real> read_colour(TableReader& table, std::string_view key, const Vec<Real>&
     return *colour;
 }
 
-Real read_coefficient(TableReader& table, std::string_view key, const Real& otherwise, const NumberCheck& check) {
+Real read_coefficient(TableReader& table, std::string_view key, const Real& otherwise, const StoredNumbers& numbers) {
     const auto x = table.optional_number(key);
     if (!x) return otherwise;
     if (*x < 0) table.fail_at(key, "is negative and would take light away; write 0 or more");
-    return check(table, key, *x);
+    return numbers.finite(table, key, *x);
 }
 
-Vec<Real> read_light(TableReader table, const NumberCheck& check) {
+Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
     const Vec<Real> at = table.vec3("position");
     table.reject_unknown_keys();
-    return {check(table, "position", at.x), check(table, "position", at.y), check(table, "position", at.z)};
+    return numbers.finite(table, "position", at);
 }
 
-ShadowRule read_shadows(TableReader table, const NumberCheck& check) {
+ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
     using Offset = ShadowRule::Offset;
     ShadowRule rule;
     rule.half_diffuse = table.optional_one_of<bool>("surface", surface_names).value_or(false);
-    rule.background = read_coefficient(table, "background", rule.background, check);
+    rule.background = read_coefficient(table, "background", rule.background, numbers);
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
     rule.own = table.optional_boolean("own").value_or(false);
@@ -55,7 +55,7 @@ ShadowRule read_shadows(TableReader table, const NumberCheck& check) {
     }
     rule.offset = table.optional_one_of<Offset>("offset", offset_names).value_or(Offset::none);
     if (rule.offset == Offset::epsilon)
-        rule.epsilon = read_coefficient(table, "epsilon", table.number("epsilon"), check);
+        rule.epsilon = read_coefficient(table, "epsilon", table.number("epsilon"), numbers);
     else table.reject("epsilon", "needs offset = \"epsilon\"");
     if (rule.offset == Offset::ulp) rule.ulps = static_cast<int>(table.integer("ulps", 0, most_ulps));
     else table.reject("ulps", "needs offset = \"ulp\"");
@@ -64,12 +64,12 @@ ShadowRule read_shadows(TableReader table, const NumberCheck& check) {
 }
 
 /// The paint of one table over what it is otherwise.
-Material read_paint(TableReader& table, const Material& otherwise, const NumberCheck& check) {
+Material read_paint(TableReader& table, const Material& otherwise, const StoredNumbers& numbers) {
     Material material;
     material.colour = read_colour(table, "colour", otherwise.colour);
-    material.ambient = read_coefficient(table, "ka", otherwise.ambient, check);
-    material.diffuse = read_coefficient(table, "kd", otherwise.diffuse, check);
-    material.specular = read_coefficient(table, "ks", otherwise.specular, check);
+    material.ambient = read_coefficient(table, "ka", otherwise.ambient, numbers);
+    material.diffuse = read_coefficient(table, "kd", otherwise.diffuse, numbers);
+    material.specular = read_coefficient(table, "ks", otherwise.specular, numbers);
     material.exponent = static_cast<int>(table.optional_integer("n", 1, largest_exponent).value_or(otherwise.exponent));
     return material;
 }
@@ -93,22 +93,22 @@ Stage Appearance::last_up_to(Stage limit) const {
     return Stage::visible;
 }
 
-Appearance read_appearance(TableReader& file, const NumberCheck& check) {
+Appearance read_appearance(TableReader& file, const StoredNumbers& numbers) {
     Appearance look;
     look.background = read_colour(file, "background", look.background);
-    if (auto table = file.optional_table("light")) look.light = read_light(*table, check);
-    if (auto table = file.optional_table("shadows")) look.shadows = read_shadows(*table, check);
+    if (auto table = file.optional_table("light")) look.light = read_light(*table, numbers);
+    if (auto table = file.optional_table("shadows")) look.shadows = read_shadows(*table, numbers);
     if (look.shadows && !look.light)
         file.fail_at("shadows", "need a light to cast them; add [light] with position = [x, y, z]");
     if (auto table = file.optional_table("material")) {
-        look.base = read_paint(*table, look.base, check);
+        look.base = read_paint(*table, look.base, numbers);
         table->reject_unknown_keys();
     }
     return look;
 }
 
-Material read_material(TableReader& sphere, const Appearance& look, const NumberCheck& check) {
-    const Material material = read_paint(sphere, look.base, check);
+Material read_material(TableReader& sphere, const Appearance& look, const StoredNumbers& numbers) {
+    const Material material = read_paint(sphere, look.base, numbers);
     if (material.specular > 0 && !look.light)
         sphere.fail_at("ks",
                        "above 0 asks for a highlight, which needs a light; add [light] with position = [x, y, z]");

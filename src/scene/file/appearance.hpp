@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -59,14 +58,5 @@ struct Appearance {
     [[nodiscard]] Stage last_up_to(Stage stage) const;
     [[nodiscard]] Stage furthest() const { return last_up_to(Stage::phong); }
 };
-
-/// Holds one number against what the scene does with it (see `Scene::inputs`), and returns it.
-using NumberCheck = std::function<Real(const toml::TableReader&, std::string_view key, const Real&)>;
-
-/// The keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`; the materials come one by one.
-Appearance read_appearance(toml::TableReader& file, const NumberCheck& check);
-
-/// The keys of a sphere that are paint, each `look.base`'s where it is missing.
-Material read_material(toml::TableReader& sphere, const Appearance& look, const NumberCheck& check);
 
 }  // namespace lostbits::scene::file

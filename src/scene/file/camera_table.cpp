@@ -1,6 +1,5 @@
-#include "scene/file/camera_table.hpp"
-
 #include "scene/file/stretch.hpp"
+#include "scene/file/tables.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::scene::file {

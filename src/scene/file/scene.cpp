@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "scene/file/camera_table.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/file/rays_table.hpp"
-#include "scene/file/transform_table.hpp"
+#include "scene/file/tables.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/result_name.hpp"
 #include "scene/toml/toml_reader.hpp"
@@ -24,6 +22,7 @@ constexpr long long most_pixels_a_side = 65536;
 constexpr long long most_pixels = 1LL << 30;
 
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
+
 Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Solid<Real> solid(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
@@ -52,6 +51,26 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
     solid.placed = read_transform(table, numbers);
     table.reject_unknown_keys();
     return solid;
+}
+
+/// `[rays]`: tmin (0 where it is missing), tmax (nowhere) and open_ends, in lengths of the camera's directions. A range
+/// that holds no t is an error, also once rounded to binary32 where inputs are shared.
+Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& numbers) {
+    const FloatFormat& stored = inputs == Inputs::shared ? binary32 : binary64;
+    Range<double> range;
+    const auto number = [&](std::string_view key, double otherwise) {
+        const auto x = table.optional_number(key);
+        return x ? toml::round_to_format(numbers.finite(table, key, *x), stored) : otherwise;
+    };
+    range.tmin = number("tmin", range.tmin);
+    range.tmax = number("tmax", range.tmax);
+    range.open = table.optional_one_of<OpenEnds>("open_ends", open_ends_names).value_or(OpenEnds{});
+    table.reject_unknown_keys();
+    if (range.tmin < 0) table.fail_at("tmin", "is below 0, and a ray looks ahead; write 0 or more");
+    if (!range.holds_any())
+        table.fail_at(table.has("tmax") ? "tmax" : "tmin",
+                      "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
+    return range;
 }
 
 /// "[[sphere]] with centre and radius, or [[box]] with lo and hi"
@@ -146,14 +165,11 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     const StoredNumbers numbers(scene.inputs);
     scene.camera = read_camera(file.table("camera"), numbers);
-    const NumberCheck check = [&numbers](const TableReader& table, std::string_view key, const Real& x) {
-        return numbers.finite(table, key, x);
-    };
-    scene.appearance = read_appearance(file, check);
+    scene.appearance = read_appearance(file, numbers);
     for (const ShapeRow& row : shape_rows) {
         for (TableReader& table : file.tables(row.name)) {
             if (row.shape == rendered_shape)
-                scene.appearance.materials.push_back(read_material(table, scene.appearance, check));
+                scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
             scene.listed.push_back(read_solid(row.shape, table, numbers));
         }
     }
@@ -236,6 +252,13 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
                          "; name the folder that contains scenes/ with --data, or in LOSTBITS_DATA");
     std::sort(files.begin(), files.end());
     return files;
+}
+
+std::string beside(const std::filesystem::path& by, const std::string& name) {
+    const std::filesystem::path given(name), there = by.parent_path() / given;
+    std::error_code ignored;
+    const bool is_file = given.is_relative() && given.extension() == ".toml";
+    return is_file && std::filesystem::is_regular_file(there, ignored) ? there.string() : name;
 }
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {

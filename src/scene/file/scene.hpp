@@ -140,6 +140,9 @@ struct SceneName {
     std::optional<std::string> variant = std::nullopt;
 };
 
+/// `x.toml` as the file `by` means it: the one that lies beside `by`, if there is one; otherwise the name as it is.
+std::string beside(const std::filesystem::path& by, const std::string& name);
+
 /// A path to a file, or the id of one in `data_dir/scenes`: `rtg-fig-7-4`, or `rtg-fig-7-4.r1e3` for one variant.
 /// InputError with did-you-mean for a name that is neither. The variant itself is checked when it is loaded.
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);

@@ -1,7 +1,6 @@
-#include "scene/file/transform_table.hpp"
-
 #include <boost/math/constants/constants.hpp>
 
+#include "scene/file/tables.hpp"
 #include "shapes/given_matrix.hpp"
 
 namespace lostbits::scene::file {

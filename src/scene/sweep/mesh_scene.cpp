@@ -3,7 +3,6 @@
 #include <string>
 
 #include "number/error.hpp"
-#include "scene/file/beside.hpp"
 
 namespace lostbits::scene::sweep {
 

@@ -1,13 +1,15 @@
-// The numbers of a scene file, held against what the scene does with them: rounding to binary32 where inputs are
-// shared.
+// The tables of a scene file, whose readers throw InputError with a position for anything that makes no picture; and
+// its numbers, held against what the scene does with them: rounding to binary32 where inputs are shared.
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "scene/file/scene.hpp"
 #include "scene/toml/round.hpp"
 #include "scene/toml/toml_reader.hpp"
+#include "shapes/placement.hpp"
 
 namespace lostbits::scene::file {
 
@@ -47,5 +49,21 @@ public:
 private:
     bool shared_;
 };
+
+/// `[camera]`.
+Camera read_camera(toml::TableReader table, const StoredNumbers& numbers);
+
+/// The keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`; the materials come one by one.
+Appearance read_appearance(toml::TableReader& file, const StoredNumbers& numbers);
+
+/// The keys of a sphere that are paint, each `look.base`'s where it is missing.
+Material read_material(toml::TableReader& sphere, const Appearance& look, const StoredNumbers& numbers);
+
+/// The table `transform` of a solid, where it has one: `matrix` (twelve numbers, row by row), or `scale`, `rotate`,
+/// `translate` and `look_at`, done in this order, or `steps`, a list of such tables done one after the other. All is
+/// composed in the scene's exact numbers, and rounded once where it is stored: as the matrix from the solid to the
+/// world, or, by `stored = "inverse"`, as the one back. InputError with a position, also where the matrix is singular,
+/// as written or as stored.
+std::optional<Placement<Real>> read_transform(toml::TableReader& solid, const StoredNumbers& numbers);
 
 }  // namespace lostbits::scene::file
