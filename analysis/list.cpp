@@ -14,7 +14,6 @@
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
-#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"

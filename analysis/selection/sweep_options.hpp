@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "scene/sweep/case_file.hpp"
-#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
+#include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::analysis::selection {

@@ -11,7 +11,6 @@
 #include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
-#include "scene/sweep/edge_search_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "scene/sweep/edge_search_file.hpp"
+#include "scene/sweep/search_file.hpp"
 
 namespace lostbits::measure::edges {
 

@@ -5,7 +5,7 @@
 
 #include "scene/claim/claims_file.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/sweep/convention.hpp"
+#include "scene/sweep/sweep_head.hpp"
 
 namespace lostbits::scene::claim {
 

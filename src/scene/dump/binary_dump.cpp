@@ -25,11 +25,12 @@ Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns
 
 }  // namespace
 
-void BinaryDump::lie(Lie lie, const DumpOptions& options, const Layout::Complain& complain) {
-    lie_ = std::move(lie);
+BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& options, ReadLie read)
+    : Dump(path), source_(path, options.stop), lie_(read(source_, options)) {
     std::vector<std::string> names;
     for (const BinaryColumn& c : lie_.columns) names.push_back(c.name);
-    layout_.emplace(std::move(names), complain);
+    layout_.emplace(std::move(names),
+                    [this](std::size_t, const std::string& why) { throw InputError(lie_.blamed + ": " + why); });
     settle(options, *layout_, own_format(*layout_, lie_.columns));
     records_ = lie_.records;
     if (!source_.size()) return;
@@ -180,6 +181,64 @@ Chunk BinaryDump::decode(const Records& records) const {
             [&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i + 1); });
     }
     return chunk;
+}
+
+namespace {
+
+std::vector<BinaryColumn> read_columns(const std::string& text) {
+    std::vector<BinaryColumn> columns;
+    std::optional<ItemType> type;
+    std::uint64_t offset = 0;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        std::string word = text.substr(begin, end - begin);
+        word.erase(0, word.find_first_not_of(' '));
+        word.erase(word.find_last_not_of(' ') + 1);
+        const auto colon = word.find(':');
+        const std::string name = word.substr(0, colon);
+        if (colon != std::string::npos) {
+            const std::string named = word.substr(colon + 1);
+            type = find_item_type(named);
+            if (!type)
+                throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name, named,
+                                             known_item_types));
+        }
+        if (name.empty())
+            throw InputError(
+                fmt::format("--columns: a name is missing in front of \"{}\"; write ox:f32,oy,oz,…, and _ for "
+                            "what is to be passed over",
+                            text.substr(begin)));
+        if (!type)
+            throw InputError(
+                fmt::format("--columns: {} has no type; write {}:f32, and every column behind it that has "
+                            "none is of that type too",
+                            name, name));
+        columns.push_back({name, *type, offset});
+        offset += type->size;
+        begin = end + 1;
+    }
+    return columns;
+}
+
+}  // namespace
+
+Lie read_raw(ByteSource& source, const DumpOptions& options) {
+    if (options.columns.empty())
+        throw InputError(source.name() +
+                         ": raw numbers say nothing of themselves; name them and their types with "
+                         "--columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32");
+    Lie raw{.columns = read_columns(options.columns), .begin = options.skip, .blamed = "--columns"};
+    for (const BinaryColumn& c : raw.columns) raw.record_size += c.type.size;
+    if (source.size() && *source.size() < options.skip)
+        throw InputError(fmt::format("{}: --skip {} is beyond its end: it has {} bytes", source.name(), options.skip,
+                                     *source.size()));
+    std::string passed;
+    for (std::uint64_t left = options.skip; left > 0; passed.clear()) {
+        const std::size_t got = source.read(passed, static_cast<std::size_t>(std::min<std::uint64_t>(left, 1U << 20)));
+        if (got == 0) throw InputError(source.name() + ": ends before --skip is passed over");
+        left -= got;
+    }
+    return raw;
 }
 
 }  // namespace lostbits::scene::dump

@@ -17,27 +17,36 @@ struct BinaryColumn {
     std::uint64_t offset = 0;  ///< in a record; of columns that lie apart, in the file behind its header
 };
 
-class BinaryDump : public Dump {
+/// How numbers lie in a file, as its header tells.
+struct Lie {
+    std::vector<BinaryColumn> columns;
+    std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source stands there
+    std::uint64_t record_size = 0;              ///< in bytes
+    std::optional<std::uint64_t> records = {};  ///< as the header has it; nothing: as many as there are
+    bool apart = false;                         ///< column after column; `records` is known then
+    std::optional<std::pair<int, int>> picture = {};
+    std::string blamed = {};  ///< who is wrong where the columns are none of rays
+};
+using ReadLie = Lie (*)(ByteSource& source, const DumpOptions& options);
+
+/// Without a header: `--columns` says what they are, `ox:f32,oy,oz,…`; a column without a type has that of the one
+/// before it.
+Lie read_raw(ByteSource& source, const DumpOptions& options);
+
+/// An array of numpy, plain or of records with named fields, versions 1 to 3. The last axis of a plain array is the
+/// columns, which `--columns` names; the axes before it, or all axes of an array of records, are rays, and two of them
+/// are a picture of so many rows and columns.
+Lie read_npy(ByteSource& source, const DumpOptions& options);
+
+class BinaryDump final : public Dump {
 public:
+    BinaryDump(const std::filesystem::path& path, const DumpOptions& options, ReadLie read);
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
+    [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return lie_.picture; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
     bool next(std::size_t most, Records& records) override;
     [[nodiscard]] Chunk decode(const Records& records) const override;
-
-protected:
-    BinaryDump(const std::filesystem::path& path, const DumpOptions& options)
-        : Dump(path), source_(path, options.stop) {}
-    /// What a header told.
-    struct Lie {
-        std::vector<BinaryColumn> columns;
-        std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source stands there
-        std::uint64_t record_size = 0;              ///< in bytes
-        std::optional<std::uint64_t> records = {};  ///< as the header has it; nothing: as many as there are
-        bool apart = false;                         ///< column after column; `records` is known then
-    };
-    void lie(Lie lie, const DumpOptions& options, const Layout::Complain& complain);
-    [[nodiscard]] ByteSource& source() { return source_; }
 
 private:
     /// Whether nearly all numbers of some columns are usual with their bytes in the other order, and not so; `strange`:

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "scene/sweep/convention.hpp"
 #include "scene/sweep/families.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"

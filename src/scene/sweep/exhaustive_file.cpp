@@ -4,8 +4,6 @@
 #include <cmath>
 #include <iterator>
 
-#include "scene/sweep/convention.hpp"
-#include "scene/sweep/mesh_scene.hpp"
 #include "scene/toml/parse_number.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"

@@ -6,6 +6,20 @@ namespace lostbits::scene::sweep {
 
 using toml::TableReader;
 
+namespace {
+
+/// A file whose one table is changed: paths need not name it.
+toml::Node read_changed(const std::filesystem::path& path, const std::string& table, std::vector<toml::Override> set) {
+    toml::Node root = toml::read_toml(path);
+    for (toml::Override& change : set) {
+        if (!change.path.starts_with(table)) change.path = table + change.path;
+        toml::apply_override(root, change);
+    }
+    return root;
+}
+
+}  // namespace
+
 SearchedRange read_range(TableReader& table, std::string_view key) {
     const auto ends = table.numbers(key, 2);
     const SearchedRange range{static_cast<double>(ends[0]), static_cast<double>(ends[1])};
@@ -19,11 +33,7 @@ double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid) {
 }
 
 SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set) {
-    toml::Node root = toml::read_toml(path);
-    for (toml::Override change : set) {
-        if (!change.path.starts_with("search.")) change.path = "search." + change.path;
-        toml::apply_override(root, change);
-    }
+    const toml::Node root = read_changed(path, "search.", set);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("search");
@@ -83,6 +93,25 @@ bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const
     const Vec<double> f = ray.origin - centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);
     return distance_radii.holds(distance_in_radii(ray, solid)) && impact_radii.holds(impact / radius);
+}
+
+EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+                               const std::vector<toml::Override>& set) {
+    const toml::Node root = read_changed(path, "edge_search.", set);
+    TableReader file(root);
+    static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
+    TableReader table = file.table("edge_search");
+    scene = read_mesh_scene(table, data_dir);
+    if (triangle::shared_edges(*scene.mesh).empty())
+        table.fail_at("scene", "has a mesh of which no two triangles share an edge; name another");
+    if (table.has("distance")) distance = read_range(table, "distance");
+    if (!(distance.low > 0 && distance.high <= 0x1p60))
+        table.fail_at("distance", "must lie above 0 and up to 2^60, in lengths of an edge");
+    ulps = static_cast<int>(table.optional_integer("ulps", 0, 1024).value_or(ulps));
+    seed = static_cast<std::uint64_t>(table.optional_integer("seed", 0, 1LL << 53).value_or(1));
+    rays = table.optional_integer("rays", 1, 1LL << 40).value_or(rays);
+    table.reject_unknown_keys();
+    file.reject_unknown_keys();
 }
 
 }  // namespace lostbits::scene::sweep

@@ -1,4 +1,5 @@
-// A search: ranges of every number of a ray and a solid, in which the worst ray of a form is looked for.
+// Searches: of ranges of every number of a ray and a solid, for the worst ray of a form; and along the edges of a mesh,
+// from how near a form lets a ray through one, or counts it twice.
 #pragma once
 
 #include <cstdint>
@@ -61,6 +62,24 @@ public:
 
     /// Whether a ray and a solid lie in the ranges (the derived ones to double precision), and are a ray and a solid.
     [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
+};
+
+/// A sweep file with an `[edge_search]` table.
+class EdgeSearchFile : public SweepHead {
+public:
+    /// InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`. `set`
+    /// changes keys of the table first: `rays`, `seed`.
+    EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
+                   const std::vector<toml::Override>& set = {});
+
+    /// Whose triangles they are: meshes alone, shared by all formats. Its camera plays no part.
+    file::Scene scene;
+    SearchedRange distance{1, 0x1p20};  ///< from the eye to the point of an edge, in lengths of the edge
+    int ulps = 2;                       ///< each component of a direction is moved by so many at most
+    std::uint64_t seed = 1;
+    std::int64_t rays = 1 << 20;  ///< tried of each form for each outcome
+
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(triangle::Mesh::shape); }
 };
 
 }  // namespace lostbits::scene::sweep

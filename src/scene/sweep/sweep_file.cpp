@@ -9,10 +9,8 @@
 #include "number/error.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/solid_list.hpp"
-#include "scene/sweep/convention.hpp"
 #include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
-#include "scene/sweep/mesh_scene.hpp"
 #include "scene/toml/nearby_file.hpp"
 #include "scene/toml/round.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "number/error.hpp"
 #include "scene/toml/result_name.hpp"
 
 namespace lostbits::scene::sweep {
@@ -15,6 +16,12 @@ SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& 
 }
 
 namespace {
+
+using intersect::convention_name;
+using intersect::Touching;
+
+constexpr std::pair<std::string_view, Touching> conventions[] = {{convention_name(Touching::hit), Touching::hit},
+                                                                 {convention_name(Touching::miss), Touching::miss}};
 
 /// `distance, in radii` of `distance_radii`: a name that ends in its unit says it once.
 std::string words_of(std::string name, const std::string& unit) {
@@ -35,6 +42,39 @@ AxisName read_axis_name(toml::TableReader& axis) {
         axis.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
     read.label = axis.has("label") ? axis.title("label") : words_of(read.name, read.unit);
     return read;
+}
+
+std::optional<Touching> convention_named(std::string_view word) {
+    for (const auto& [name, touching] : conventions)
+        if (name == word) return touching;
+    return std::nullopt;
+}
+
+std::optional<Touching> read_convention(toml::TableReader& table) {
+    return table.optional_one_of<Touching>("convention", conventions);
+}
+
+file::SceneName find_scene_of(const toml::TableReader& table, const std::string& name,
+                              const std::filesystem::path& data_dir) {
+    try {
+        return file::find_scene(file::beside(table.where().source, name), data_dir);
+    } catch (const InputError& error) {
+        table.fail_at("scene", std::string("cannot be found: ") + error.what());
+    }
+}
+
+file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::path& data_dir) {
+    const file::SceneName name = find_scene_of(table, table.string("scene"), data_dir);
+    const auto scenes = file::load_scene(name.path, {.variant = name.variant});
+    const file::Scene& scene = scenes.front();
+    if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
+    if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())
+        table.fail_at("scene", "has no mesh, or other solids beside it; name a scene of meshes alone");
+    if (scene.mesh_placed)
+        table.fail_at("scene", "has its mesh under a matrix; name one whose vertices stand where they are");
+    if (scene.inputs != file::Inputs::shared)
+        table.fail_at("scene", "has inputs = \"own\"; name one whose vertices are the same in every format");
+    return scene;
 }
 
 }  // namespace lostbits::scene::sweep
