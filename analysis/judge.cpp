@@ -14,7 +14,7 @@
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_words.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/toml/result_name.hpp"
+#include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis {
 

@@ -11,7 +11,7 @@
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
 #include "output/blame/explain_command.hpp"
-#include "scene/toml/result_name.hpp"
+#include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis::selection {
 

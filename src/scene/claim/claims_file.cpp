@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
+#include <regex>
 #include <set>
+
+#include "scene/toml/parse_number.hpp"
 
 namespace lostbits::scene::claim {
 
@@ -66,6 +71,45 @@ void read_operations(TableReader& table, Claim& claim) {
     if (claim.operations.empty()) table.fail_at(key, "is empty; name an operation");
 }
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Of `> 0`: what stands before the number.
+std::string comparison_of(const std::string& text) {
+    for (const char* each : {"<=", ">=", "<", ">", "="}) {
+        if (text.starts_with(each)) return each;
+    }
+    return "";
+}
+
+Criterion compared(TableReader& table, const std::string& text) {
+    const std::string comparison = comparison_of(text);
+    const auto digits = text.find_first_not_of(' ', comparison.size());
+    if (comparison.empty() || digits == std::string::npos)
+        table.fail_at("criterion", "is \"" + text +
+                                       "\"; write what the sentence says of the number, such as \"= 0\", \"> 0\" or "
+                                       "\">= 10\", or the ends of an interval, [0.4, 0.6]");
+    const auto read = toml::parse_number(std::string_view(text).substr(digits));
+    if (const auto* fault = std::get_if<toml::NumberFault>(&read))
+        table.fail_at("criterion", "is \"" + text + "\", in which " + text.substr(digits) + " " + fault->why);
+    const auto x = static_cast<double>(std::get<Real>(read));
+    const std::string shown = comparison + " " + text.substr(digits);
+    if (comparison == "=") return {x, x, shown};
+    if (comparison == ">") return {std::nextafter(x, infinite), infinite, shown};
+    if (comparison == ">=") return {x, infinite, shown};
+    return {-infinite, comparison == "<" ? std::nextafter(x, -infinite) : x, shown};
+}
+
+/// The key `criterion`: a comparison ("= 0", "< 1", "<= 1", "> 0", ">= 10"), or the two ends of an interval. InputError
+/// for anything else.
+std::optional<Criterion> read_criterion(TableReader& table) {
+    if (!table.has("criterion")) return std::nullopt;
+    if (table.node("criterion").kind != Node::Kind::array) return compared(table, table.string("criterion"));
+    const auto ends = table.numbers("criterion", 2);
+    const auto low = static_cast<double>(ends[0]), high = static_cast<double>(ends[1]);
+    if (!(low <= high)) table.fail_at("criterion", "must be [low, high] with low <= high");
+    return Criterion{low, high, fmt::format("[{}, {}]", low, high)};
+}
+
 void read_expect(TableReader table, Claim& claim) {
     claim.metric = table.optional_string("metric").value_or("");
     claim.onset = table.optional_string("onset").value_or("");
@@ -97,6 +141,18 @@ void read_expect(TableReader table, Claim& claim) {
 }
 
 }  // namespace
+
+void Criterion::demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const {
+    const bool met = is_met_by(from, to), failed = is_failed_by(from, to);
+    if (verdict == "holds" ? met : verdict == "refuted" ? failed : met || failed) return;
+    table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
+                                           "follow; change the verdict, the sentence or the interval",
+                                           text,
+                                           met      ? "true"
+                                           : failed ? "false"
+                                                    : "true of some and false of others",
+                                           from, to, verdict));
+}
 
 std::string_view name_of(Claim::Verdict verdict) {
     return std::ranges::find(verdicts, verdict, &std::pair<std::string_view, V>::second)->first;
@@ -158,6 +214,20 @@ std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file
     }
     std::ranges::sort(files);
     return files;
+}
+
+std::string universal_word(const std::string& statement) {
+    static const std::regex word(
+        R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",
+        std::regex::icase);
+    std::smatch found;
+    return std::regex_search(statement, found, word) ? found[1].str() : "";
+}
+
+bool tells_of_a_sample(const std::string& text) {
+    static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",
+                                  std::regex::icase);
+    return std::regex_search(text, words);
 }
 
 }  // namespace lostbits::scene::claim

@@ -1,7 +1,7 @@
 #include "scene/file/march_table.hpp"
 
-#include <array>
-#include <charconv>
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "number/rounded.hpp"
@@ -34,11 +34,6 @@ int count(TableReader& table, std::string_view key, int lowest, int highest, int
                                ", such as " + std::to_string(otherwise));
     }
     return static_cast<int>(*x);
-}
-
-std::string in_words(double x) {
-    std::array<char, 32> text{};
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::general, 6).ptr};
 }
 
 }  // namespace
@@ -77,8 +72,7 @@ std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f
                      after = rounding::to_format(before, 0, f);
         const std::string_view name = intersect::march_number_names[i++];
         if (before != 0 && (after == 0 || std::isinf(after)))
-            lost.push_back(std::string(name) + " = " + in_words(before) + " rounds to " +
-                           (after == 0 ? "0" : "infinity"));
+            lost.push_back(fmt::format("{} = {:g} rounds to {}", name, before, after == 0 ? "0" : "infinity"));
         return after;
     });
     return lost;

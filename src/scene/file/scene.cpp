@@ -4,8 +4,7 @@
 
 #include "scene/file/march_table.hpp"
 #include "scene/file/tables.hpp"
-#include "scene/toml/nearby_file.hpp"
-#include "scene/toml/result_name.hpp"
+#include "scene/toml/file_names.hpp"
 #include "scene/toml/toml_reader.hpp"
 #include "shapes/number_names.hpp"
 

@@ -4,22 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "number/rounded.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
-namespace {
-
-std::string in_words(double x) {
-    if (x == 0) return "less than 5e-324";  // an ideal number; none that is 0 by itself is lost
-    std::array<char, 32> text{};
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::general, 6).ptr};
-}
-
-}  // namespace
 
 void LostLengths::lose(const std::string& what, double value, const char* becomes, const Where& where) {
     const auto same = [&](const Loss& l) { return l.what == what && l.becomes == becomes; };
@@ -88,8 +78,10 @@ void LostLengths::add(const Solid<double>& before, const Solid<double>& after, c
 std::vector<std::string> LostLengths::lines() const {
     std::vector<std::string> all;
     for (const Loss& l : losses_) {
-        all.push_back(l.what + (l.value == 0 ? " " : " = ") + in_words(l.value) + " " + l.becomes + " (" + l.first +
-                      (l.count > 1 ? "; " + std::to_string(l.count) + " in all)" : ")"));
+        // An ideal number may be 0 in a double; none that is 0 by itself is lost.
+        const std::string size = l.value == 0 ? "less than 5e-324" : fmt::format("= {:g}", l.value);
+        const std::string others = l.count > 1 ? fmt::format("; {} in all", l.count) : "";
+        all.push_back(fmt::format("{} {} {} ({}{})", l.what, size, l.becomes, l.first, others));
     }
     return all;
 }

@@ -5,6 +5,7 @@
 #include "number/rounded.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/made_rays.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
@@ -96,16 +97,7 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 }
 
 std::vector<Solid<double>> shared_solids(const Scene& scene) {
-    if (scene.flake) sphere::require_room_for(*scene.flake);
-    std::vector<Solid<double>> all;
-    all.reserve(scene.solid_count());
-    for (const Solid<Real>& solid : scene.listed) all.push_back(round_solid(solid, binary32));
-    if (scene.flake)
-        sphere::for_each_solid(*scene.flake,
-                               [&all](const Solid<double>& s) { all.push_back(round_solid(s, binary32)); });
-    for (std::size_t i = 0; scene.mesh && i < scene.mesh->faces.size(); ++i)
-        all.push_back(round_solid(Solid<double>(scene.mesh->triangle(i)), binary32));
-    return all;
+    return round_solids(shared_solid_list(scene), binary32).all();
 }
 
 std::vector<Solid<double>> stored_solids(const Scene& scene, const FloatFormat& f) {

@@ -11,7 +11,7 @@
 #include "scene/rays/solid_list.hpp"
 #include "scene/sweep/families.hpp"
 #include "scene/sweep/float_order.hpp"
-#include "scene/toml/nearby_file.hpp"
+#include "scene/toml/file_names.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::sweep {

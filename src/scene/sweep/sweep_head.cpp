@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "number/error.hpp"
-#include "scene/toml/result_name.hpp"
+#include "scene/toml/file_names.hpp"
 
 namespace lostbits::scene::sweep {
 

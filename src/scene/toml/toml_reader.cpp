@@ -132,18 +132,8 @@ std::string TableReader::title(std::string_view key) {
     return text;
 }
 
-std::optional<std::string> TableReader::optional_string(std::string_view key) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return string(key);
-}
-
 std::vector<std::string> TableReader::strings(std::string_view key) {
     return as_strings(demand(key, "an array of strings"), path_to(key));
-}
-
-std::optional<std::vector<std::string>> TableReader::optional_strings(std::string_view key) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return strings(key);
 }
 
 std::optional<bool> TableReader::optional_boolean(std::string_view key) {
@@ -155,11 +145,6 @@ std::optional<bool> TableReader::optional_boolean(std::string_view key) {
 
 long long TableReader::integer(std::string_view key, long long lowest, long long highest) {
     return as_integer(demand(key, "a whole number"), path_to(key), lowest, highest);
-}
-
-std::optional<long long> TableReader::optional_integer(std::string_view key, long long lowest, long long highest) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return integer(key, lowest, highest);
 }
 
 std::optional<std::vector<long long>> TableReader::optional_integers(std::string_view key, std::size_t count,
@@ -174,11 +159,6 @@ std::optional<std::vector<long long>> TableReader::optional_integers(std::string
 
 Real TableReader::number(std::string_view key) { return as_number(demand(key, a_number), path_to(key)); }
 
-std::optional<Real> TableReader::optional_number(std::string_view key) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return number(key);
-}
-
 void TableReader::read_number(std::string_view key, double& x, double lowest, double highest) {
     x = static_cast<double>(optional_number(key).value_or(Real(x)));
     if (!(x >= lowest && x <= highest)) fail_at(key, fmt::format("must lie between {} and {}", lowest, highest));
@@ -188,19 +168,9 @@ std::vector<Real> TableReader::numbers(std::string_view key, std::size_t count) 
     return as_numbers(demand(key, array_of(count, "numbers")), path_to(key), count);
 }
 
-std::optional<std::vector<Real>> TableReader::optional_numbers(std::string_view key, std::size_t count) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return numbers(key, count);
-}
-
 Vec<Real> TableReader::vec3(std::string_view key) {
     const std::vector<Real> xyz = numbers(key, 3);
     return {xyz[0], xyz[1], xyz[2]};
-}
-
-std::optional<Vec<Real>> TableReader::optional_vec3(std::string_view key) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return vec3(key);
 }
 
 std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
@@ -214,11 +184,6 @@ const Node& TableReader::node(std::string_view key) { return demand(key, "a valu
 
 TableReader TableReader::table(std::string_view key) {
     return TableReader(demand(key, "a table of that name"), path_to(key));
-}
-
-std::optional<TableReader> TableReader::optional_table(std::string_view key) {
-    if (seek(key) == nullptr) return std::nullopt;
-    return table(key);
 }
 
 std::vector<TableReader> TableReader::tables(std::string_view key) {

@@ -19,6 +19,11 @@ namespace lostbits::scene::toml {
 /// is not finite or a missing key is an InputError at the value (a missing key: at the table).
 /// The tree must outlive the reader.
 class TableReader {
+    template <class T, class... Args>
+    std::optional<T> optional(std::string_view key, T (TableReader::*read)(std::string_view, Args...), Args... args) {
+        return has(key) ? std::optional<T>((this->*read)(key, args...)) : std::nullopt;
+    }
+
 public:
     /// `path` is what errors and overrides call the table: `camera`, `sphere[0]`, empty for the file itself.
     explicit TableReader(const Node& table, std::string path = "");
@@ -27,14 +32,18 @@ public:
     /// The same, for a text that pictures carry.
     std::string title(std::string_view key);
     static constexpr std::size_t most_title_bytes = 400;  ///< a dozen lines on the narrowest sheet
-    std::optional<std::string> optional_string(std::string_view key);
+    std::optional<std::string> optional_string(std::string_view key) { return optional(key, &TableReader::string); }
     std::vector<std::string> strings(std::string_view key);
-    std::optional<std::vector<std::string>> optional_strings(std::string_view key);
+    std::optional<std::vector<std::string>> optional_strings(std::string_view key) {
+        return optional(key, &TableReader::strings);
+    }
     std::optional<bool> optional_boolean(std::string_view key);
 
     /// A whole number in [lowest, highest].
     long long integer(std::string_view key, long long lowest, long long highest);
-    std::optional<long long> optional_integer(std::string_view key, long long lowest, long long highest);
+    std::optional<long long> optional_integer(std::string_view key, long long lowest, long long highest) {
+        return optional(key, &TableReader::integer, lowest, highest);
+    }
     /// Exactly `count` whole numbers in [lowest, highest].
     std::optional<std::vector<long long>> optional_integers(std::string_view key, std::size_t count, long long lowest,
                                                             long long highest);
@@ -42,14 +51,16 @@ public:
     /// A TOML integer or float, or a string: a decimal or a hexadecimal float. Read exactly, rounded once
     /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
     Real number(std::string_view key);
-    std::optional<Real> optional_number(std::string_view key);
+    std::optional<Real> optional_number(std::string_view key) { return optional(key, &TableReader::number); }
     /// Sets `x` to the number in [lowest, highest], where there is one.
     void read_number(std::string_view key, double& x, double lowest, double highest);
     /// `count` numbers, or any positive number of them for count = 0.
     std::vector<Real> numbers(std::string_view key, std::size_t count = 0);
-    std::optional<std::vector<Real>> optional_numbers(std::string_view key, std::size_t count = 0);
+    std::optional<std::vector<Real>> optional_numbers(std::string_view key, std::size_t count = 0) {
+        return optional(key, &TableReader::numbers, count);
+    }
     Vec<Real> vec3(std::string_view key);
-    std::optional<Vec<Real>> optional_vec3(std::string_view key);
+    std::optional<Vec<Real>> optional_vec3(std::string_view key) { return optional(key, &TableReader::vec3); }
 
     /// A string that is one of the given names.
     template <class E>
@@ -58,8 +69,7 @@ public:
     }
     template <class E>
     std::optional<E> optional_one_of(std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
-        if (seek(key) == nullptr) return std::nullopt;
-        return one_of(key, choices);
+        return has(key) ? std::optional(one_of(key, choices)) : std::nullopt;
     }
 
     [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
@@ -67,7 +77,7 @@ public:
     const Node& node(std::string_view key);
 
     TableReader table(std::string_view key);
-    std::optional<TableReader> optional_table(std::string_view key);
+    std::optional<TableReader> optional_table(std::string_view key) { return optional(key, &TableReader::table); }
     /// The elements of an array of tables, `[[key]]`; none when the key is missing.
     std::vector<TableReader> tables(std::string_view key);
 

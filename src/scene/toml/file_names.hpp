@@ -1,10 +1,14 @@
-// What to try when a file is not there: one beside it with almost that name.
+// Names of files of input: what their results are called, and what to try when one is not there.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 namespace lostbits::scene::toml {
+
+/// The name of a file without its ending. InputError where it leads out of the folder of results or hides in it (a dot
+/// in front, as `...toml` has), or cannot be shown (control characters).
+[[nodiscard]] std::string result_name(const std::filesystem::path& file);
 
 /// `did you mean "sub/mine.toml"?` for `sub/mine.tom` or `sub/mine`: the TOML file of that folder whose name is
 /// nearest, if a slip of the fingers explains it. Empty otherwise.
