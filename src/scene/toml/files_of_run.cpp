@@ -5,45 +5,28 @@
 #include <mutex>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "number/error.hpp"
 
 namespace lostbits::scene::toml {
 
-struct FilesOfRun::Noted {
-    using File = std::pair<dev_t, ino_t>;
-    std::set<File> read, written;
-};
-
 namespace {
 
+struct Noted {
+    std::set<std::pair<dev_t, ino_t>> read, written;
+};
+
 std::mutex noted_mutex;
+std::vector<Noted> noted_by_run;  ///< of each that lives, the youngest last
 
-}  // namespace
-
-FilesOfRun*& FilesOfRun::living() {
-    static FilesOfRun* youngest = nullptr;
-    return youngest;
-}
-
-FilesOfRun::FilesOfRun() : noted_(new Noted) {
-    const std::lock_guard lock(noted_mutex);
-    outer_ = std::exchange(living(), this);
-}
-
-FilesOfRun::~FilesOfRun() {
-    const std::lock_guard lock(noted_mutex);
-    living() = outer_;
-    delete noted_;
-}
-
-void FilesOfRun::note(const std::filesystem::path& path, bool written) {
+void note(const std::filesystem::path& path, bool written) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return;
-    const Noted::File file{info.st_dev, info.st_ino};
+    const std::pair file(info.st_dev, info.st_ino);
     const std::lock_guard lock(noted_mutex);
-    if (living() == nullptr) return;
-    Noted& all = *living()->noted_;
+    if (noted_by_run.empty()) return;
+    Noted& all = noted_by_run.back();
     // Before the check: a reader's error may end as a claim's, and the writer is to know of it.
     (written ? all.written : all.read).insert(file);
     if ((written ? all.read : all.written).contains(file))
@@ -51,7 +34,19 @@ void FilesOfRun::note(const std::filesystem::path& path, bool written) {
                          ": is read by this run, whose results would take its place; choose another place for them");
 }
 
-void note_read(const std::filesystem::path& path) { FilesOfRun::note(path, false); }
-void note_written(const std::filesystem::path& path) { FilesOfRun::note(path, true); }
+}  // namespace
+
+FilesOfRun::FilesOfRun() {
+    const std::lock_guard lock(noted_mutex);
+    noted_by_run.emplace_back();
+}
+
+FilesOfRun::~FilesOfRun() {
+    const std::lock_guard lock(noted_mutex);
+    noted_by_run.pop_back();
+}
+
+void note_read(const std::filesystem::path& path) { note(path, false); }
+void note_written(const std::filesystem::path& path) { note(path, true); }
 
 }  // namespace lostbits::scene::toml

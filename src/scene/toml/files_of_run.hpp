@@ -16,16 +16,6 @@ public:
     ~FilesOfRun();
     FilesOfRun(const FilesOfRun&) = delete;
     FilesOfRun& operator=(const FilesOfRun&) = delete;
-
-private:
-    friend void note_read(const std::filesystem::path& path);
-    friend void note_written(const std::filesystem::path& path);
-    struct Noted;
-    static FilesOfRun*& living();
-    static void note(const std::filesystem::path& path, bool written);
-
-    Noted* noted_;
-    FilesOfRun* outer_;
 };
 
 /// Of a reader, before it reads. InputError where the run writes that file.

@@ -1,9 +1,11 @@
-#include "scene/rays/rays.hpp"
-
+// Rays and solids rounded to a format, solids as columns, and lengths that a format cannot hold.
 #include <cmath>
 
 #include "catch.hpp"
 #include "scene/rays/camera.hpp"
+#include "scene/rays/lost_lengths.hpp"
+#include "scene/rays/rays.hpp"
+#include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/round.hpp"
 
@@ -15,6 +17,7 @@ using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
+using scene::rays::LostLengths;
 
 namespace {
 
@@ -34,6 +37,40 @@ bool all_binary32(const std::vector<double>& v) {
         if (static_cast<double>(static_cast<float>(x)) != x) return false;
     return true;
 }
+
+/// Two spheres and a flake of ninety-one.
+file::Scene flake_scene(const std::string& inputs) {
+    const Scratch folder;
+    const std::string text = replaced(
+        good_scene, "[[sphere]]",
+        "[sphereflake]\nlevels = 2\nradius = 0.7\ncentre = [0.1, 0.2, 0.3]\n[[sphere]]\ncentre = [0.1, -7, 0]\n"
+        "radius = 3.3\n[[sphere]]");
+    file::Scene scene = file::load_scene(folder.write("scene.toml", text)).front();
+    if (inputs == "own") scene.inputs = file::Inputs::own;
+    return scene;
+}
+
+template <class T>
+void check_columns(const SolidList<double>& list, std::size_t begin, std::size_t count) {
+    std::array<std::vector<T>, 4> room;
+    const auto columns = list.columns<T>(begin, count, room);
+    for (std::size_t k = 0; k < 4; ++k) {
+        REQUIRE(columns[k].size() == count);
+        for (std::size_t i = 0; i < count; ++i) CHECK(columns[k][i] == static_cast<T>(list[begin + i].numbers[k]));
+    }
+}
+
+using Lines = std::vector<std::string>;
+
+FloatFormat shape_of(const char* name) { return find_format(name).value().shape; }
+
+Lines lost(const std::vector<Solid<double>>& solids, const char* format) {
+    LostLengths all(shape_of(format));
+    for (std::size_t i = 0; i < solids.size(); ++i) all.add(solids[i], [i] { return "solid " + std::to_string(i); });
+    return all.lines();
+}
+
+Solid<double> ball(double x, double radius) { return Sphere<double>{{x, 0, 0}, radius}; }
 
 }  // namespace
 
@@ -145,6 +182,92 @@ TEST_CASE("an input sphere follows the scene's inputs and the format") {
     CHECK(input_solid(own, 0, binary64).sphere().radius == 0.1);
     CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
+}
+
+TEST_CASE("a list with a flake as columns holds the numbers of the solids one by one") {
+    for (const char* inputs : {"shared", "own"}) {
+        const file::Scene scene = flake_scene(inputs);
+        const bool own = scene.inputs == file::Inputs::own;
+        const auto ideal = scene.solids();
+        const auto shared = shared_solids(scene);
+        for (const char* name : {"f32", "f64", "fp16", "p20", "p30"}) {
+            const FloatFormat f = find_format(name)->shape;
+            INFO(inputs << " in " << name);
+            const SolidList<double> list =
+                own ? round_solids(ideal_solid_list(scene), f) : round_solids(shared_solid_list(scene), f);
+            REQUIRE(list.size() == 93);
+            REQUIRE(list.listed().size() == 2);
+            CHECK(list.all().size() == 93);
+            for (std::size_t i = 0; i < list.size(); ++i) {
+                const Solid<double> one = own ? round_solid(ideal[i], f) : round_solid(shared[i], f);
+                CHECK(list[i].numbers == one.numbers);
+                CHECK(list.all()[i].numbers == one.numbers);
+            }
+            check_columns<double>(list, 0, 93);
+            check_columns<double>(list, 40, 20);
+            if (f.precision <= binary32.precision) {
+                check_columns<float>(list, 1, 5);
+                check_columns<float>(list, 2, 91);
+            }
+        }
+    }
+}
+
+TEST_CASE("the copies of a list share the flake, and its columns are read where they stand") {
+    const SolidList<double> list = shared_solid_list(flake_scene("shared")), copy = round_solids(list, binary64);
+    CHECK(copy.flake() == list.flake());
+    std::array<std::vector<float>, 4> room;
+    CHECK(copy.columns<float>(10, 64, room)[3].data() == list.flake()->stored<float>()->at(3).data() + 8);
+    CHECK(room[0].empty());
+    CHECK(list.flake()->stored<double>() == nullptr);
+}
+
+TEST_CASE("a radius is lost from half of the smallest number down, and from half an ulp above the largest up") {
+    // Halves: the smallest is 2^-24, and 2^-25 ties to 0; the largest is 65504, and 65520 ties to infinity.
+    CHECK(lost({ball(0, 0x1p-24), ball(0, std::nextafter(0x1p-25, 1.0))}, "fp16").empty());
+    CHECK(lost({ball(0, 65504), ball(0, std::nextafter(65520.0, 0.0))}, "fp16").empty());
+    CHECK(lost({ball(0, 0x1p-25)}, "fp16") == Lines{"radius = 2.98023e-08 rounds to 0 (solid 0)"});
+    CHECK(lost({ball(0, 1), ball(0, 65520)}, "fp16") == Lines{"radius = 65520 rounds to infinity (solid 1)"});
+    CHECK(lost({ball(0, 1e-9), ball(0, 1), ball(0, 2e-9), ball(0, 1e6)}, "fp16") ==
+          Lines{"radius = 1e-09 rounds to 0 (solid 0; 2 in all)", "radius = 1e+06 rounds to infinity (solid 3)"});
+    for (const char* format : {"f32", "f64", "bf16", "tf32", "p8"})
+        CHECK(lost({ball(0, 1e-9), ball(0, 1e6)}, format).empty());
+    CHECK(lost({ball(0, 1e-42)}, "bf16") == Lines{"radius = 1e-42 rounds to 0 (solid 0)"});
+    CHECK(lost({ball(0, 1e-42)}, "f32").empty());
+}
+
+TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thickness left") {
+    CHECK(lost({ball(1e-9, 1)}, "fp16").empty());
+    CHECK(lost({ball(-1e6, 1)}, "fp16") == Lines{"a coordinate of centre = -1e+06 rounds to infinity (solid 0)"});
+    const auto box = [](double lo, double hi) { return Solid<double>(Box<double>{{0, lo, 0}, {1, hi, 1}}); };
+    CHECK(lost({box(1, 1.125)}, "fp16").empty());
+    CHECK(lost({box(1, 1.0001)}, "fp16") == Lines{"thickness = 0.0001 rounds to 0 (solid 0)"});
+    CHECK(lost({box(1, 1)}, "fp16").empty());  // it had none before
+    CHECK(lost({box(0, 1e6)}, "fp16") == Lines{"a coordinate of hi = 1e+06 rounds to infinity (solid 0)"});
+    CHECK(lost({box(1e6, 1e6 + 1)}, "fp16") == Lines{"a coordinate of lo = 1e+06 rounds to infinity (solid 0)",
+                                                     "a coordinate of hi = 1e+06 rounds to infinity (solid 0)"});
+}
+
+TEST_CASE("the lengths of a scene: its solids, its eye, in the words of --set") {
+    const auto of = [](const std::string& text, const char* format) {
+        return scene::rays::lost_lengths(loaded(text), shape_of(format));
+    };
+    const std::string tiny = replaced(good_scene, "radius = 1", "radius = 1e-9");
+    REQUIRE(tiny != good_scene);
+    CHECK(of(good_scene, "fp16").empty());
+    CHECK(of(tiny, "fp16") == Lines{"radius = 1e-09 rounds to 0 (sphere[0])"});
+    CHECK(of(tiny, "f32").empty());
+    CHECK(of(tiny, "f64").empty());
+    CHECK(of(replaced(good_scene, "eye = [0, 0, 0]", "eye = [0, 1e6, 0]"), "fp16") ==
+          Lines{"a coordinate of the eye = 1e+06 rounds to infinity (camera)"});
+    // Own inputs are rounded to each format from what the file says, and binary32 has no part in it.
+    const std::string own = replaced(tiny, "inputs = \"shared\"", "inputs = \"own\"");
+    CHECK(of(own, "fp16") == Lines{"radius = 1e-09 rounds to 0 (sphere[0])"});
+    const std::string beyond = replaced(own, "radius = 1e-9", "radius = \"1e-60\"");
+    CHECK(of(beyond, "f32") == Lines{"radius = 1e-60 rounds to 0 (sphere[0])"});
+    CHECK(of(beyond, "f64").empty());
+    CHECK(of(replaced(own, "radius = 1e-9", "radius = \"1e-400\""), "f64") ==
+          Lines{"radius less than 5e-324 rounds to 0 (sphere[0])"});
 }
 
 }  // namespace test_rays
