@@ -34,6 +34,13 @@ constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidenc
                                                                {"counterexample", Evidence::counterexample},
                                                                {"sample", Evidence::sample}};
 
+/// Empty for what files do not name.
+template <class E, std::size_t n>
+std::string_view name_in(const std::pair<std::string_view, E> (&names)[n], E value) {
+    const auto found = std::ranges::find(names, value, &std::pair<std::string_view, E>::second);
+    return found == std::end(names) ? "" : found->first;
+}
+
 /// What was found, and of a qualified sentence what it takes for it to be true.
 void read_verdict(TableReader& table, Claim& claim) {
     claim.verdict = table.one_of<V>("verdict", verdicts);
@@ -154,18 +161,9 @@ void Criterion::demand(const toml::TableReader& table, std::string_view verdict,
                                            from, to, verdict));
 }
 
-std::string_view name_of(Claim::Verdict verdict) {
-    return std::ranges::find(verdicts, verdict, &std::pair<std::string_view, V>::second)->first;
-}
-
-std::string_view name_of(Claim::Profile profile) {
-    return std::ranges::find(profiles, profile, &std::pair<std::string_view, Claim::Profile>::second)->first;
-}
-
-std::string_view name_of(Claim::Evidence evidence) {
-    const auto found = std::ranges::find(evidences, evidence, &std::pair<std::string_view, Evidence>::second);
-    return found == std::end(evidences) ? "" : found->first;
-}
+std::string_view name_of(Claim::Verdict verdict) { return name_in(verdicts, verdict); }
+std::string_view name_of(Claim::Profile profile) { return name_in(profiles, profile); }
+std::string_view name_of(Claim::Evidence evidence) { return name_in(evidences, evidence); }
 
 const std::string& Claim::subject_name() const {
     return std::visit([](const auto& on) -> const std::string& { return on.name; }, subject);

@@ -5,7 +5,6 @@
 
 #include "geometry/ray.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/file/stretch.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
@@ -25,80 +24,36 @@ struct CameraFrame {
     T centre_y;  ///< and below it
     /// pixel_plane: the top left corner of the picture at z = 0, and the height of a pixel (`pitch` is its width).
     T left, top, pitch_down;
+
+    /// Each number through `f`.
+    template <class F>
+    [[nodiscard]] auto each(const F& f) const {
+        using S = decltype(f(pitch));
+        const auto vec = [&f](const Vec<T>& v) { return Vec<S>(f(v.x), f(v.y), f(v.z)); };
+        return CameraFrame<S>{.kind = kind,
+                              .normalise = normalise,
+                              .origin = vec(origin),
+                              .right = vec(right),
+                              .up = vec(up),
+                              .forward = vec(forward),
+                              .pitch = f(pitch),
+                              .centre_x = f(centre_x),
+                              .centre_y = f(centre_y),
+                              .left = f(left),
+                              .top = f(top),
+                              .pitch_down = f(pitch_down)};
+    }
 };
 
-namespace detail {
+/// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward. The camera of
+/// pixels at z = 0 has no basis: its pixels lie along x and y.
+CameraFrame<Real> make_ideal_frame(const file::Scene& scene);
 
-template <class T>
-T from_real(const Real& x) {
-    static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
-    if constexpr (std::is_same_v<T, Real>) return x;
-    else return toml::round_to_format(x, binary64);
-}
-
-template <class T>
-Vec<T> from_real(const Vec<Real>& v) {
-    return {from_real<T>(v.x), from_real<T>(v.y), from_real<T>(v.z)};
-}
-
-/// v/|v|. The sum with zero turns −0, which cross products of axes give, into 0.
-inline Vec<Real> unit(const Vec<Real>& v) {
-    const Real size = length(v);
-    const Real zero(0);
-    return {v.x / size + zero, v.y / size + zero, v.z / size + zero};
-}
-
-}  // namespace detail
-
-/// The camera of pixels at z = 0: no basis of its own, the pixels lie along x and y.
-template <class T>
-CameraFrame<T> make_pixel_frame(const file::Scene& scene) {
-    const file::Camera& camera = scene.camera;
-    using detail::from_real;
-    CameraFrame<T> frame{};
-    frame.kind = camera.kind;
-    frame.normalise = false;
-    frame.origin = from_real<T>(camera.eye);
-    frame.left = from_real<T>(camera.left);
-    frame.top = from_real<T>(camera.top);
-    frame.pitch = from_real<T>((camera.right - camera.left) / Real(scene.width));
-    frame.pitch_down = from_real<T>((camera.top - camera.bottom) / Real(scene.height));
-    return frame;
-}
-
-/// The frame of a scene's camera: forward ∥ look_at − eye, right ∥ forward × up, up = right × forward.
 template <class T>
 CameraFrame<T> make_frame(const file::Scene& scene) {
-    const file::Camera& camera = scene.camera;
-    if (camera.kind == file::Camera::Kind::pixel_plane) return make_pixel_frame<T>(scene);
-    const Vec<Real> forward = detail::unit(camera.look_at - camera.eye);
-    const Vec<Real> right = detail::unit(cross(forward, camera.up));
-    const Vec<Real> up = detail::unit(cross(right, forward));
-
-    const Real width(scene.width);
-    const Real height(scene.height);
-    Real pitch;
-    if (camera.kind == file::Camera::Kind::orthographic) {
-        pitch = camera.width / width;
-    } else {
-        pitch = 2 * file::half_tangent(camera.fov_deg) / height;
-    }
-    const Real centre_x = width / 2 - camera.shift_right * width;
-    const Real centre_y = height / 2 + camera.shift_up * width;
-
-    using detail::from_real;
-    return {.kind = camera.kind,
-            .normalise = camera.normalise,
-            .origin = from_real<T>(camera.eye),
-            .right = from_real<T>(right),
-            .up = from_real<T>(up),
-            .forward = from_real<T>(forward),
-            .pitch = from_real<T>(pitch),
-            .centre_x = from_real<T>(centre_x),
-            .centre_y = from_real<T>(centre_y),
-            .left = T(0),
-            .top = T(0),
-            .pitch_down = T(0)};
+    static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
+    if constexpr (std::is_same_v<T, Real>) return make_ideal_frame(scene);
+    else return make_ideal_frame(scene).each([](const Real& x) { return toml::round_to_format(x, binary64); });
 }
 
 /// pixel_plane: the middle of pixel (x, y) in the world, (left + (x + ½)·pitch, top − (y + ½)·pitch_down, 0).

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "number/rounded.hpp"
+#include "scene/file/stretch.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/made_rays.hpp"
 #include "scene/rays/solid_list.hpp"
@@ -57,7 +58,38 @@ void round_ranges(const BasicRayBlock<T>& from, RayBlock& to, const Round& round
     to.open = from.open;
 }
 
+/// v/|v|. The sum with zero turns −0, which cross products of axes give, into 0.
+Vec<Real> unit(const Vec<Real>& v) {
+    const Real size = length(v), zero(0);
+    return {v.x / size + zero, v.y / size + zero, v.z / size + zero};
+}
+
 }  // namespace
+
+CameraFrame<Real> make_ideal_frame(const Scene& scene) {
+    using Kind = file::Camera::Kind;
+    const file::Camera& camera = scene.camera;
+    const Real width(scene.width), height(scene.height);
+    CameraFrame<Real> frame{};
+    frame.kind = camera.kind;
+    frame.origin = camera.eye;
+    if (camera.kind == Kind::pixel_plane) {
+        frame.left = camera.left;
+        frame.top = camera.top;
+        frame.pitch = (camera.right - camera.left) / width;
+        frame.pitch_down = (camera.top - camera.bottom) / height;
+        return frame;
+    }
+    frame.normalise = camera.normalise;
+    frame.forward = unit(camera.look_at - camera.eye);
+    frame.right = unit(cross(frame.forward, camera.up));
+    frame.up = unit(cross(frame.right, frame.forward));
+    frame.pitch = camera.kind == Kind::orthographic ? Real(camera.width / width)
+                                                    : Real(2 * file::half_tangent(camera.fov_deg) / height);
+    frame.centre_x = width / 2 - camera.shift_right * width;
+    frame.centre_y = height / 2 + camera.shift_up * width;
+    return frame;
+}
 
 RayGroup group_of(const Ray<double>& ray) {
     RayGroup group;

@@ -62,6 +62,17 @@ Fraction cross2(const Fractions& a, const Fractions& b) {
 
 const Fraction tiny = Fraction(1) / (boost::multiprecision::cpp_int(1) << 400);  // of a square: 2^-200
 
+/// Whether a ray goes through its pixel, to 2^-200 of its direction, and begins so far off from where it should.
+void check_ray(const Ray<Real>& ray, int pixel, const Fraction& near, const Fraction& off_at_most) {
+    const Fractions d = direction_of(pixel % width, pixel / width), made = exactly(ray.direction);
+    CHECK(cross2(made, d) < tiny * dot(d, d));
+    CHECK(dot(made, d) > 0);
+    const int eye[] = {100, -20, 7};
+    Fractions off = exactly(ray.origin);
+    for (std::size_t k = 0; k < 3; ++k) off[k] -= eye[k] + near * d[k];
+    CHECK(dot(off, off) < off_at_most);
+}
+
 struct Planes {
     std::string text;
     Fraction near;
@@ -87,16 +98,9 @@ TEST_CASE("without rounding every way makes the ray of the pixel, as fractions h
             CAPTURE(p.text, maker.info->name);
             int pixel = 0;
             maker.real(numbers, {0, height}, [&](const Ray<Real>& ray) {
-                const Fractions d = direction_of(pixel % width, pixel / width), made = exactly(ray.direction);
-                ++pixel;
-                CHECK(cross2(made, d) < tiny * dot(d, d));
-                CHECK(dot(made, d) > 0);
+                const Fractions made = exactly(ray.direction);
                 CHECK(abs(dot(made, made) - 1) < Fraction(1) / (boost::multiprecision::cpp_int(1) << 200));
-                const int eye[] = {100, -20, 7};
-                Fractions off = exactly(ray.origin);
-                for (std::size_t k = 0; k < 3; ++k)
-                    off[k] -= eye[k] + (maker.info->from_near ? Fraction(p.near * d[k]) : Fraction(0));
-                CHECK(dot(off, off) < tiny * 1000000);
+                check_ray(ray, pixel++, maker.info->from_near ? p.near : Fraction(0), tiny * 1000000);
             });
             CHECK(pixel == width * height);
         }
@@ -110,17 +114,8 @@ TEST_CASE("the ideal rays are those of the fractions, from the eye or from the n
         const auto ideal = rays::make_own_rays(scene, 1, 3);
         REQUIRE(ideal.made);
         REQUIRE(ideal.size() == 2 * width);
-        for (std::size_t i = 0; i < ideal.size(); ++i) {
-            const Fractions d = direction_of(static_cast<int>(i) % width, 1 + static_cast<int>(i) / width),
-                            made = exactly(ideal[i].direction);
-            CHECK(cross2(made, d) < tiny * dot(d, d));
-            CHECK(dot(made, d) > 0);
-            const int eye[] = {100, -20, 7};
-            Fractions off = exactly(ideal[i].origin);
-            for (std::size_t k = 0; k < 3; ++k)
-                off[k] -= eye[k] + (maker.info->from_near ? Fraction(d[k] / 4) : Fraction(0));
-            CHECK(dot(off, off) < tiny);
-        }
+        for (std::size_t i = 0; i < ideal.size(); ++i)
+            check_ray(ideal[i], width + static_cast<int>(i), Fraction(maker.info->from_near ? 1 : 0, 4), tiny);
     }
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "catch.hpp"
 #include "counts.hpp"
@@ -65,19 +64,6 @@ bool has_zero_or_equal_components(const Vec<double>& v) {
 }
 
 }  // namespace
-
-TEST_CASE("the data folder holds the scenes that the documentation names") {
-    std::set<std::string> ids;
-    for (const scene::file::Scene& each : all_scenes()) ids.insert(each.id);
-    for (const std::string id :
-         {"rtg-fig-7-3-100", "rtg-fig-7-3-2000", "rtg-fig-7-3-4100", "rtg-fig-7-3-8000", "rtg-fig-7-3-100-oblique",
-          "rtg-fig-7-3-2000-oblique", "rtg-fig-7-3-4100-oblique", "rtg-fig-7-3-8000-oblique", "rtg-fig-7-4.r1e3",
-          "rtg-fig-7-4.r1e4", "rtg-fig-7-4.r1e5", "rtg-fig-7-4.r1e6", "rtg-fig-7-4.r6371000", "near-benign",
-          "camera-inside", "grazing", "world-offset", "world-offset-own"}) {
-        CAPTURE(id);
-        CHECK(ids.count(id) == 1);
-    }
-}
 
 TEST_CASE("every scene is described and shows hits and misses") {
     for (const scene::file::Scene& each : all_scenes()) {

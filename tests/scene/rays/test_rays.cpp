@@ -25,11 +25,8 @@ const std::string pinhole_scene = replaced(
     replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 40"),
     "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
 
-bool same(const std::vector<double>& a, const std::vector<double>& b) { return a == b; }
-
 bool same(const scene::rays::RayBlock& a, const scene::rays::RayBlock& b) {
-    return same(a.ox, b.ox) && same(a.oy, b.oy) && same(a.oz, b.oz) && same(a.dx, b.dx) && same(a.dy, b.dy) &&
-           same(a.dz, b.dz);
+    return a.ox == b.ox && a.oy == b.oy && a.oz == b.oz && a.dx == b.dx && a.dy == b.dy && a.dz == b.dz;
 }
 
 bool all_binary32(const std::vector<double>& v) {
