@@ -49,6 +49,23 @@ static int column_named(const lostbits_result* result, size_t table, const char*
     return 0;
 }
 
+/* Three rays at one sphere: a vector every `step` bytes, its numbers `item_step` apart. */
+static lostbits_rays three_rays(const void* origin, const void* direction, ptrdiff_t step, ptrdiff_t item_step, int bits) {
+    static const float in_float[] = {0, 0, 0, 1};
+    static const double in_double[] = {0, 0, 0, 1};
+    lostbits_rays rays;
+    memset(&rays, 0, sizeof rays);
+    rays.count = 3;
+    rays.origin.data = origin, rays.origin.step = step, rays.origin.item_step = item_step, rays.origin.bits = bits;
+    rays.direction = rays.solids = rays.origin;
+    rays.direction.data = direction;
+    rays.shape = "sphere";
+    rays.solid_count = 1;
+    rays.solids.data = bits == 32 ? (const void*)in_float : (const void*)in_double;
+    rays.solids.item_step = bits / 8;
+    return rays;
+}
+
 int client_maps_a_text(void) {
     lostbits_error error;
     lostbits_scene* scene = NULL;
@@ -146,19 +163,9 @@ int client_writes_operations(void) {
                                  {"neg", {0, -1, -1}, 0, NULL},         {"div", {2, 1, -1}, 0, "t"},
                                  {"constant", {-1, -1, -1}, 0.1, NULL}, {"greater_equal", {3, 4, -1}, 0, NULL}};
     const float origin[] = {0, 0, -3, 0, 0, 3, 0, 0, -0.01f}, direction[] = {0, 0, 7, 0, 0, 7, 0, 0, 1};
-    const float sphere[] = {0, 0, 0, 1};
     const char* const formats[] = {"f32", "bf16"};
     lostbits_choice choice = {{NULL, 0}, NULL, 0, {formats, 2}, {NULL, 0}, 0, 1};
-    lostbits_rays rays;
-    memset(&rays, 0, sizeof rays);
-    rays.count = 3;
-    rays.origin.data = origin, rays.origin.step = 12, rays.origin.item_step = 4, rays.origin.bits = 32;
-    rays.direction = rays.origin;
-    rays.direction.data = direction;
-    rays.shape = "sphere";
-    rays.solids = rays.origin;
-    rays.solids.data = sphere;
-    rays.solid_count = 1;
+    const lostbits_rays rays = three_rays(origin, direction, 12, 4, 32);
     HOLDS(lostbits_form_make(&words, 1, &form, &error) == LOSTBITS_OK);
     HOLDS(lostbits_form_write(form, 32, list, 6, 5, 3, &error) == LOSTBITS_OK);
     choice.own = &form;
@@ -189,16 +196,9 @@ int client_judges_arrays(void) {
     const double origin[] = {3, 0, 0, /**/ 0, 0, 0, /**/ -5, -5, -5};
     const double direction[] = {0, 0, 1};
     const double t[] = {NAN, 4.0000001, 4}; /* the first ray truly misses; the answers stand in their order */
-    const double sphere[] = {0, 0, 0, 1};
-    lostbits_rays rays;
-    memset(&rays, 0, sizeof rays);
-    rays.count = 3;
-    rays.origin.data = origin, rays.origin.step = 8, rays.origin.item_step = 24, rays.origin.bits = 64;
-    rays.direction.data = direction, rays.direction.step = 0, rays.direction.item_step = 8, rays.direction.bits = 64;
+    lostbits_rays rays = three_rays(origin, direction, 8, 24, 64);
+    rays.direction.step = 0, rays.direction.item_step = 8;
     rays.t.data = t, rays.t.step = 8, rays.t.bits = 64;
-    rays.shape = "sphere";
-    rays.solids.data = sphere, rays.solids.step = 32, rays.solids.item_step = 8, rays.solids.bits = 64;
-    rays.solid_count = 1;
     lostbits_choice choice = {{NULL, 0}, NULL, 0, {NULL, 0}, {NULL, 0}, 1, 0};
     HOLDS(lostbits_judge(&rays, &choice, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "agree_hit", &column) && column.numbers[0] == 2);
@@ -221,19 +221,10 @@ int client_gives_ranges_and_groups(void) {
     lostbits_result *result = NULL, *truth = NULL;
     lostbits_table table;
     lostbits_column column;
-    const double origin[] = {0, 0, -5}, direction[] = {0, 0, 1}, sphere[] = {0, 0, 0, 1};
+    const double origin[] = {0, 0, -5}, direction[] = {0, 0, 1};
     const double tmin[] = {0, 4.5, 0}, tmax[] = {10, 10, 3}, material[] = {7, 2.5, 7}, t[] = {4, 6, -1};
     lostbits_choice choice = {{NULL, 0}, NULL, 0, {NULL, 0}, {NULL, 0}, 0, 0};
-    lostbits_rays rays;
-    memset(&rays, 0, sizeof rays);
-    rays.count = 3;
-    rays.origin.data = origin, rays.origin.item_step = 8, rays.origin.bits = 64;
-    rays.direction = rays.origin;
-    rays.direction.data = direction;
-    rays.solids = rays.origin;
-    rays.solids.data = sphere;
-    rays.shape = "sphere";
-    rays.solid_count = 1;
+    lostbits_rays rays = three_rays(origin, direction, 0, 8, 64);
     rays.tmin.data = tmin, rays.tmin.step = 8, rays.tmin.bits = 64;
     rays.tmax = rays.t = rays.by = rays.tmin;
     rays.tmax.data = tmax;
