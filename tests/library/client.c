@@ -50,7 +50,8 @@ static int column_named(const lostbits_result* result, size_t table, const char*
 }
 
 /* Three rays at one sphere: a vector every `step` bytes, its numbers `item_step` apart. */
-static lostbits_rays three_rays(const void* origin, const void* direction, ptrdiff_t step, ptrdiff_t item_step, int bits) {
+static lostbits_rays three_rays(const void* origin, const void* direction, ptrdiff_t step, ptrdiff_t item_step,
+                                int bits) {
     static const float in_float[] = {0, 0, 0, 1};
     static const double in_double[] = {0, 0, 0, 1};
     lostbits_rays rays;
