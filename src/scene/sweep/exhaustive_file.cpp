@@ -45,16 +45,16 @@ float float_in(TableReader& table, std::string_view key) {
 }
 
 Vec<float> vec_in(TableReader& table, std::string_view key) {
-    const auto all = table.numbers(key, 3);
-    std::array<float, 3> v{};
-    for (std::size_t i = 0; i < 3; ++i) {
+    const Vec<Real> all = table.vec3(key);
+    Vec<float> v;
+    for (int i = 0; i < 3; ++i) {
         const auto exact = exact_float(all[i]);
         if (!exact)
             table.fail_at(key, "holds a number that is not one of binary32, in place " + std::to_string(i) + "; " +
                                    nearest_text(all[i]));
         v[i] = *exact;
     }
-    return {v[0], v[1], v[2]};
+    return v;
 }
 
 }  // namespace

@@ -136,29 +136,17 @@ std::string Node::describe() const {
 }
 
 Node Node::of_string(std::string text, Where where) {
-    Node node;
-    node.kind = Kind::string;
-    node.where = std::move(where);
-    node.text = std::move(text);
-    return node;
+    return {.kind = Kind::string, .where = std::move(where), .text = std::move(text)};
 }
 
 Node Node::of_integer(std::int64_t value, Where where) {
-    Node node;
-    node.kind = Kind::integer;
-    node.where = std::move(where);
-    node.integer = value;
-    return node;
+    return {.kind = Kind::integer, .where = std::move(where), .integer = value};
 }
 
 Node Node::of_number(const Real& value, Where where) { return of_string(exact_text(value), std::move(where)); }
 
 Node Node::of_array(std::vector<Node> items, Where where) {
-    Node node;
-    node.kind = Kind::array;
-    node.where = std::move(where);
-    node.items = std::move(items);
-    return node;
+    return {.kind = Kind::array, .where = std::move(where), .items = std::move(items)};
 }
 
 namespace {
