@@ -136,17 +136,29 @@ std::string Node::describe() const {
 }
 
 Node Node::of_string(std::string text, Where where) {
-    return {.kind = Kind::string, .where = std::move(where), .text = std::move(text)};
+    Node node;
+    node.kind = Kind::string;
+    node.where = std::move(where);
+    node.text = std::move(text);
+    return node;
 }
 
 Node Node::of_integer(std::int64_t value, Where where) {
-    return {.kind = Kind::integer, .where = std::move(where), .integer = value};
+    Node node;
+    node.kind = Kind::integer;
+    node.where = std::move(where);
+    node.integer = value;
+    return node;
 }
 
 Node Node::of_number(const Real& value, Where where) { return of_string(exact_text(value), std::move(where)); }
 
 Node Node::of_array(std::vector<Node> items, Where where) {
-    return {.kind = Kind::array, .where = std::move(where), .items = std::move(items)};
+    Node node;
+    node.kind = Kind::array;
+    node.where = std::move(where);
+    node.items = std::move(items);
+    return node;
 }
 
 namespace {

@@ -30,12 +30,12 @@ struct Node {
     struct Entry;
 
     Kind kind = Kind::other;
-    Where where = {};
-    std::string text = {};  ///< string: its contents; floating: its digits as written, without underscores
+    Where where;
+    std::string text;  ///< string: its contents; floating: its digits as written, without underscores
     std::int64_t integer = 0;
     bool boolean = false;
-    std::vector<Node> items = {};     ///< array
-    std::vector<Entry> entries = {};  ///< table, in the order of writing
+    std::vector<Node> items;     ///< array
+    std::vector<Entry> entries;  ///< table, in the order of writing
 
     [[nodiscard]] const Node* find(std::string_view key) const;
     [[nodiscard]] Node* find(std::string_view key);
