@@ -45,6 +45,8 @@ std::string error_in(const Scratch& folder, Work work) {
     return text;
 }
 
+inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 inline Real real(const std::string& text) { return std::get<Real>(scene::toml::parse_number(text)); }
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {

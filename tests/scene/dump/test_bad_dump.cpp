@@ -103,7 +103,7 @@ TEST_CASE("a bad file of rays is refused with its place and a remedy") {
         const std::string fault = fault_of(bad.name, bad.bytes, bad.options);
         INFO(bad.bytes.substr(0, 200) << "\n" << fault);
         CHECK(fault.starts_with(bad.place));
-        CHECK(fault.find(bad.remedy) != std::string::npos);
+        CHECK(has(fault, bad.remedy));
     }
     CHECK(fault_of("a.csv", head + good).empty());
 }

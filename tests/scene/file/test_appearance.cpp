@@ -52,8 +52,8 @@ bool equal(const Vec<Real>& v, double x, double y, double z) { return v.x == x &
 }  // namespace
 
 TEST_CASE("a scene says nothing and asks for nothing") {
-    const scene::file::Scene s = loaded(good_scene);
-    CHECK(s.appearance.furthest() == scene::file::Stage::visible);
+    const Scene s = loaded(good_scene);
+    CHECK(s.appearance.furthest() == Stage::visible);
     REQUIRE(s.appearance.materials.size() == 1);
     CHECK(equal(s.appearance.materials[0].colour, 1, 1, 1));
     CHECK(s.appearance.materials[0].ambient == Real(1) / 5);
@@ -63,13 +63,13 @@ TEST_CASE("a scene says nothing and asks for nothing") {
 }
 
 TEST_CASE("light, shadows and paint are read, a sphere's own words before the material's") {
-    const scene::file::Scene s = loaded(painted);
-    const scene::file::Appearance& look = s.appearance;
-    CHECK(look.furthest() == scene::file::Stage::phong);
+    const Scene s = loaded(painted);
+    const Appearance& look = s.appearance;
+    CHECK(look.furthest() == Stage::phong);
     CHECK(equal(look.background, 0.25, 0.5, 1));
     CHECK(equal(*look.light, 5, 6, 7));
     CHECK(look.shadows->own);
-    CHECK(look.shadows->offset == scene::file::ShadowRule::Offset::ulp);
+    CHECK(look.shadows->offset == ShadowRule::Offset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
     CHECK_FALSE(look.shadows->half_diffuse);
@@ -82,7 +82,7 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
     CHECK(look.materials[1].ambient == 0);
     CHECK(look.materials[1].specular == 0);
     CHECK(look.materials[1].exponent == 7);
-    const scene::file::Scene eps =
+    const Scene eps =
         loaded(replaced(painted, "offset = \"ulp\"\nulps = 4",
                         "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
     CHECK(eps.appearance.shadows->epsilon == Real(1) / 1000);
@@ -91,16 +91,16 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
 }
 
 TEST_CASE("a scene asks for the stages it has the means for, and no stage stands in for a later one") {
-    const scene::file::Appearance phong = loaded(painted).appearance;
-    for (const scene::file::Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
+    const Appearance phong = loaded(painted).appearance;
+    for (const Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
         CHECK(phong.last_up_to(s) == s);
-    const scene::file::Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
-    CHECK(matte.furthest() == scene::file::Stage::shadows);
-    CHECK_FALSE(matte.asks_for(scene::file::Stage::phong));
-    const scene::file::Appearance plain =
+    const Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
+    CHECK(matte.furthest() == Stage::shadows);
+    CHECK_FALSE(matte.asks_for(Stage::phong));
+    const Appearance plain =
         loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
-    CHECK(plain.furthest() == scene::file::Stage::phong);
-    CHECK(plain.last_up_to(scene::file::Stage::shadows) == scene::file::Stage::diffuse);
+    CHECK(plain.furthest() == Stage::phong);
+    CHECK(plain.last_up_to(Stage::shadows) == Stage::diffuse);
 }
 
 TEST_CASE("what light and paint cannot be is said with its place") {
@@ -117,35 +117,33 @@ TEST_CASE("what light and paint cannot be is said with its place") {
     CHECK(broken("ks = 0.5", "ks = 4e38").starts_with("scene.toml:17:6: material.ks overflows binary32"));
     CHECK(broken("position = [5, 6, 7]", "position = [5, 6, 4e38]")
               .starts_with("scene.toml:10:12: light.position overflows binary32"));
-    CHECK(broken("[light]\nposition = [5, 6, 7]\n", "").find("shadows need a light to cast them; add [light]") !=
-          std::string::npos);
+    CHECK(has(broken("[light]\nposition = [5, 6, 7]\n", ""), "shadows need a light to cast them; add [light]"));
     const std::string dark = replaced(replaced(painted, "[light]\nposition = [5, 6, 7]\n", ""),
                                       "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "");
-    CHECK(scene_error(dark).find("ks above 0 asks for a highlight, which needs a light; add [light]") !=
-          std::string::npos);
+    CHECK(has(scene_error(dark), "ks above 0 asks for a highlight, which needs a light; add [light]"));
     CHECK(broken("own = true\n", "").starts_with("scene.toml:12:1: shadows.offset needs own = true"));
     CHECK(broken("offset = \"ulp\"", "offset = \"ulps\"").starts_with("scene.toml:13:10: shadows.offset"));
     CHECK(broken("ulps = 4", "epsilon = 4").starts_with("scene.toml:14:1: shadows.epsilon needs offset = \"epsilon\""));
-    CHECK(broken("ulps = 4", "").find("shadows.ulps is missing") != std::string::npos);
+    CHECK(has(broken("ulps = 4", ""), "shadows.ulps is missing"));
     CHECK(
         broken("ulps = 4", "ulps = 4\nbackground = 2").starts_with("scene.toml:15:14: shadows.background is above 1"));
 }
 
 TEST_CASE("rays of the pixel plane go from the eye through the middles of pixels at z = 0, where t = 1") {
-    const scene::file::Scene s = loaded(painted);  // 8 × 4 pixels over [-4, 4] × [-1, 3]: one unit each
-    const auto frame = scene::rays::make_frame<double>(s);
+    const Scene s = loaded(painted);  // 8 × 4 pixels over [-4, 4] × [-1, 3]: one unit each
+    const auto frame = make_frame<double>(s);
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {3, 1}}) {
-        const Vec<double> p = scene::rays::pixel_point(frame, x, y);
+        const Vec<double> p = pixel_point(frame, x, y);
         CHECK(p == Vec<double>(-3.5 + x, 2.5 - y, 0));
-        const Ray<double> r = scene::rays::ray(frame, x, y);
+        const Ray<double> r = ray(frame, x, y);
         CHECK(r.origin == Vec<double>(1, 2, 10));
         CHECK(r.origin + r.direction == p);  // not normalised
     }
-    const scene::rays::RayBlock rays = make_shared_rays(s, 1, 2);
+    const RayBlock rays = make_shared_rays(s, 1, 2);
     CHECK(rays.dx[2] == -1.5 - 1);
     CHECK(rays.dz[2] == -10);
-    const scene::file::Scene oblong = loaded(replaced(painted, "extent = [-4, -1, 4, 3]", "extent = [0, 0, 4, 8]"));
-    CHECK(scene::rays::pixel_point(make_frame<double>(oblong), 1, 0) == Vec<double>(0.75, 7, 0));
+    const Scene oblong = loaded(replaced(painted, "extent = [-4, -1, 4, 3]", "extent = [0, 0, 4, 8]"));
+    CHECK(pixel_point(make_frame<double>(oblong), 1, 0) == Vec<double>(0.75, 7, 0));
 }
 
 TEST_CASE("what the pixel plane cannot be is said with its place") {
@@ -156,7 +154,7 @@ TEST_CASE("what the pixel plane cannot be is said with its place") {
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [4, -1, -4, 3]")
               .starts_with("scene.toml:8:10: camera.extent covers nothing"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4]").starts_with("scene.toml:8:10: camera.extent"));
-    CHECK(broken("extent = [-4, -1, 4, 3]", "").find("camera.extent is missing") != std::string::npos);
+    CHECK(has(broken("extent = [-4, -1, 4, 3]", ""), "camera.extent is missing"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4, 3]\nlook_at = [0, 0, 0]")
               .starts_with("scene.toml:9:1: camera.look_at has no meaning"));
     CHECK(scene_error(replaced(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]"))

@@ -229,11 +229,10 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
     const std::string stl = as_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
-    CHECK(error_of_file("a.stl", "x" + stl.substr(1, 500)).find("was it cut short?") != std::string::npos);
-    CHECK(error_of_file("a.ply", ply.substr(0, 500)).find("ends before all elements are there") != std::string::npos);
+    CHECK(has(error_of_file("a.stl", "x" + stl.substr(1, 500)), "was it cut short?"));
+    CHECK(has(error_of_file("a.ply", ply.substr(0, 500)), "ends before all elements are there"));
     const std::string other_order = replaced(ply, "little", "big");
-    CHECK(error_of_file("a.ply", other_order).find("is the order of bytes the one that format says?") !=
-          std::string::npos);
+    CHECK(has(error_of_file("a.ply", other_order), "is the order of bytes the one that format says?"));
 }
 
 TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused", "[mesh]") {
@@ -257,8 +256,8 @@ TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused"
     CHECK(error_with(as_gltf(ball, buffer), wrong).starts_with("a.gltf: face 0 names vertex "));
     CHECK(error_with(replaced(as_gltf(ball, buffer), "5126", "5120"), bytes) ==
           "a.gltf: has vertices that are not three floats");
-    CHECK(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes)
-              .find("was it cut short?") != std::string::npos);
+    CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes),
+              "was it cut short?"));
     CHECK(error_with("{", bytes).starts_with("a.gltf: is not read: "));
 }
 

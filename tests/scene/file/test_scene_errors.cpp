@@ -61,7 +61,7 @@ TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
           "scene.toml:11:6: camera.up is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, "
           "1, 0]");
-    CHECK(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]").find("is parallel to the view") != std::string::npos);
+    CHECK(has(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]"), "is parallel to the view"));
     CHECK(broken("up = [0, 1, 0]", "up = [1e-11, 0, 1]") == "no error");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 0]") ==
           "scene.toml:11:6: camera.up is zero, which is not a direction; write [0, 1, 0]");
@@ -107,7 +107,7 @@ TEST_CASE("a picture has a sane size") {
     CHECK(broken("size = [8, 4]", "size = [54161, 19825]") ==
           "scene.toml:6:8: size is too large: more than 2^30 pixels; make it smaller");
     CHECK(broken("size = [8, 4]", "size = [65536, 16384]") == "no error");
-    scene::file::LoadOptions options;
+    LoadOptions options;
     options.size = {0, 5};
     CHECK(scene_error(good_scene, options) ==
           "--size 0x5: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
@@ -213,7 +213,7 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
           "scene.toml:14:8: camera.projection.near must be greater than 0; write a positive number");
     CHECK(planes("near = -1").starts_with("scene.toml:14:8: camera.projection.near must be greater than 0"));
     CHECK(planes("near = 1e-46").starts_with("scene.toml:14:8: camera.projection.near becomes 0 in binary32"));
-    CHECK(planes("far = 3").find("near is missing") != std::string::npos);
+    CHECK(has(planes("far = 3"), "near is missing"));
     for (const char* far : {"1", "0.5"})
         CHECK(planes(std::string("near = 1\nfar = ") + far) ==
               "scene.toml:15:7: camera.projection.far is not beyond near, which leaves nothing between; write a larger "
@@ -223,8 +223,8 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
         "scene.toml:15:7: camera.projection.far equals near in binary32, to which inputs = \"shared\" rounds, and the "
         "matrix is singular; write a larger number, or inputs = \"own\"");
     CHECK(planes("near = 1e30\nfar = \"0x1.00001p100\"") == "no error");
-    CHECK(planes("near = 3.4e38\nfar = 3.40001e38").find("overflows binary32") != std::string::npos);
-    CHECK(planes("near = 1\nfar = inf").find("is not finite") != std::string::npos);
+    CHECK(has(planes("near = 3.4e38\nfar = 3.40001e38"), "overflows binary32"));
+    CHECK(has(planes("near = 1\nfar = inf"), "is not finite"));
     CHECK(planes("near = 1\ndepth = \"backwards\"").starts_with("scene.toml:15:9: camera.projection.depth"));
     CHECK(planes("near = 1\nfra = 2") == "scene.toml:15:1: unknown key camera.projection.fra; did you mean \"far\"?");
     CHECK(scene_error(pinhole("fov_deg = 1e-37\n[camera.projection]\nnear = 1"))
@@ -246,7 +246,7 @@ TEST_CASE("rays are made by a way that there is, of a pinhole with planes whose 
     CHECK(scene_error(pinhole("fov_deg = 40\nshift = [0.5, 0]" + planes))
               .starts_with("scene.toml:13:9: camera.shift moves the picture to one side"));
     for (const std::string& key : {std::string("rays = \"three\""), planes.substr(1)})
-        CHECK(broken("width = 2.5", "width = 2.5\n" + key).find("belongs to kind = \"pinhole\"") != std::string::npos);
+        CHECK(has(broken("width = 2.5", "width = 2.5\n" + key), "belongs to kind = \"pinhole\""));
 }
 
 }  // namespace test_scene_errors

@@ -19,13 +19,13 @@ const std::string two_variants =
     "[[variant]]\nname = \"small\"\nset = { \"sphere[0].radius\" = 0.5 }\n"
     "[[variant]]\nname = \"big\"\nset = { \"sphere[0].radius\" = 2, \"camera.eye\" = [1, 2, 3] }\n";
 
-scene::file::LoadOptions variant(const std::string& name) {
+LoadOptions variant(const std::string& name) {
     LoadOptions options;
     options.variant = name;
     return options;
 }
 
-scene::file::LoadOptions set(const std::string& assignment) {
+LoadOptions set(const std::string& assignment) {
     LoadOptions options;
     options.overrides.push_back(parse_override(assignment));
     return options;
@@ -38,16 +38,16 @@ std::string set_error(const std::string& assignment) {
 }  // namespace
 
 TEST_CASE("a scene holds what its file says") {
-    const scene::file::Scene s = loaded(good_scene);
+    const Scene s = loaded(good_scene);
     CHECK(s.id == "scene");
     CHECK(s.path.filename() == "scene.toml");
     CHECK(s.title == "A test");
     CHECK(s.source == "-");
     CHECK(s.note == "nothing");
-    CHECK(s.inputs == scene::file::Inputs::shared);
+    CHECK(s.inputs == Inputs::shared);
     CHECK(s.width == 8);
     CHECK(s.height == 4);
-    CHECK(s.camera.kind == scene::file::Camera::Kind::orthographic);
+    CHECK(s.camera.kind == Camera::Kind::orthographic);
     CHECK(s.camera.look_at.z == -1);
     CHECK(s.camera.up.y == 1);
     CHECK(s.camera.width == Real(2.5));
@@ -61,9 +61,9 @@ TEST_CASE("what a scene leaves out has its default") {
     for (const std::string line :
          {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
         text = replaced(text, line, "");
-    const scene::file::Scene s = loaded(text);
+    const Scene s = loaded(text);
     CHECK(s.note.empty());
-    CHECK(s.inputs == scene::file::Inputs::shared);
+    CHECK(s.inputs == Inputs::shared);
     CHECK(s.width == 256);
     CHECK(s.height == 256);
     CHECK(s.camera.up.y == 1);
@@ -73,15 +73,14 @@ TEST_CASE("what a scene leaves out has its default") {
 }
 
 TEST_CASE("numbers are ideal: decimals as written, in every notation") {
-    const scene::file::Scene s =
-        loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
+    const Scene s = loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
     CHECK(s.listed[0].sphere().centre.x == real("0.1"));
     CHECK(s.listed[0].sphere().centre.x == s.listed[0].sphere().centre.y);
     CHECK(s.listed[0].sphere().centre.z == 12);
 }
 
 TEST_CASE("a file with variants gives a scene for each, in order, and none without") {
-    const std::vector<scene::file::Scene> all = all_loaded(two_variants);
+    const std::vector<Scene> all = all_loaded(two_variants);
     REQUIRE(all.size() == 2);
     CHECK(all[0].id == "scene.small");
     CHECK(all[1].id == "scene.big");
@@ -92,7 +91,7 @@ TEST_CASE("a file with variants gives a scene for each, in order, and none witho
 }
 
 TEST_CASE("one variant can be chosen by name") {
-    const std::vector<scene::file::Scene> one = all_loaded(two_variants, variant("big"));
+    const std::vector<Scene> one = all_loaded(two_variants, variant("big"));
     REQUIRE(one.size() == 1);
     CHECK(one[0].id == "scene.big");
     CHECK(scene_error(two_variants, variant("bog")) == "scene.toml: no variant \"bog\"; did you mean \"big\"?");
@@ -100,9 +99,9 @@ TEST_CASE("one variant can be chosen by name") {
 }
 
 TEST_CASE("a size override changes the size alone") {
-    scene::file::LoadOptions options;
+    LoadOptions options;
     options.size = {320, 240};
-    const scene::file::Scene s = loaded(good_scene, options);
+    const Scene s = loaded(good_scene, options);
     CHECK(s.width == 320);
     CHECK(s.height == 240);
     CHECK(s.listed[0].sphere().radius == 1);
@@ -112,12 +111,11 @@ TEST_CASE("a size override changes the size alone") {
 
 TEST_CASE("scenes are listed by name") {
     const Scratch data;
-    CHECK(error_of([&] { scene::file::scene_files(data.path()); }).find("is not a folder of scenes") !=
-          std::string::npos);
+    CHECK(has(error_of([&] { scene_files(data.path()); }), "is not a folder of scenes"));
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");
-    const auto files = scene::file::scene_files(data.path());
+    const auto files = scene_files(data.path());
     REQUIRE(files.size() == 2);
     CHECK(files[0].filename() == "a.toml");
     CHECK(files[1].filename() == "b.toml");
@@ -127,7 +125,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     const Scratch data;
     const fs::path near = data.write("scenes/near.toml", good_scene);
     const fs::path far = data.write("scenes/far-2.5.toml", two_variants);
-    CHECK(scene::file::find_scene("near", data.path()).path == near);
+    CHECK(find_scene("near", data.path()).path == near);
     CHECK_FALSE(find_scene("near", data.path()).variant);
     CHECK(find_scene("near.toml", data.path()).path == near);
     CHECK(find_scene(near.string(), data.path()).path == near);
@@ -139,9 +137,8 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==
           "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file works too)");
-    CHECK(error_of([&] { find_scene("neer.big", data.path()); }).find("did you mean \"near\"?") != std::string::npos);
-    CHECK(error_of([&] { find_scene("zzzzzz", data.path()); }).find("known here: \"far-2.5\", \"near\"") !=
-          std::string::npos);
+    CHECK(has(error_of([&] { find_scene("neer.big", data.path()); }), "did you mean \"near\"?"));
+    CHECK(has(error_of([&] { find_scene("zzzzzz", data.path()); }), "known here: \"far-2.5\", \"near\""));
 }
 
 TEST_CASE("an override changes one number, vector, element or name") {
@@ -150,27 +147,27 @@ TEST_CASE("an override changes one number, vector, element or name") {
     CHECK(loaded(good_scene, set("sphere[0].radius=\"0.1\"")).listed[0].sphere().radius == real("0.1"));
     CHECK(loaded(good_scene, set("sphere[0].radius=0.1")).listed[0].sphere().radius == real("0.1"));
     CHECK(loaded(good_scene, set("sphere[0].centre=[1, 2, -30]")).listed[0].sphere().centre.z == -30);
-    const scene::file::Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
+    const Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
     CHECK(moved.listed[0].sphere().centre.z == -30);
     CHECK(moved.listed[0].sphere().centre.x == 0);
-    CHECK(loaded(good_scene, set("inputs=own")).inputs == scene::file::Inputs::own);
+    CHECK(loaded(good_scene, set("inputs=own")).inputs == Inputs::own);
     CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
 }
 
 TEST_CASE("an override may give an optional key that the file leaves out") {
-    const scene::file::Scene shifted = loaded(good_scene, set("camera.shift=[0.25, -1]"));
+    const Scene shifted = loaded(good_scene, set("camera.shift=[0.25, -1]"));
     CHECK(shifted.camera.shift_right == Real(0.25));
     CHECK(shifted.camera.shift_up == -1);
 }
 
 TEST_CASE("overrides apply in order, after the variant's, and the size last") {
-    scene::file::LoadOptions options = set("sphere[0].radius=2");
-    options.overrides.push_back(scene::toml::parse_override("sphere[0].radius=3"));
+    LoadOptions options = set("sphere[0].radius=2");
+    options.overrides.push_back(parse_override("sphere[0].radius=3"));
     options.overrides.push_back(parse_override("size=[9, 9]"));
     options.size = {64, 32};
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { \"sphere[0].radius\" = 7, \"camera.width\" = 5 }\n";
-    const scene::file::Scene result = loaded(text, options);
+    const Scene result = loaded(text, options);
     CHECK(result.listed[0].sphere().radius == 3);
     CHECK(result.camera.width == 5);
     CHECK(result.width == 64);
@@ -179,15 +176,14 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
 
 TEST_CASE("an exact number makes an override, for the axes of sweeps") {
     const Real x = real("0.1");
-    scene::file::LoadOptions options;
-    options.overrides.push_back(
-        {"sphere[0].radius", scene::toml::Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
+    LoadOptions options;
+    options.overrides.push_back({"sphere[0].radius", Node::of_number(x, {"a sweep", 0, 0}), {"a sweep", 0, 0}});
     CHECK(loaded(good_scene, options).listed[0].sphere().radius == x);
 }
 
 TEST_CASE("a file is parsed once and interpreted under many overrides") {
     const Scratch folder;
-    const scene::file::SceneFile file(folder.write("scene.toml", good_scene));
+    const SceneFile file(folder.write("scene.toml", good_scene));
     CHECK(file.load(set("sphere[0].radius=2")).at(0).listed[0].sphere().radius == 2);
     CHECK(file.load(set("camera.width=3")).at(0).listed[0].sphere().radius == 1);
 }
@@ -276,8 +272,7 @@ TEST_CASE("a range can be given to the rays of any scene, of all rays that lie a
     CHECK(scene.range.tmin == 4.5);
     CHECK(std::isinf(scene.range.tmax));
     options.overrides.push_back(parse_override("rays.tmim=4.5"));
-    CHECK(scene::test::error_of([&] { scene::test::loaded(good_scene, options); }).find("did you mean \"tmin\"") !=
-          std::string::npos);
+    CHECK(has(scene::test::error_of([&] { scene::test::loaded(good_scene, options); }), "did you mean \"tmin\""));
 }
 
 }  // namespace test_scene_file

@@ -19,7 +19,6 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::rays;
 using lostbits::scene::box::BoxFamily;
-using scene::rays::RayGroup;
 using scene::sphere::SphereFamily;
 using scene::triangle::TriangleFamily;
 
@@ -41,7 +40,7 @@ std::pair<Real, Real> clipped(const Ray<double>& ray, const Box<double>& box) {
 template <class Check>
 void for_each_ray(const scene::box::BoxFamily& family, Check check) {
     int seen = 0;
-    for (const scene::rays::RayGroup& group : family.draw()) {
+    for (const RayGroup& group : family.draw()) {
         for (std::size_t i = 0; i < group.rays.size(); ++i, ++seen) check(group.rays[i], group.solids);
     }
     CHECK(seen == family.views * family.rays);

@@ -51,18 +51,18 @@ bool is_clean_axis(const Vec<double>& v) {
 }  // namespace
 
 TEST_CASE("an axis-aligned orthographic camera is exact") {
-    const scene::file::Scene s = loaded(good_scene);  // 8 × 4 pixels, 2.5 wide
-    const scene::rays::CameraFrame<double> frame = make_frame<double>(s);
+    const Scene s = loaded(good_scene);  // 8 × 4 pixels, 2.5 wide
+    const CameraFrame<double> frame = make_frame<double>(s);
     CHECK(equal(frame.forward, 0, 0, -1));
     CHECK(equal(frame.right, 1, 0, 0));
     CHECK(equal(frame.up, 0, 1, 0));
     CHECK(frame.pitch == 0.3125);
-    const Ray<double> top_left = scene::rays::ray(frame, 0, 0);
+    const Ray<double> top_left = ray(frame, 0, 0);
     CHECK(equal(top_left.origin, -3.5 * 0.3125, 1.5 * 0.3125, 0));
     CHECK(equal(top_left.direction, 0, 0, -1));
     const Ray<double> bottom_right = ray(frame, 7, 3);
     CHECK(equal(bottom_right.origin, 3.5 * 0.3125, -1.5 * 0.3125, 0));
-    const Ray<Real> ideal = ray(scene::rays::make_frame<Real>(s), 0, 0);
+    const Ray<Real> ideal = ray(make_frame<Real>(s), 0, 0);
     CHECK(equal(ideal.origin, -3.5 * 0.3125, 1.5 * 0.3125, 0));
     CHECK(equal(ideal.direction, 0, 0, -1));
 }
@@ -75,7 +75,7 @@ TEST_CASE("all six axes, with every perpendicular axis upright, give exact frame
             const std::string text =
                 replaced(replaced(good_scene, "look_at = [0, 0, -1]", std::string("look_at = ") + axes[view]),
                          "up = [0, 1, 0]", std::string("up = ") + axes[up]);
-            const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));
+            const CameraFrame<double> frame = make_frame<double>(loaded(text));
             CAPTURE(axes[view], axes[up]);
             CHECK(is_clean_axis(frame.forward));
             CHECK(is_clean_axis(frame.right));
@@ -89,13 +89,13 @@ TEST_CASE("all six axes, with every perpendicular axis upright, give exact frame
 TEST_CASE("the length of the view and of up does not matter") {
     const std::string text = replaced(replaced(good_scene, "look_at = [0, 0, -1]", "look_at = [0, 0, -1e6]"),
                                       "up = [0, 1, 0]", "up = [0, 1e-6, 5]");
-    const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));
+    const CameraFrame<double> frame = make_frame<double>(loaded(text));
     CHECK(equal(frame.forward, 0, 0, -1));
     CHECK(equal(frame.up, 0, 1, 0));
 }
 
 TEST_CASE("an oblique frame is orthonormal") {
-    const scene::file::Scene s = loaded(oblique_pinhole);
+    const Scene s = loaded(oblique_pinhole);
     const auto check = [](const auto& frame, double tolerance) {
         CHECK(magnitude(dot(frame.forward, frame.right)) < tolerance);
         CHECK(magnitude(dot(frame.forward, frame.up)) < tolerance);
@@ -105,23 +105,22 @@ TEST_CASE("an oblique frame is orthonormal") {
         CHECK(magnitude(dot(frame.up, frame.up) - 1) < tolerance);
         CHECK(dot(cross(frame.right, frame.up), frame.forward) < -0.99);
     };
-    check(scene::rays::make_frame<double>(s), 1e-15);
+    check(make_frame<double>(s), 1e-15);
     check(make_frame<Real>(s), 1e-75);
     // up leans to the camera's up, forward goes to look_at.
-    const scene::rays::CameraFrame<double> frame = make_frame<double>(s);
+    const CameraFrame<double> frame = make_frame<double>(s);
     CHECK(dot(frame.up, Vec<double>(0.2, 1, 0.1)) > 0);
     CHECK(dot(frame.forward, Vec<double>(0.8, 1.9, -3.3)) == Approx(std::sqrt(0.8 * 0.8 + 1.9 * 1.9 + 3.3 * 3.3)));
 }
 
 TEST_CASE("double and ideal rays agree to 1e-15") {
     for (const std::string normalise : {"true", "false"}) {
-        const scene::file::Scene s =
-            loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = " + normalise));
-        const auto rough = scene::rays::make_frame<double>(s);
+        const Scene s = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = " + normalise));
+        const auto rough = make_frame<double>(s);
         const auto ideal = make_frame<Real>(s);
         for (int y = 0; y < s.height; ++y) {
             for (int x = 0; x < s.width; ++x) {
-                const Ray<double> a = scene::rays::ray(rough, x, y);
+                const Ray<double> a = ray(rough, x, y);
                 const Ray<Real> b = ray(ideal, x, y);
                 for (int i = 0; i < 3; ++i) {
                     REQUIRE(abs(Real(a.origin[i]) - b.origin[i]) <= 1e-15);
@@ -133,9 +132,9 @@ TEST_CASE("double and ideal rays agree to 1e-15") {
 }
 
 TEST_CASE("a pinhole's directions are unit only if they are normalised") {
-    const scene::file::Scene unit = loaded(oblique_pinhole);
-    const scene::file::Scene raw = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
-    const Ray<double> a = scene::rays::ray(scene::rays::make_frame<double>(unit), 1, 1);
+    const Scene unit = loaded(oblique_pinhole);
+    const Scene raw = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
+    const Ray<double> a = ray(make_frame<double>(unit), 1, 1);
     const Ray<double> b = ray(make_frame<double>(raw), 1, 1);
     CHECK(std::fabs(length(a.direction) - 1) < 1e-15);
     CHECK(length(b.direction) > 1.03);
@@ -147,9 +146,9 @@ TEST_CASE("the vertical field of view runs from the top edge to the bottom edge"
     // One pixel high: the middle of the rows ±1/2 is a corner ray, seen by asking for rows beyond the picture.
     const std::string text =
         replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 90");
-    const scene::rays::CameraFrame<double> frame = make_frame<double>(loaded(text));  // 4 rows: edges at ±2 pixels
-    CHECK(frame.pitch == 0.5);  // 2 tan 45° / 4, correctly rounded
-    const Ray<double> inner = scene::rays::ray(frame, 4, 0);
+    const CameraFrame<double> frame = make_frame<double>(loaded(text));  // 4 rows: edges at ±2 pixels
+    CHECK(frame.pitch == 0.5);                                           // 2 tan 45° / 4, correctly rounded
+    const Ray<double> inner = ray(frame, 4, 0);
     CHECK(inner.direction.y / -inner.direction.z == Approx(0.75).epsilon(1e-15));
     CHECK(inner.direction.x / -inner.direction.z == Approx(0.25).epsilon(1e-15));  // pixels are square
     CHECK(equal(inner.origin, 0, 0, 0));
@@ -157,7 +156,7 @@ TEST_CASE("the vertical field of view runs from the top edge to the bottom edge"
 
 TEST_CASE("a shift moves the window in picture widths, right and up, and turns nothing") {
     const std::string shifted = replaced(good_scene, "width = 2.5", "width = 2.5\nshift = [0.5, 0.25]");
-    const Ray<double> before = scene::rays::ray(scene::rays::make_frame<double>(loaded(good_scene)), 3, 2);
+    const Ray<double> before = ray(make_frame<double>(loaded(good_scene)), 3, 2);
     const Ray<double> after = ray(make_frame<double>(loaded(shifted)), 3, 2);
     CHECK(after.origin.x == before.origin.x + 1.25);
     CHECK(after.origin.y == before.origin.y + 0.625);

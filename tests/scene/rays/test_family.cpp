@@ -24,7 +24,7 @@ Vec<Real> lifted(const Vec<double>& v) { return {Real(v.x), Real(v.y), Real(v.z)
 
 /// A ray against its sphere, in 256 bits; all lengths in radii.
 struct Geometry {
-    Geometry(const scene::rays::RayGroup& group, std::size_t i) {
+    Geometry(const RayGroup& group, std::size_t i) {
         const Ray<double> ray = group.rays[i];
         const Sphere<double> sphere = group.solids.front().sphere();
         const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction),
@@ -48,8 +48,8 @@ std::string family_error(const std::string& text) {
     const Scratch folder;
     const fs::path file = folder.write("f.toml", text);
     return error_in(folder, [&] {
-        const scene::toml::Node root = read_toml(file);
-        SphereFamily::read(scene::toml::TableReader(root));
+        const Node root = read_toml(file);
+        SphereFamily::read(TableReader(root));
     });
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("tilted views leave an axis by the angle asked for, each another way, 
             const auto groups = f.draw();
             REQUIRE(groups.size() == 64);
             std::set<double> distances;
-            for (const scene::rays::RayGroup& g : groups) {
+            for (const RayGroup& g : groups) {
                 const Vec<double> c = g.solids.front().sphere().centre, d = g.rays[0].direction;
                 CAPTURE(tilt, distance, d.x, d.y, d.z);
                 const double far = static_cast<double>(length(lifted(c)));
@@ -91,7 +91,7 @@ TEST_CASE("a thousand oblique views are a thousand: hardly two share a direction
         const auto groups = family_of("projection = \"" + std::string(projection) + "\"\nradius = 1e6\n").draw();
         REQUIRE(groups.size() == 1024);
         std::set<std::array<double, 3>> centres, directions;
-        for (const scene::rays::RayGroup& g : groups) {
+        for (const RayGroup& g : groups) {
             REQUIRE(g.rays.size() == 1);
             const Vec<double> c = g.solids.front().sphere().centre, d = g.rays[0].direction;
             centres.insert({c.x, c.y, c.z});
@@ -117,7 +117,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
                 f.radius = radius;
                 f.distance = 16;
                 f.height = 3 * radius;
-                for (const scene::rays::RayGroup& g : f.draw()) {
+                for (const RayGroup& g : f.draw()) {
                     for (std::size_t i = 0; i < g.rays.size(); ++i) {
                         const Geometry at(g, i);
                         CAPTURE(projection, gap, radius, i);
@@ -131,7 +131,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     }
     // Without one the impacts are spread.
     double least = 1, most = 0;
-    for (const scene::rays::RayGroup& g : family_of("impact_to = 0.99").draw()) {
+    for (const RayGroup& g : family_of("impact_to = 0.99").draw()) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) {
             least = std::min(least, Geometry(g, i).impact);
             most = std::max(most, Geometry(g, i).impact);
@@ -172,7 +172,7 @@ TEST_CASE("an eye under the centre still has rays") {
         scene::sphere::SphereFamily f =
             family_of("projection = \"point\"\nimpact_to = 0.99\nradius = 1\nviews = 4\nrays = 32\n");
         f.height = height;
-        for (const scene::rays::RayGroup& g : f.draw()) {
+        for (const RayGroup& g : f.draw()) {
             for (std::size_t i = 0; i < g.rays.size(); ++i) {
                 const Geometry at(g, i);
                 CAPTURE(height, i);
@@ -191,7 +191,7 @@ TEST_CASE("what a family cannot be is refused where it is written") {
     CHECK(family_error("silhouette_gap = -1").starts_with("f.toml:1:18: silhouette_gap must lie between"));
     CHECK(family_error("away = 1").starts_with("f.toml:1:8: away is the integer 1, but true or false"));
     CHECK(family_error("directions = \"tilt\"").starts_with("f.toml:1:14: directions is \"tilt\""));
-    CHECK(family_error("awy = true").find("did you mean \"away\"") != std::string::npos);
+    CHECK(has(family_error("awy = true"), "did you mean \"away\""));
 }
 
 }  // namespace test_family

@@ -17,7 +17,6 @@ using namespace lostbits::scene::file;
 using namespace lostbits::scene::rays;
 using namespace lostbits::scene::toml;
 using namespace lostbits::scene::test;
-using scene::rays::LostLengths;
 
 namespace {
 
@@ -25,7 +24,7 @@ const std::string pinhole_scene = replaced(
     replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 40"),
     "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
 
-bool same(const scene::rays::RayBlock& a, const scene::rays::RayBlock& b) {
+bool same(const RayBlock& a, const RayBlock& b) {
     return a.ox == b.ox && a.oy == b.oy && a.oz == b.oz && a.dx == b.dx && a.dy == b.dy && a.dz == b.dz;
 }
 
@@ -72,16 +71,16 @@ Solid<double> ball(double x, double radius) { return Sphere<double>{{x, 0, 0}, r
 }  // namespace
 
 TEST_CASE("shared rays are the camera's doubles rounded once to binary32") {
-    const scene::file::Scene s = loaded(pinhole_scene);
-    const scene::rays::RayBlock block = make_shared_rays(s, 0, s.height);
+    const Scene s = loaded(pinhole_scene);
+    const RayBlock block = make_shared_rays(s, 0, s.height);
     REQUIRE(block.size() == 32);
     CHECK(block.width == 8);
-    const scene::rays::CameraFrame<double> frame = make_frame<double>(s);
+    const CameraFrame<double> frame = make_frame<double>(s);
     int rounded = 0;
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 8; ++x) {
             const auto i = static_cast<std::size_t>(y * 8 + x);
-            const Ray<double> r = scene::rays::ray(frame, x, y);
+            const Ray<double> r = ray(frame, x, y);
             REQUIRE(block.ox[i] == static_cast<double>(static_cast<float>(r.origin.x)));
             REQUIRE(block.dx[i] == static_cast<double>(static_cast<float>(r.direction.x)));
             REQUIRE(block.dy[i] == static_cast<double>(static_cast<float>(r.direction.y)));
@@ -93,9 +92,9 @@ TEST_CASE("shared rays are the camera's doubles rounded once to binary32") {
 }
 
 TEST_CASE("a band of rows is that part of the picture") {
-    const scene::file::Scene s = loaded(pinhole_scene);
-    const scene::rays::RayBlock whole = make_shared_rays(s, 0, 4);
-    const scene::rays::RayBlock band = make_shared_rays(s, 1, 3);
+    const Scene s = loaded(pinhole_scene);
+    const RayBlock whole = make_shared_rays(s, 0, 4);
+    const RayBlock band = make_shared_rays(s, 1, 3);
     REQUIRE(band.size() == 16);
     CHECK(band.y0 == 1);
     CHECK(band.y1 == 3);
@@ -103,50 +102,49 @@ TEST_CASE("a band of rows is that part of the picture") {
         CHECK(band[i].direction == whole[i + 8].direction);
         CHECK(band[i].origin == whole[i + 8].origin);
     }
-    CHECK(scene::rays::make_shared_rays(s, 2, 2).size() == 0);
-    CHECK(scene::rays::make_own_rays(s, 1, 3).size() == 16);
+    CHECK(make_shared_rays(s, 2, 2).size() == 0);
+    CHECK(make_own_rays(s, 1, 3).size() == 16);
 }
 
 TEST_CASE("own rays are the ideal ones, rounded once to each format") {
-    const scene::file::Scene s = loaded(pinhole_scene);
-    const scene::rays::IdealRayBlock ideal = make_own_rays(s, 0, 4);
-    const scene::rays::RayBlock single = round_rays(ideal, binary32);
-    const scene::rays::RayBlock half = round_rays(ideal, binary16);
+    const Scene s = loaded(pinhole_scene);
+    const IdealRayBlock ideal = make_own_rays(s, 0, 4);
+    const RayBlock single = round_rays(ideal, binary32);
+    const RayBlock half = round_rays(ideal, binary16);
     CHECK(all_binary32(single.dx));
     CHECK(single.ox[0] == static_cast<double>(0.1f));
-    CHECK(scene::rays::round_rays(ideal, binary64).ox[0] == 0.1);
+    CHECK(round_rays(ideal, binary64).ox[0] == 0.1);
     CHECK(half.ox[0] == 0x1.998p-4);
     for (std::size_t i = 0; i < ideal.size(); ++i) {
-        REQUIRE(single.dy[i] == scene::toml::round_to_format(ideal.dy[i], binary32));
+        REQUIRE(single.dy[i] == round_to_format(ideal.dy[i], binary32));
         REQUIRE(half.dz[i] == round_to_format(ideal.dz[i], binary16));
         REQUIRE(abs(Real(single.dy[i]) - ideal.dy[i]) <= 0x1p-25);
     }
 }
 
 TEST_CASE("input rays follow the scene's inputs and the format") {
-    const scene::file::Scene shared = loaded(pinhole_scene);
-    const scene::file::Scene own = loaded(replaced(pinhole_scene, "\"shared\"", "\"own\""));
-    const scene::rays::RayBlock stored = make_shared_rays(shared, 0, 4);
-    CHECK(same(scene::rays::input_rays(shared, 0, 4, binary32), stored));
+    const Scene shared = loaded(pinhole_scene);
+    const Scene own = loaded(replaced(pinhole_scene, "\"shared\"", "\"own\""));
+    const RayBlock stored = make_shared_rays(shared, 0, 4);
+    CHECK(same(input_rays(shared, 0, 4, binary32), stored));
     CHECK(same(input_rays(shared, 0, 4, binary64), stored));
-    CHECK(same(input_rays(shared, 0, 4, binary16), scene::rays::round_block(stored, binary16)));
+    CHECK(same(input_rays(shared, 0, 4, binary16), round_block(stored, binary16)));
     CHECK_FALSE(same(input_rays(shared, 0, 4, binary16), stored));
     CHECK_FALSE(same(input_rays(own, 0, 4, binary64), stored));
-    CHECK(same(input_rays(own, 0, 4, binary64),
-               scene::rays::round_rays(scene::rays::make_own_rays(own, 0, 4), binary64)));
+    CHECK(same(input_rays(own, 0, 4, binary64), round_rays(make_own_rays(own, 0, 4), binary64)));
 }
 
 TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and overflow included") {
-    const scene::rays::RayBlock block{.width = 3,
-                                      .y0 = 0,
-                                      .y1 = 1,
-                                      .ox = {1e6, -1e6, 1},
-                                      .oy = {0x1p-25, 0x1.8p-24, 0},
-                                      .oz = {65519, 65520, 1},
-                                      .dx = {0.1, 1, -1},
-                                      .dy = {0, 0, 1e-9},
-                                      .dz = {-1e-9, 1, 1}};
-    const scene::rays::RayBlock half = round_block(block, binary16);
+    const RayBlock block{.width = 3,
+                         .y0 = 0,
+                         .y1 = 1,
+                         .ox = {1e6, -1e6, 1},
+                         .oy = {0x1p-25, 0x1.8p-24, 0},
+                         .oz = {65519, 65520, 1},
+                         .dx = {0.1, 1, -1},
+                         .dy = {0, 0, 1e-9},
+                         .dz = {-1e-9, 1, 1}};
+    const RayBlock half = round_block(block, binary16);
     CHECK(half.ox == std::vector<double>{HUGE_VAL, -HUGE_VAL, 1});
     CHECK(half.oy == std::vector<double>{0, 0x1p-23, 0});
     CHECK(half.oz == std::vector<double>{65504, HUGE_VAL, 1});
@@ -159,7 +157,7 @@ TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and o
 
 TEST_CASE("spheres are rounded once, and a radius may vanish in a narrow format") {
     const Solid<Real> spec = Sphere<Real>{{real("0.1"), real("-100000.3"), real("1e-50")}, real("1e-8")};
-    const Sphere<double> single = scene::rays::round_solid(spec, binary32).sphere();
+    const Sphere<double> single = round_solid(spec, binary32).sphere();
     CHECK(single.centre.x == static_cast<double>(0.1f));
     CHECK(single.centre.y == static_cast<double>(-100000.3f));
     CHECK(single.centre.z == 0);
@@ -173,9 +171,9 @@ TEST_CASE("spheres are rounded once, and a radius may vanish in a narrow format"
 
 TEST_CASE("an input sphere follows the scene's inputs and the format") {
     const std::string text = replaced(good_scene, "radius = 1", "radius = 0.1");
-    const scene::file::Scene shared = loaded(text);
-    const scene::file::Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
-    CHECK(scene::rays::input_solid(shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
+    const Scene shared = loaded(text);
+    const Scene own = loaded(replaced(text, "\"shared\"", "\"own\""));
+    CHECK(input_solid(shared, 0, binary64).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(own, 0, binary64).sphere().radius == 0.1);
     CHECK(input_solid(own, 0, binary32).sphere().radius == static_cast<double>(0.1f));
     CHECK(input_solid(shared, 0, binary16).sphere().radius == 0x1.998p-4);
@@ -247,7 +245,7 @@ TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thi
 
 TEST_CASE("the lengths of a scene: its solids, its eye, in the words of --set") {
     const auto of = [](const std::string& text, const char* format) {
-        return scene::rays::lost_lengths(loaded(text), shape_of(format));
+        return lost_lengths(loaded(text), shape_of(format));
     };
     const std::string tiny = replaced(good_scene, "radius = 1", "radius = 1e-9");
     REQUIRE(tiny != good_scene);

@@ -34,21 +34,21 @@ spheres = [{ centre = [1, 2, 3], radius = 4 }, { centre = ["1 + ulp", 0, 0], rad
 rays = [{ origin = [0, 0, "nan"], direction = [0, 0, "-inf"] }, { origin = [1, 0, 0], direction = ["tiny", 0, 0] }]
 )";
 
-scene::sweep::CaseFile loaded_cases(const std::string& text) {
+CaseFile loaded_cases(const std::string& text) {
     const Scratch folder;
     return CaseFile(folder.write("c.toml", text));
 }
 std::string case_error(const std::string& text) {
     const Scratch folder;
     const fs::path file = folder.write("c.toml", text);
-    return error_in(folder, [&] { scene::sweep::CaseFile{file}; });
+    return error_in(folder, [&] { CaseFile{file}; });
 }
 std::string broken(const std::string& from, const std::string& to) {
     return case_error(replaced(good_cases, from, to));
 }
 
 using Numbers = std::array<double, 10>;
-Numbers numbers_of(const scene::rays::RayGroup& g) {
+Numbers numbers_of(const RayGroup& g) {
     const Sphere<double> s = g.solids.front().sphere();
     return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0],
             g.rays.dz[0], s.centre.x,   s.centre.y,   s.centre.z,   s.radius};
@@ -57,7 +57,7 @@ Numbers numbers_of(const scene::rays::RayGroup& g) {
 }  // namespace
 
 TEST_CASE("cases are read in order, each with its rays and solids") {
-    const scene::sweep::CaseFile file = loaded_cases(good_cases);
+    const CaseFile file = loaded_cases(good_cases);
     CHECK(file.id == "c");
     CHECK(file.right_within_bits == 3);
     REQUIRE(file.size() == 2);
@@ -74,7 +74,7 @@ TEST_CASE("cases are read in order, each with its rays and solids") {
 }
 
 TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, directions directions") {
-    const scene::sweep::CaseFile file = loaded_cases(good_cases);
+    const CaseFile file = loaded_cases(good_cases);
     for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
         const auto group = file.rays(1, f).at(0);
         REQUIRE(group.solids.size() == 2);
@@ -105,7 +105,7 @@ TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
         loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
     std::set<Numbers> images;
-    for (const scene::rays::RayGroup& g : groups) {
+    for (const RayGroup& g : groups) {
         const Numbers n = numbers_of(g);
         images.insert(n);
         REQUIRE(g.rays.size() == 1);
@@ -134,10 +134,10 @@ symmetric = true
 boxes = [{ lo = [1, -2, 3], hi = [2, 5, 9] }]
 rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 )";
-    const scene::sweep::CaseFile file = loaded_cases(boxes);
+    const CaseFile file = loaded_cases(boxes);
     CHECK(file.shapes() == std::vector{Shape::box});
     std::set<decltype(Solid<double>::numbers)> images;
-    for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
+    for (const RayGroup& g : file.rays(0, binary32)) {
         REQUIRE(g.solids.size() == 1);
         REQUIRE(g.solids[0].shape == Shape::box);
         const Box<double> b = g.solids[0].box();
@@ -153,7 +153,7 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
     }
     CHECK(images.size() == 48);
     const std::string mixed = replaced(boxes, "rays =", "spheres = [{ centre = [7, 0, 0], radius = 1 }]\nrays =");
-    const scene::sweep::CaseFile several = loaded_cases(mixed);
+    const CaseFile several = loaded_cases(mixed);
     CHECK(several.shapes() == std::vector{Shape::sphere, Shape::box});
     CHECK(several.rays(0, binary32)[0].solids.size() == 2);
     CHECK_FALSE(several.meets(Shape::box));
@@ -163,12 +163,12 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 
 TEST_CASE("the corners of a box keep the zeros of the file, whichever way round") {
     const auto corners = [](const std::string& lo, const std::string& hi, bool symmetric) {
-        const scene::sweep::CaseFile file = loaded_cases(
+        const CaseFile file = loaded_cases(
             "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[[case]]\nname = \"b\"\n" +
             std::string(symmetric ? "symmetric = true\n" : "") + "boxes = [{ lo = [" + lo + ", 1, 2], hi = [" + hi +
             ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
         std::set<std::pair<bool, bool>> signs;  // of lo and of hi, in the axis that holds the zeros
-        for (const scene::rays::RayGroup& g : file.rays(0, binary32)) {
+        for (const RayGroup& g : file.rays(0, binary32)) {
             const Box<double> b = g.solids[0].box();
             int zeros = 0;
             for (int i = 0; i < 3; ++i) {
@@ -195,7 +195,7 @@ TEST_CASE("the corners of a box keep the zeros of the file, whichever way round"
 }
 
 TEST_CASE("corners that rounding puts in the wrong order change places") {
-    const scene::sweep::CaseFile file = loaded_cases(R"(schema = "lostbits-sweep/1"
+    const CaseFile file = loaded_cases(R"(schema = "lostbits-sweep/1"
 title = "A test"
 source = "-"
 [[case]]
@@ -225,7 +225,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp
     CHECK(rays.tmin == std::vector<double>{0.5, 0});
     CHECK(rays.tmax == std::vector<double>{3 - 0x1p-22, HUGE_VAL});
     CHECK((rays.open.tmin && !rays.open.tmax));
-    CHECK(broken("title", "open_ends = \"tmin\"\ntitle").find("open_ends") != std::string::npos);
+    CHECK(has(broken("title", "open_ends = \"tmin\"\ntitle"), "open_ends"));
 }
 
 TEST_CASE("what is no file of cases is refused where it is wrong") {
@@ -248,29 +248,28 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(broken("lengths = 1", "lenghts = 1")
               .starts_with("c.toml:10:1: unknown key case[1].lenghts; did you mean \"lengths\"?"));
     CHECK(broken("lengths = 1", "symmetric = 1").starts_with("c.toml:10:13: case[1].symmetric is the integer 1"));
-    CHECK(broken("direction = [8, 9, 10] }]", "direction = [8, 9, 10], colour = 1 }]")
-              .find("unknown key case[0].rays[0].colour") != std::string::npos);
+    CHECK(has(broken("direction = [8, 9, 10] }]", "direction = [8, 9, 10], colour = 1 }]"),
+              "unknown key case[0].rays[0].colour"));
     CHECK(broken("spheres = [{ centre = [1, 2, 3], radius = 4 }]\n", "").starts_with("c.toml:4:1: a case has spheres"));
     CHECK(broken("rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]\n", "")
               .starts_with("c.toml:4:1: a case has rays"));
     CHECK(case_error(good_cases.substr(0, good_cases.find("[[case]]"))) == "c.toml:1:1: has no [[case]]");
-    CHECK(case_error(good_cases + "[[axis]]\n").find("unknown key axis") != std::string::npos);
+    CHECK(has(case_error(good_cases + "[[axis]]\n"), "unknown key axis"));
 }
 
 TEST_CASE("the tables of a sweep tell its kind") {
     const Scratch folder;
-    CHECK(scene::sweep::sweep_kind(folder.write("a.toml", "[[axis]]\n")) == scene::sweep::SweepKind::axes);
-    CHECK(sweep_kind(folder.write("e.toml", "[axis]\n")) == scene::sweep::SweepKind::every_float);
-    CHECK(sweep_kind(folder.write("n.toml", "[axis]\nsteps = 3\n")) == scene::sweep::SweepKind::axes);
-    CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == scene::sweep::SweepKind::cases);
-    CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == scene::sweep::SweepKind::search);
+    CHECK(sweep_kind(folder.write("a.toml", "[[axis]]\n")) == SweepKind::axes);
+    CHECK(sweep_kind(folder.write("e.toml", "[axis]\n")) == SweepKind::every_float);
+    CHECK(sweep_kind(folder.write("n.toml", "[axis]\nsteps = 3\n")) == SweepKind::axes);
+    CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == SweepKind::cases);
+    CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == SweepKind::search);
     for (const char* name : {"contact", "directions", "not-numbers", "scale"})
-        CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml"))
-                  .size() > 5);
+        CHECK(CaseFile(fs::path(LOSTBITS_DATA_DIR) / "sweeps/extremes" / (std::string(name) + ".toml")).size() > 5);
     for (const char* name : {"near", "far"}) {
-        CHECK(scene::sweep::CaseFile(fs::path(LOSTBITS_DATA_DIR) / "hard" / (std::string(name) + ".toml")).size() > 30);
+        CHECK(CaseFile(fs::path(LOSTBITS_DATA_DIR) / "hard" / (std::string(name) + ".toml")).size() > 30);
         CHECK(sweep_kind(fs::path(LOSTBITS_DATA_DIR) / "sweeps/worst" / (std::string(name) + ".toml")) ==
-              scene::sweep::SweepKind::search);
+              SweepKind::search);
     }
 }
 

@@ -52,8 +52,6 @@ std::string error(const std::string& what, const std::string& by, const std::str
     return error_in(folder, [&] { const ExhaustiveFile unused(file, LOSTBITS_DATA_DIR); });
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 }  // namespace
 
 TEST_CASE("a sweep over every float between two: its ray and solid with the axis at a float") {

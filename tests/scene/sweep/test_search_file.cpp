@@ -27,20 +27,20 @@ distance_radii = [2, 5]
 impact_radii = [0, 0.5]
 )";
 
-scene::sweep::SearchFile loaded_search(const std::string& text) {
+SearchFile loaded_search(const std::string& text) {
     const Scratch folder;
     return SearchFile(folder.write("s.toml", text));
 }
 std::string broken(const std::string& from, const std::string& to) {
     const Scratch folder;
     const fs::path file = folder.write("s.toml", replaced(good_search, from, to));
-    return error_in(folder, [&] { scene::sweep::SearchFile{file}; });
+    return error_in(folder, [&] { SearchFile{file}; });
 }
 
 }  // namespace
 
 TEST_CASE("a search holds a range for every number of ray and solid") {
-    const scene::sweep::SearchFile s = loaded_search(good_search);
+    const SearchFile s = loaded_search(good_search);
     CHECK(s.id == "s");
     CHECK(s.shape == Shape::sphere);
     REQUIRE(s.ranges.size() == 10);
@@ -50,7 +50,7 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
     CHECK(s.ranges[9].low == 0.5);
     CHECK(s.metric == "lost_bits");
     CHECK(s.seed == 1);
-    const scene::sweep::SearchFile box = loaded_search(
+    const SearchFile box = loaded_search(
         replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"),
                           "distance_radii = [2, 5]\n", ""),
                  "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
@@ -68,9 +68,9 @@ TEST_CASE("a search holds a range for every number of ray and solid") {
 }
 
 TEST_CASE("a search may draw free significands, rays at edges, and look for the smallest") {
-    const scene::sweep::SearchFile plain = loaded_search(good_search);
+    const SearchFile plain = loaded_search(good_search);
     CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest || plain.hits_only));
-    const scene::sweep::SearchFile free =
+    const SearchFile free =
         loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
     CHECK((free.smallest && free.hits_only));
     CHECK(loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "hits_only = true")).hits_only);
@@ -80,14 +80,14 @@ TEST_CASE("a search may draw free significands, rays at edges, and look for the 
               .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-2000, 0]")
               .starts_with("s.toml:10:13: search.exponents are two whole numbers"));
-    CHECK(broken("impact_radii = [0, 0.5]", "at_edge = true").find("needs a box") != std::string::npos);
+    CHECK(has(broken("impact_radii = [0, 0.5]", "at_edge = true"), "needs a box"));
     for (const char* const key : {"smallest", "hits_only"})
-        CHECK(broken("impact_radii = [0, 0.5]", key + std::string(" = true\nnearest = true"))
-                  .find(std::string("search.") + key + " cannot be combined") != std::string::npos);
+        CHECK(has(broken("impact_radii = [0, 0.5]", key + std::string(" = true\nnearest = true")),
+                  std::string("search.") + key + " cannot be combined"));
 }
 
 TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
-    const scene::sweep::SearchFile s = loaded_search(good_search);
+    const SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {
         return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r});
     };
@@ -118,7 +118,7 @@ TEST_CASE("what is no search is refused where it is wrong") {
     CHECK(broken("impact_radii = [0, 0.5]", "starts = 0").starts_with("s.toml:10:10: search.starts is the integer 0"));
     CHECK(broken("centre = [-2, 2]", "lo = [-2, 2]").starts_with("s.toml:4:1: search.hi is missing"));
     CHECK(broken("[search]", "[serch]").starts_with("s.toml:4:2: search is missing, but there is serch"));
-    CHECK(broken("source = \"-\"", "source = \"-\"\nscene = \"x\"").find("unknown key scene") != std::string::npos);
+    CHECK(has(broken("source = \"-\"", "source = \"-\"\nscene = \"x\""), "unknown key scene"));
 }
 
 TEST_CASE("a mark may name the measured onset that is drawn beside it") {
@@ -139,11 +139,9 @@ label = "here"
 )";
     const Scratch folder;
     const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
-    const auto mark = [&](const std::string& line) {
-        return scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0);
-    };
+    const auto mark = [&](const std::string& line) { return SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
     const auto error = [&](const std::string& line) {
-        return error_in(folder, [&] { scene::sweep::SweepFile(file(line), LOSTBITS_DATA_DIR); });
+        return error_in(folder, [&] { SweepFile(file(line), LOSTBITS_DATA_DIR); });
     };
     CHECK(mark("format = \"f32\"").form.empty());
     CHECK(mark("format = \"f32\"").format == "f32");
@@ -157,14 +155,14 @@ label = "here"
     CHECK((miss.event == "false_miss" && miss.statistic == "count"));
     CHECK(error("measured = { form = \"sphere.pres\", threshold = 1 }")
               .starts_with("m.toml:15:21: mark[0].measured.form is \"sphere.pres\"; did you mean \"sphere.press\""));
-    CHECK(error("measured = { form = \"sphere.press\", event = \"lost_bit\", threshold = 1 }")
-              .find("did you mean \"lost_bits\"") != std::string::npos);
-    CHECK(error("measured = { form = \"sphere.press\", statistic = \"p51\", threshold = 1 }")
-              .find("mark[0].measured.statistic is \"p51\"") != std::string::npos);
+    CHECK(has(error("measured = { form = \"sphere.press\", event = \"lost_bit\", threshold = 1 }"),
+              "did you mean \"lost_bits\""));
+    CHECK(has(error("measured = { form = \"sphere.press\", statistic = \"p51\", threshold = 1 }"),
+              "mark[0].measured.statistic is \"p51\""));
     CHECK(error("measured = { form = \"sphere.press\" }")
               .starts_with("m.toml:15:12: mark[0].measured.threshold is missing"));
-    CHECK(error("measured = { form = \"sphere.press\", threshold = 1, colour = 2 }")
-              .find("unknown key mark[0].measured.colour") != std::string::npos);
+    CHECK(has(error("measured = { form = \"sphere.press\", threshold = 1, colour = 2 }"),
+              "unknown key mark[0].measured.colour"));
     CHECK(error("measured = \"sphere.press\"").starts_with("m.toml:15:12: mark[0].measured is the string"));
 }
 
@@ -173,13 +171,13 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
     const fs::path near = data.write("sweeps/worst/near.toml", ""), one = data.write("sweeps/a/both.toml", "");
     data.write("sweeps/b/both.toml", "");
     const fs::path top = data.write("sweeps/c/top.toml", ""), upper = data.write("sweeps/top.toml", "");
-    CHECK(scene::sweep::find_sweep("worst/near", data.path()) == near);
+    CHECK(find_sweep("worst/near", data.path()) == near);
     CHECK(find_sweep("near", data.path()) == near);
     CHECK(find_sweep("a/both", data.path()) == one);
     CHECK(find_sweep("top", data.path()) == upper);
     CHECK(find_sweep("c/top", data.path()) == top);
     CHECK(find_sweep(near.string(), "nowhere") == near);
-    CHECK(error_of([&] { find_sweep("both", data.path()); }).find("\"a/both\"") != std::string::npos);
+    CHECK(has(error_of([&] { find_sweep("both", data.path()); }), "\"a/both\""));
     CHECK(error_of([&] {
               find_sweep("nar", data.path());
           }).starts_with("nar: is neither a file nor the name of a sweep"));

@@ -65,7 +65,7 @@ TEST_CASE("every axis of the data says in words what it is, and another's follow
         // A unit is said in words, after "in"; `r` is none.
         if (!axis.unit.empty()) {
             const std::string unit = axis.unit == "r" ? "radii" : axis.unit;
-            CHECK(axis.label.find(", in " + unit) != std::string::npos);
+            CHECK(has(axis.label, ", in " + unit));
         }
     };
     for (const auto& entry :

@@ -21,8 +21,8 @@ using scene::test::real;
 namespace {
 
 std::string fault(const std::string& text) {
-    const auto parsed = scene::toml::parse_number(text);
-    const auto* why = std::get_if<scene::toml::NumberFault>(&parsed);
+    const auto parsed = parse_number(text);
+    const auto* why = std::get_if<NumberFault>(&parsed);
     return why == nullptr ? "no fault" : why->why;
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds the
 TEST_CASE("one tenth is one tenth and not the nearest double") {
     CHECK(real("0.1") != Real(0.1));
     CHECK(abs(real("0.1") * 10 - 1) < ldexp(Real(1), -250));
-    CHECK(scene::toml::round_to_format(real("0.1"), binary64) == 0.1);
+    CHECK(round_to_format(real("0.1"), binary64) == 0.1);
     CHECK(round_to_format(real("0.1"), binary32) == static_cast<double>(0.1f));
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("a decimal is rounded once to a format, not by way of double") {
     // Just above the middle of 1 and the next float: the nearest double is the middle itself, and ties go to even.
     const std::string above = "1.00000005960464477539062500000000000001";
     REQUIRE(static_cast<float>(std::strtod(above.c_str(), nullptr)) == 1.0f);
-    CHECK(scene::toml::round_to_format(real(above), binary32) == 1 + 0x1p-23);
+    CHECK(round_to_format(real(above), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("1.000000059604644775390625"), binary32) == 1);
     const std::string below = "1.00000017881393432617187499999999999999";
     REQUIRE(static_cast<float>(std::strtod(below.c_str(), nullptr)) == 1 + 0x1p-22f);
@@ -100,7 +100,7 @@ TEST_CASE("nor does the width of Real round twice") {
     // Nearer to the middle than Real can tell: read to nearest, these would be the middle, which goes to even.
     const std::string zeros(300, '0');
     const std::string nines(300, '9');
-    CHECK(scene::toml::round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
+    CHECK(round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("-1.000000059604644775390625" + zeros + "1"), binary32) == -1 - 0x1p-23);
     CHECK(round_to_format(real("1.000000178813934326171874" + nines), binary32) == 1 + 0x1p-23);
     CHECK(round_to_format(real("-1.000000178813934326171874" + nines), binary32) == -1 - 0x1p-23);
@@ -150,7 +150,7 @@ TEST_CASE("a tiny number is not zero") {
 TEST_CASE("the exact text of a number reads back as the number") {
     for (const std::string text : {"0.1", "-4100", "1e-300", "0x1.004p+12", "0", "1.7976931348623157e308"}) {
         CAPTURE(text);
-        CHECK(real(scene::toml::exact_text(real(text))) == real(text));
+        CHECK(real(exact_text(real(text))) == real(text));
     }
     // As C's %a writes it, and the tables: the digit before the point is 1.
     const std::pair<const char*, const char*> texts[] = {
@@ -158,12 +158,12 @@ TEST_CASE("the exact text of a number reads back as the number") {
         {"0x0.fp-1", "0x1.ep-2"}, {"1", "0x1p+0"},
         {"0x1p-149", "0x1p-149"}, {"0", "0x0p+0"},
         {"-0.0", "-0x0p+0"},      {"0x1.fffffep127", "0x1.fffffep+127"}};
-    for (const auto& [text, exact] : texts) CHECK(scene::toml::exact_text(real(text)) == exact);
+    for (const auto& [text, exact] : texts) CHECK(exact_text(real(text)) == exact);
 }
 
 TEST_CASE("rounding to binary32 at its edges") {
     const double infinity = std::numeric_limits<double>::infinity();
-    CHECK(scene::toml::round_to_format(real("0x1.fffffep+127"), binary32) == 0x1.fffffep+127);
+    CHECK(round_to_format(real("0x1.fffffep+127"), binary32) == 0x1.fffffep+127);
     CHECK(round_to_format(real("0x1.fffffefffffffp+127"), binary32) == 0x1.fffffep+127);
     CHECK(round_to_format(real("0x1.ffffffp+127"), binary32) == infinity);  // the middle goes to even
     CHECK(round_to_format(real("-0x1.ffffffp+127"), binary32) == -infinity);
@@ -197,7 +197,7 @@ TEST_CASE("rounding agrees with MPFR's emulation of the format, subnormals and o
             x = ldexp(x, exponent - 62);
             if (engine() % 4 == 0) x += ldexp(x, -120);
             if (engine() % 2 == 0) x = -x;
-            const double ours = scene::toml::round_to_format(x, f);
+            const double ours = round_to_format(x, f);
             CAPTURE(x, exponent);
             REQUIRE(same(ours, by_emulation(x, f)));
             subnormal += std::fabs(ours) < std::ldexp(1.0, f.emin);
@@ -217,7 +217,7 @@ TEST_CASE("rounding a double agrees with the rounding of Rounded") {
             const double x = std::bit_cast<double>(engine());
             if (!std::isfinite(x)) continue;
             CAPTURE(x, f.precision, f.emin);
-            REQUIRE(same(scene::toml::round_to_format(Real(x), f), rounding::to_format(x, 0, f)));
+            REQUIRE(same(round_to_format(Real(x), f), rounding::to_format(x, 0, f)));
         }
     }
 }

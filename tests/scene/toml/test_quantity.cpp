@@ -20,22 +20,22 @@ constexpr FloatFormat p5{5, -1022, 1023};
 constexpr FloatFormat every_format[] = {binary16, bfloat16, tensor_float32, binary32, binary64, p5};
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-const scene::toml::Where here{"t.toml", 3, 7};
-scene::toml::Node word(const std::string& text) { return Node::of_string(text, here); }
+const Where here{"t.toml", 3, 7};
+Node word(const std::string& text) { return Node::of_string(text, here); }
 
-int exponent(const std::string& text, const FloatFormat& f) { return scene::toml::Exponent(word(text)).in(f); }
+int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).in(f); }
 double quantity(const std::string& text, const FloatFormat& f, int scale = 0) {
-    return scene::toml::Quantity(word(text), true).in(f, scale);
+    return Quantity(word(text), true).in(f, scale);
 }
 
 std::string exponent_error(const std::string& text) {
-    return error_of([&] { scene::toml::Exponent{word(text)}; });
+    return error_of([&] { Exponent{word(text)}; });
 }
 std::string solid_error(const std::string& text) {
-    return error_of([&] { scene::toml::Quantity(word(text), false); });
+    return error_of([&] { Quantity(word(text), false); });
 }
 std::string ray_error(const std::string& text) {
-    return error_of([&] { scene::toml::Quantity(word(text), true); });
+    return error_of([&] { Quantity(word(text), true); });
 }
 
 }  // namespace
@@ -43,9 +43,9 @@ std::string ray_error(const std::string& text) {
 TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients rounded down") {
     for (const FloatFormat& f : every_format) {
         CAPTURE(f.precision, f.emax);
-        CHECK(scene::toml::Exponent{}.in(f) == 0);
+        CHECK(Exponent{}.in(f) == 0);
         CHECK(exponent("-60", f) == -60);
-        CHECK(Exponent(scene::toml::Node::of_integer(-60, here)).in(f) == -60);
+        CHECK(Exponent(Node::of_integer(-60, here)).in(f) == -60);
         CHECK(exponent("emax", f) == f.emax);
         CHECK(exponent("emin", f) == f.emin);
         CHECK(exponent("p", f) == f.precision);
@@ -82,12 +82,12 @@ TEST_CASE("what is not an exponent is refused where it stands") {
           "over 2 "
           "or 4, such as \"emax/2 + 1\"");
     CHECK(exponent_error("e max") == "t.toml:3:7: \"e max\" contains a space inside a number or word; remove it");
-    scene::toml::Node flag;
+    Node flag;
     flag.kind = Node::Kind::boolean;
     flag.where = here;
-    CHECK(error_of([&] { scene::toml::Exponent{flag}; }) ==
+    CHECK(error_of([&] { Exponent{flag}; }) ==
           "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
-    CHECK(error_of([&] { scene::toml::Quantity(flag, true); }) ==
+    CHECK(error_of([&] { Quantity(flag, true); }) ==
           "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
 }
 
@@ -126,7 +126,7 @@ TEST_CASE("a number is scaled exactly and rounded once") {
         CHECK(quantity("+0x1.8p1", f) == 3);
         CHECK(quantity("3e0", f) == 3);
     }
-    CHECK(scene::toml::Quantity(scene::toml::Node::of_integer(-3, here), false).in(binary32, -1) == -1.5);
+    CHECK(Quantity(Node::of_integer(-3, here), false).in(binary32, -1) == -1.5);
     CHECK(quantity("0.1", binary32) == 0.1f);
     CHECK(quantity("0.1", binary64) == 0.1);
     CHECK(quantity("0.1", bfloat16) == 0x1.9ap-4);
@@ -190,7 +190,7 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
         CHECK(ray_error(text).starts_with("t.toml:3:7: "));
     }
     CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" contains a space inside a number or word; remove it");
-    CHECK(ray_error("big").find("max, min, tiny, nan or inf") != std::string::npos);
+    CHECK(has(ray_error("big"), "max, min, tiny, nan or inf"));
     CHECK(solid_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only");
     CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only");
     CHECK(solid_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
@@ -198,9 +198,9 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     CHECK(ray_error("-nan") == "no error");
     // TOML's own words arrive as floats.
     const Scratch folder;
-    const scene::toml::Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
-    const std::vector<scene::toml::Node>& items = root.find("a")->items;
-    CHECK(std::isnan(scene::toml::Quantity(items[0], true).in(binary32, 0)));
+    const Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
+    const std::vector<Node>& items = root.find("a")->items;
+    CHECK(std::isnan(Quantity(items[0], true).in(binary32, 0)));
     CHECK(Quantity(items[1], true).in(binary32, 0) == -infinity);
     CHECK(error_in(folder, [&] { Quantity(items[2], false); }) == "t.toml:1:17: is inf, which is allowed in rays only");
     CHECK(Quantity(items[3], false).in(binary64, 0) == 1e-3);
