@@ -55,6 +55,22 @@ inline std::string replaced(std::string text, const std::string& from, const std
     return text.replace(at, from.size(), to);
 }
 
+/// What reads `text` as a file of that name, and the error of that.
+template <class File, class... More>
+File read_as(const std::string& name, const std::string& text, const More&... more) {
+    const Scratch folder;
+    return File(folder.write(name, text), more...);
+}
+template <class File, class... More>
+std::string error_as(const std::string& name, const std::string& text, const More&... more) {
+    const Scratch folder;
+    const fs::path file = folder.write(name, text);
+    return error_in(folder, [&] { const File unused(file, more...); });
+}
+
+/// How a file of a sweep begins.
+inline const std::string sweep_head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
+
 /// A scene that loads; the tests break one line of it at a time. Keep the line numbers.
 inline const std::string good_scene = R"(schema = "lostbits-scene/1"
 title = "A test"

@@ -20,10 +20,7 @@ using namespace lostbits::scene::test;
 namespace {
 
 /// Keep the line numbers.
-const std::string good_cases = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[[case]]
+const std::string good_cases = sweep_head + R"([[case]]
 name = "one"
 spheres = [{ centre = [1, 2, 3], radius = 4 }]
 rays = [{ origin = [5, 6, 7], direction = [8, 9, 10] }]
@@ -34,15 +31,8 @@ spheres = [{ centre = [1, 2, 3], radius = 4 }, { centre = ["1 + ulp", 0, 0], rad
 rays = [{ origin = [0, 0, "nan"], direction = [0, 0, "-inf"] }, { origin = [1, 0, 0], direction = ["tiny", 0, 0] }]
 )";
 
-CaseFile loaded_cases(const std::string& text) {
-    const Scratch folder;
-    return CaseFile(folder.write("c.toml", text));
-}
-std::string case_error(const std::string& text) {
-    const Scratch folder;
-    const fs::path file = folder.write("c.toml", text);
-    return error_in(folder, [&] { CaseFile{file}; });
-}
+CaseFile loaded_cases(const std::string& text) { return read_as<CaseFile>("c.toml", text); }
+std::string case_error(const std::string& text) { return error_as<CaseFile>("c.toml", text); }
 std::string broken(const std::string& from, const std::string& to) {
     return case_error(replaced(good_cases, from, to));
 }
@@ -125,10 +115,7 @@ TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
 }
 
 TEST_CASE("the image of a box is a box, its ends in order") {
-    const std::string boxes = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[[case]]
+    const std::string boxes = sweep_head + R"([[case]]
 name = "b"
 symmetric = true
 boxes = [{ lo = [1, -2, 3], hi = [2, 5, 9] }]
@@ -163,10 +150,10 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 
 TEST_CASE("the corners of a box keep the zeros of the file, whichever way round") {
     const auto corners = [](const std::string& lo, const std::string& hi, bool symmetric) {
-        const CaseFile file = loaded_cases(
-            "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[[case]]\nname = \"b\"\n" +
-            std::string(symmetric ? "symmetric = true\n" : "") + "boxes = [{ lo = [" + lo + ", 1, 2], hi = [" + hi +
-            ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
+        const CaseFile file =
+            loaded_cases(sweep_head + "[[case]]\nname = \"b\"\n" + std::string(symmetric ? "symmetric = true\n" : "") +
+                         "boxes = [{ lo = [" + lo + ", 1, 2], hi = [" + hi +
+                         ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
         std::set<std::pair<bool, bool>> signs;  // of lo and of hi, in the axis that holds the zeros
         for (const RayGroup& g : file.rays(0, binary32)) {
             const Box<double> b = g.solids[0].box();
@@ -195,10 +182,7 @@ TEST_CASE("the corners of a box keep the zeros of the file, whichever way round"
 }
 
 TEST_CASE("corners that rounding puts in the wrong order change places") {
-    const CaseFile file = loaded_cases(R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[[case]]
+    const CaseFile file = loaded_cases(sweep_head + R"([[case]]
 name = "b"
 boxes = [{ lo = ["1 + ulp", 1, 2], hi = [1.0001, 1, 2] }]
 rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
@@ -210,11 +194,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
 }
 
 TEST_CASE("the rays of a case have ranges, whatever the shape") {
-    const auto file = loaded_cases(R"(
-schema = "lostbits-sweep/1"
-title = "t"
-source = "s"
-[[case]]
+    const auto file = loaded_cases(sweep_head + R"([[case]]
 name = "a"
 open_ends = "tmin"
 spheres = [{ centre = [0, 0, 0], radius = 1 }]
@@ -279,14 +259,13 @@ TEST_CASE("a misspelt table of a sweep is told as one, whatever kind the file th
         const fs::path file = folder.write("s.toml", text);
         return error_in(folder, [&] { static_cast<void>(sweep_kind(file)); });
     };
-    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\n";
-    CHECK(error(head + "[edge_serch]\n") == "s.toml:4:2: unknown key edge_serch; did you mean \"edge_search\"?");
-    CHECK(error(head + "[serch]\n") == "s.toml:4:2: unknown key serch; did you mean \"search\"?");
-    CHECK(error(head + "[[axes]]\n") == "s.toml:4:3: unknown key axes; did you mean \"axis\"?");
-    CHECK(error(head + "[famly]\n[[axis]]\n") == "s.toml:4:2: unknown key famly; did you mean \"family\"?");
-    CHECK(error(head + "[[axis]]\n[spher]\n") == "s.toml:5:2: unknown key spher; did you mean \"sphere\"?");
+    CHECK(error(sweep_head + "[edge_serch]\n") == "s.toml:4:2: unknown key edge_serch; did you mean \"edge_search\"?");
+    CHECK(error(sweep_head + "[serch]\n") == "s.toml:4:2: unknown key serch; did you mean \"search\"?");
+    CHECK(error(sweep_head + "[[axes]]\n") == "s.toml:4:3: unknown key axes; did you mean \"axis\"?");
+    CHECK(error(sweep_head + "[famly]\n[[axis]]\n") == "s.toml:4:2: unknown key famly; did you mean \"family\"?");
+    CHECK(error(sweep_head + "[[axis]]\n[spher]\n") == "s.toml:5:2: unknown key spher; did you mean \"sphere\"?");
     CHECK(error("schema = \"lostbits-scene/1\"\n[rays]\n").starts_with("s.toml:1:10: schema is"));
-    CHECK(sweep_kind(folder.write("s.toml", head + "[unheard_of]\n")) == SweepKind::axes);  // told by its reader
+    CHECK(sweep_kind(folder.write("s.toml", sweep_head + "[unheard_of]\n")) == SweepKind::axes);  // told by its reader
 }
 
 }  // namespace test_case_file

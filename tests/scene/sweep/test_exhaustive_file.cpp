@@ -18,10 +18,7 @@ using namespace lostbits::scene::test;
 namespace {
 
 /// Keep the line numbers.
-const std::string good_sweep = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[axis]
+const std::string good_sweep = sweep_head + R"([axis]
 name = "distance"
 unit = "r"
 spacing = "every_float"
@@ -41,15 +38,10 @@ const std::string good_box = replaced(
     replaced(good_sweep, "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n", "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n"),
     "direction = [0, -0.0, -1]\n", "direction = [0, -0.0, -1]\ntmax = 9\n");
 
-ExhaustiveFile swept(const std::string& text) {
-    const Scratch folder;
-    return {folder.write("s.toml", text), LOSTBITS_DATA_DIR};
-}
+ExhaustiveFile swept(const std::string& text) { return read_as<ExhaustiveFile>("s.toml", text, LOSTBITS_DATA_DIR); }
 
 std::string error(const std::string& what, const std::string& by, const std::string& in = good_sweep) {
-    const Scratch folder;
-    const fs::path file = folder.write("s.toml", replaced(in, what, by));
-    return error_in(folder, [&] { const ExhaustiveFile unused(file, LOSTBITS_DATA_DIR); });
+    return error_as<ExhaustiveFile>("s.toml", replaced(in, what, by), LOSTBITS_DATA_DIR);
 }
 
 }  // namespace

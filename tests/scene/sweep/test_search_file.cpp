@@ -15,10 +15,7 @@ using namespace lostbits::scene::test;
 namespace {
 
 /// Keep the line numbers.
-const std::string good_search = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[search]
+const std::string good_search = sweep_head + R"([search]
 origin = [-8, 8]
 direction = [-1, 1]
 centre = [-2, 2]
@@ -27,14 +24,9 @@ distance_radii = [2, 5]
 impact_radii = [0, 0.5]
 )";
 
-SearchFile loaded_search(const std::string& text) {
-    const Scratch folder;
-    return SearchFile(folder.write("s.toml", text));
-}
+SearchFile loaded_search(const std::string& text) { return read_as<SearchFile>("s.toml", text); }
 std::string broken(const std::string& from, const std::string& to) {
-    const Scratch folder;
-    const fs::path file = folder.write("s.toml", replaced(good_search, from, to));
-    return error_in(folder, [&] { SearchFile{file}; });
+    return error_as<SearchFile>("s.toml", replaced(good_search, from, to));
 }
 
 }  // namespace
@@ -122,10 +114,7 @@ TEST_CASE("what is no search is refused where it is wrong") {
 }
 
 TEST_CASE("a mark may name the measured onset that is drawn beside it") {
-    const std::string head = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[family]
+    const std::string head = sweep_head + R"([family]
 [[axis]]
 name = "d"
 spacing = "log2"
@@ -137,11 +126,11 @@ set = ["distance"]
 at = 16
 label = "here"
 )";
-    const Scratch folder;
-    const auto file = [&](const std::string& line) { return folder.write("m.toml", head + line + "\n"); };
-    const auto mark = [&](const std::string& line) { return SweepFile(file(line), LOSTBITS_DATA_DIR).marks.at(0); };
+    const auto mark = [&](const std::string& line) {
+        return read_as<SweepFile>("m.toml", head + line + "\n", LOSTBITS_DATA_DIR).marks.at(0);
+    };
     const auto error = [&](const std::string& line) {
-        return error_in(folder, [&] { SweepFile(file(line), LOSTBITS_DATA_DIR); });
+        return error_as<SweepFile>("m.toml", head + line + "\n", LOSTBITS_DATA_DIR);
     };
     CHECK(mark("format = \"f32\"").form.empty());
     CHECK(mark("format = \"f32\"").format == "f32");
@@ -184,21 +173,18 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
 }
 
 TEST_CASE("a sweep drawn again has other rays at the same places, one over a scene has none to draw") {
-    const Scratch folder;
-    const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n",
-                      axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
+    const std::string axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
     const auto same = [](const RayGroup& a, const RayGroup& b) {
         return a.rays.ox == b.rays.ox && a.rays.dz == b.rays.dz && a.solids.front().numbers == b.solids.front().numbers;
     };
     for (const char* family : {"family", "box_family"}) {
-        const std::string text = head + "[" + family + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
-        const sweep::SweepFile file(folder.write("s.toml", text), LOSTBITS_DATA_DIR);
+        const std::string text = sweep_head + "[" + family + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
+        const auto file = read_as<SweepFile>("s.toml", text, LOSTBITS_DATA_DIR);
         CHECK(file.is_drawn());
         const auto own = file.rays({3}), none = file.drawn_again(0).rays({3}), second = file.drawn_again(2).rays({3}),
                    twice = file.drawn_again(1).drawn_again(1).rays({3});
-        std::string other_seed = text;
-        other_seed.replace(text.find("seed = 7"), 8, "seed = 9");
-        const auto nine = sweep::SweepFile(folder.write("n.toml", other_seed), LOSTBITS_DATA_DIR).rays({3});
+        const auto nine =
+            read_as<SweepFile>("s.toml", replaced(text, "seed = 7", "seed = 9"), LOSTBITS_DATA_DIR).rays({3});
         REQUIRE(own.size() == 3);
         for (std::size_t v = 0; v < own.size(); ++v) {
             CHECK(same(own[v], none[v]));
@@ -207,9 +193,8 @@ TEST_CASE("a sweep drawn again has other rays at the same places, one over a sce
             CHECK_FALSE(same(own[v], second[v]));
         }
     }
-    const sweep::SweepFile scene(
-        folder.write("c.toml", head + "scene = \"near-benign\"\n" + axis + "\"sphere[0].radius\"]\n"),
-        LOSTBITS_DATA_DIR);
+    const std::string over_scene = sweep_head + "scene = \"near-benign\"\n" + axis + "\"sphere[0].radius\"]\n";
+    const auto scene = read_as<SweepFile>("c.toml", over_scene, LOSTBITS_DATA_DIR);
     CHECK_FALSE(scene.is_drawn());
     CHECK(same(scene.rays({3}).front(), scene.drawn_again(1).rays({3}).front()));
 }

@@ -16,14 +16,18 @@ using namespace lostbits::scene::test;
 
 namespace {
 
+const std::string radius_axis =
+    "[[axis]]\nspacing = \"linear\"\nfrom = 1\nto = 2\nsteps = 2\nset = [\"sphere[0].radius\"]\n";
+
 SweepFile along(const std::string& from, const std::string& to) {
-    const Scratch folder;
-    return {folder.write("s.toml",
-                         "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = "
-                         "\"near-benign\"\nconvention = \"open\"\n[[axis]]\nname = \"x\"\nspacing = "
-                         "\"every_float\"\nset = [\"sphere[0].centre[0]\"]\nfrom = \"" +
-                             from + "\"\nto = \"" + to + "\"\n"),
-            LOSTBITS_DATA_DIR};
+    const std::string text = sweep_head + R"(scene = "near-benign"
+convention = "open"
+[[axis]]
+name = "x"
+spacing = "every_float"
+set = ["sphere[0].centre[0]"]
+)";
+    return read_as<SweepFile>("s.toml", text + "from = \"" + from + "\"\nto = \"" + to + "\"\n", LOSTBITS_DATA_DIR);
 }
 
 }  // namespace
@@ -85,15 +89,8 @@ TEST_CASE("every axis of the data says in words what it is, and another's follow
     CHECK(axes > 25);
 
     const auto label = [](const std::string& keys) {
-        const Scratch folder;
-        const SweepFile sweep(
-            folder.write("s.toml",
-                         "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = "
-                         "\"near-benign\"\n[[axis]]\nspacing = \"linear\"\nfrom = 1\nto = 2\nsteps = 2\n"
-                         "set = [\"sphere[0].radius\"]\n" +
-                             keys),
-            LOSTBITS_DATA_DIR);
-        return sweep.axes.front().label;
+        const std::string text = sweep_head + "scene = \"near-benign\"\n" + radius_axis + keys;
+        return read_as<SweepFile>("s.toml", text, LOSTBITS_DATA_DIR).axes.front().label;
     };
     CHECK(label("name = \"distance_radii\"\nunit = \"r\"\n") == "distance, in radii");
     CHECK(label("name = \"gap_sizes\"\nunit = \"sizes\"\n") == "gap, in sizes");
@@ -108,12 +105,9 @@ TEST_CASE("a sweep over a mesh has all solids of its scene, whatever stands besi
     const std::string mesh = "[[mesh]]\nmake = \"icosphere\"\nlevels = 1\n", march = "[march]\nhit_eps = 1e-4\n";
     const auto group = [&](const std::string& more) {
         folder.write("scene.toml", good_scene + more);
-        const SweepFile file(folder.write("s.toml",
-                                          "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\nscene = "
-                                          "\"scene.toml\"\n[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = "
-                                          "1\nto = 2\nsteps = 2\nset = [\"sphere[0].radius\"]\n"),
-                             LOSTBITS_DATA_DIR);
-        return file.rays({1}).front();
+        const auto path =
+            folder.write("s.toml", sweep_head + "scene = \"scene.toml\"\n" + radius_axis + "name = \"x\"\n");
+        return SweepFile(path, LOSTBITS_DATA_DIR).rays({1}).front();
     };
     const auto alone = group(mesh), flake = group(mesh + "[sphereflake]\nlevels = 1\nradius = 0.5\n"),
                marched = group(mesh + march);
