@@ -2,6 +2,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <regex>
+
 #include "analysis/selection/ray_numbers.hpp"
 #include "fuzz/fuzz.hpp"
 #include "output/claim/claim_history.hpp"
@@ -91,8 +93,10 @@ void fuzz_rays(std::string_view bytes) {
     using scene::dump::Container;
     scene::dump::DumpOptions options;
     options.container = std::array{Container::csv, Container::npy, Container::raw}[kind % 3];
-    if (options.container == Container::raw || (kind & 64) != 0)
+    const bool raw = options.container == Container::raw;
+    if (raw || (kind & 64) != 0)
         options.columns = (kind & 8) != 0 ? "ox:f32,oy,oz,dx,dy,dz,t:f64,hit:u8" : "ox:f64,oy,oz,dx,dy,dz,t";
+    if (!raw) options.columns = std::regex_replace(options.columns, std::regex(":\\w+"), "");
     if ((kind & 16) != 0) options.skip = kind >> 5;
     if ((kind & 32) != 0) options.solid = Shape::sphere;
     options.keep = (kind & 128) != 0;

@@ -93,6 +93,11 @@ const BadFile bad_files[] = {
      "a.npy: has 6 columns, and --columns names 2",
      "_ for",
      {.columns = "ox,oy"}},
+    {"a.npy",
+     as_npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 6), }", std::string(24, 'a')),
+     "a.npy: has 24 bytes of numbers where its header names 2",
+     "cut short",
+     {.columns = "ox,oy,oz,dx,dy,dz", .solid = Shape::sphere}},
     {"a.npy", as_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
 };
 

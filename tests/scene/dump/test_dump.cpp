@@ -260,43 +260,4 @@ TEST_CASE("columns called as the project's tables call them are known, and hexad
     CHECK(chunk.rays.ox.front() == 2);
 }
 
-TEST_CASE("a file that was cut short anywhere, or spoilt, is read or refused") {
-    const Columns columns = sphere_columns(4);
-    struct Whole {
-        std::string name, bytes;
-        DumpOptions options;
-    };
-    const Whole files[] = {
-        {"a.csv", as_csv(columns, [](double x) { return output::file::hex(x); }), {}},
-        {"a.npy", as_npy<float>(columns), {.columns = columns.joined_names()}},
-        {"a.npy", as_npy<float>(columns, false, ArrayOrder::columns), {.columns = columns.joined_names()}},
-        {"a.bin", as_bytes<double>(columns), {.columns = columns.joined_names(":f64")}},
-        {"a.npy",
-         as_npy("{'descr': [('ray', '<f4', (6,)), ('sphere', '<f4', (4,)), ('t', '<f4'), ('hit', '<f4')], "
-                "'fortran_order': False, 'shape': (4,)}",
-                as_bytes<float>(columns)),
-         {}},
-    };
-    testing::Seeded random(11);
-    std::size_t refused = 0, read = 0;
-    for (const Whole& whole : files) {
-        REQUIRE(fault_of(whole.name, whole.bytes, whole.options).empty());
-        for (std::size_t size = 0; size < whole.bytes.size(); size += 1 + size / 40) {
-            const std::string fault = fault_of(whole.name, whole.bytes.substr(0, size), whole.options);
-            INFO(whole.name << " of " << size << " bytes: " << fault);
-            ++(fault.empty() ? read : refused);
-            if (whole.name == "a.npy") CHECK_FALSE(fault.empty());
-        }
-        for (int k = 0; k < 300; ++k) {
-            std::string spoilt = whole.bytes;
-            for (int n = random.index(3); n >= 0; --n)
-                spoilt[static_cast<std::size_t>(random.index(static_cast<int>(spoilt.size())))] =
-                    static_cast<char>(random.bits(8));
-            ++(fault_of(whole.name, spoilt, whole.options).empty() ? read : refused);
-        }
-    }
-    CHECK(refused > 500);
-    CHECK(read > 100);
-}
-
 }  // namespace test_dump
