@@ -132,9 +132,8 @@ TEST_CASE("faces without area are told of, those of rounding where it rounds", "
 }
 
 TEST_CASE("meshes come after the other solids, and stored numbers are those of the scene's format", "[mesh]") {
-    const Scratch folder;
     const std::string text = with_mesh("make = \"icosphere\"\nlevels = 1\n[[mesh]]\nmake = \"fan\"\ncount = 8\n");
-    const auto scene = load_scene(folder.write("scene.toml", text)).front();
+    const auto scene = loaded(text);
     REQUIRE(scene.mesh);
     CHECK(scene.mesh->faces.size() == 88);
     CHECK(scene.solid_count() == 88);
@@ -196,8 +195,7 @@ TEST_CASE("the flake of two levels is the one that the scene of ninety-one spher
 
 TEST_CASE("a flake stands behind the other spheres of its scene, and is refused with its place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
-    const Scratch folder;
-    const Scene s = load_scene(folder.write("scene.toml", text)).front();
+    const Scene s = loaded(text);
     CHECK(s.shapes() == std::vector{Shape::sphere});
     CHECK(s.solids().size() == 11);
     const auto shared = shared_solids(s);
@@ -219,8 +217,7 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
 TEST_CASE(
     "the constants of a march have the seed's values where they are not given, and are refused with their place") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
-    const Scratch folder;
-    const Scene s = load_scene(folder.write("scene.toml", text)).front();
+    const Scene s = loaded(text);
     REQUIRE(s.march);
     CHECK(s.march->hit_eps == Real("0.01"));
     CHECK(s.march->max_dist == 20);

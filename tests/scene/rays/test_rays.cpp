@@ -36,12 +36,11 @@ bool all_binary32(const std::vector<double>& v) {
 
 /// Two spheres and a flake of ninety-one.
 file::Scene flake_scene(const std::string& inputs) {
-    const Scratch folder;
     const std::string text = replaced(
         good_scene, "[[sphere]]",
         "[sphereflake]\nlevels = 2\nradius = 0.7\ncentre = [0.1, 0.2, 0.3]\n[[sphere]]\ncentre = [0.1, -7, 0]\n"
         "radius = 3.3\n[[sphere]]");
-    file::Scene scene = file::load_scene(folder.write("scene.toml", text)).front();
+    file::Scene scene = loaded(text);
     if (inputs == "own") scene.inputs = file::Inputs::own;
     return scene;
 }
