@@ -117,18 +117,17 @@ ConsistencyPictures::ConsistencyPictures(const ConsistencyRequest& request, cons
                                          const std::filesystem::path& singles)
     : request_(request),
       files_({.scene = *request.scene,
-              .sheet = sheet,
+              .sheets = {{sheet, sheet_spec(request)}},
               .singles = singles,
-              .spec = sheet_spec(request),
               .stop = request.limit.stop},
              columns_of(request)) {}
 
 void ConsistencyPictures::finish(const std::vector<RowChecks>& rows) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
         for (std::size_t c = 0; c < rows[r].size(); ++c)
-            files_.set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
+            files_.writer().set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
     }
-    files_.finish();
+    files_.writer().finish();
 }
 
 }  // namespace lostbits::output::consistency

@@ -6,26 +6,25 @@
 #include <string>
 #include <vector>
 
-#include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
+#include "output/pixel/columns.hpp"
 
 namespace lostbits::output::map {
 
 /// Of one row of a map, or of one form of the bits needed.
 struct MapPiece {
     int y0 = 0;
-    std::vector<std::vector<image::Rgb8>> fields = {};  ///< of each picture that is drawn, in their order
-    std::uint64_t paler = 0;                            ///< pixels that all of them draw paler
+    std::vector<pixel::Strip> strips = {};  ///< of each picture that is drawn, in their order
     std::vector<ExrRows> exr = {};
     std::string lines = {};  ///< of the table of pixels
 
-    [[nodiscard]] bool is_empty() const { return fields.empty() && exr.empty() && lines.empty(); }
+    [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
 };
 
 template <class Bits>
 void fields(Bits& bits, MapPiece& piece) {
-    auto& [y0, fields, paler, exr, lines] = piece;
-    bits(y0, fields, paler, exr, lines);
+    auto& [y0, strips, exr, lines] = piece;
+    bits(y0, strips, exr, lines);
 }
 
 /// Takes the pieces of each row in place of the files, of which none is opened then.

@@ -144,23 +144,21 @@ OffsetPictures::OffsetPictures(const OffsetRequest& request, const std::filesyst
                                const std::filesystem::path& singles)
     : request_(request),
       files_({.scene = *request.scene,
-              .sheet = sheet,
+              .sheets = {{sheet, sheet_spec(request), true}},
               .singles = singles,
-              .spec = sheet_spec(request),
-              .counted = true,
               .stop = request.limit.stop},
              columns_of(request)) {}
 
 void OffsetPictures::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
     if (side.safe.count() > 0)
-        files_.set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)", side.safe.quantile(0.5),
-                                               side.safe.quantile(1)));
+        files_.writer().set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)",
+                                                        side.safe.quantile(0.5), side.safe.quantile(1)));
     for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
         const auto& of = side.strategies[k];
         std::string note =
             side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
         if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
-        files_.set_note({k + 1, line}, note);
+        files_.writer().set_note({k + 1, line}, note);
     }
 }
 
@@ -168,7 +166,7 @@ void OffsetPictures::finish(const std::vector<OffsetSummary>& summaries) {
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         for (const Side side : both_sides) add_notes(line_of(r, side), summaries[r].on(side));
     }
-    files_.finish();
+    files_.writer().finish();
 }
 
 }  // namespace lostbits::output::offset
