@@ -81,10 +81,6 @@ public:
     PngImage read_png(const std::filesystem::path& path) override;
 
 protected:
-    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                        const ExrSpec& spec) override {
-        return oiio_exr(std::move(sink), path, spec);
-    }
     std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                         const PngSpec& spec) override {
         return oiio_png(std::move(sink), path, spec);

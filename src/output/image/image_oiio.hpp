@@ -24,9 +24,7 @@ namespace lostbits::output::image {
 /// Around whatever calls the library.
 using intersect::process::KeepsFloatingPoint;
 
-/// The writers behind ImageBackend::open_exr and open_png. Bytes go to `sink`; `path` is for messages.
-[[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                  const ExrSpec& spec);
+/// The writer behind ImageBackend::open_png. Bytes go to `sink`; `path` is for messages.
 [[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                   const PngSpec& spec);
 

@@ -64,52 +64,57 @@ private:
     bool discarding_ = false;
 };
 
-/// What EXR and PNG share: an ImageOutput on a SinkProxy, rows in order, errors rethrown.
-class ScanlineFile {
+OIIO::ImageSpec image_spec(const PngSpec& png) {
+    OIIO::ImageSpec spec(png.width, png.height, 3, OIIO::TypeDesc::UINT8);
+    for (const auto& [keyword, text] : png.words) spec.attribute(keyword, text);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    // Of 1024 x 1024 heatmaps, which have few colours and much noise, level 2 without filters makes files a third
+    // smaller than the default (level 6, every filter tried) in a quarter of its time.
+    spec.attribute("png:filter", 8);  // PNG_FILTER_NONE
+    spec.attribute("png:compressionLevel", 2);
+    return spec;
+}
+
+/// An ImageOutput on a SinkProxy, rows in order, errors rethrown.
+class OiioPng final : public PngWriter {
 public:
-    ScanlineFile(std::unique_ptr<ByteSink> sink, const std::string& path, const char* format,
-                 const OIIO::ImageSpec& spec)
+    OiioPng(std::unique_ptr<ByteSink> sink, const std::string& path, const PngSpec& spec)
         : path_(path),
-          format_(format),
+          width_(spec.width),
           height_(spec.height),
           proxy_(std::move(sink), path),
-          out_(OIIO::ImageOutput::create(format)) {
-        if (!out_ || !out_->supports("ioproxy")) {
-            throw EnvironmentError(path + ": OpenImageIO was built without a usable " + format + " writer");
-        }
+          out_(OIIO::ImageOutput::create("png")) {
+        if (!out_ || !out_->supports("ioproxy"))
+            throw EnvironmentError(path + ": OpenImageIO was built without a usable png writer");
         out_->set_ioproxy(&proxy_);
-        check(out_->open(path, spec));
-        row_bytes_ = out_->spec().scanline_bytes(true);
+        check(out_->open(path, image_spec(spec)));
     }
 
     /// A file that was not closed ends here, and its bytes go nowhere. libpng insists on finishing a picture: with rows
     /// lacking it complains on stderr or, after a failed write, compresses for ever. Its writer is let go instead: a
     /// leak of one row's buffers in a run that is ending anyway.
-    ~ScanlineFile() {
+    ~OiioPng() override {
         if (!out_) return;
         proxy_.discard();
-        if (format_ == "png") static_cast<void>(out_.release());
+        static_cast<void>(out_.release());
     }
-    ScanlineFile(const ScanlineFile&) = delete;
-    ScanlineFile& operator=(const ScanlineFile&) = delete;
+    OiioPng(const OiioPng&) = delete;
+    OiioPng& operator=(const OiioPng&) = delete;
 
-    void write(int y_begin, int rows, std::span<const std::byte> pixels) {
+    void write_rows(int rows, std::span<const Rgb8> pixels) override {
         const KeepsFloatingPoint same;
         if (!out_) throw std::logic_error(path_ + ": rows after close");
-        if (y_begin != next_ || rows < 0 || rows > height_ - next_) {
-            throw std::logic_error(path_ + ": rows " + std::to_string(y_begin) + " + " + std::to_string(rows) +
-                                   " out of order, " + std::to_string(next_) + " was next");
-        }
-        if (pixels.size() != row_bytes_ * static_cast<std::size_t>(rows)) {
-            throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " bytes for " + std::to_string(rows) +
-                                   " rows of " + std::to_string(row_bytes_));
-        }
+        if (rows < 0 || rows > height_ - next_ ||
+            pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows))
+            throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " pixels for " +
+                                   std::to_string(rows) + " rows of " + std::to_string(width_) + ", and " +
+                                   std::to_string(height_ - next_) + " rows are lacking");
         if (rows == 0) return;
-        check(out_->write_scanlines(y_begin, y_begin + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
+        check(out_->write_scanlines(next_, next_ + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
         next_ += rows;
     }
 
-    void close() {
+    void close() override {
         const KeepsFloatingPoint same;
         if (!out_) throw std::logic_error(path_ + ": closed twice");
         if (next_ != height_) {
@@ -117,12 +122,10 @@ public:
                                    std::to_string(height_) + " rows");
         }
         check(out_->close());
-        out_.reset();  // some formats write their tail only here
+        out_.reset();  // the tail may be written only here
         proxy_.rethrow();
         proxy_.commit();
     }
-
-    [[nodiscard]] int next() const noexcept { return next_; }
 
 private:
     void check(bool fine) {
@@ -130,72 +133,13 @@ private:
         if (!fine) throw EnvironmentError(path_ + ": cannot write: " + out_->geterror());
     }
 
-    std::string path_, format_;
-    int height_;
-    int next_ = 0;
-    std::size_t row_bytes_ = 0;
+    std::string path_;
+    int width_, height_, next_ = 0;
     SinkProxy proxy_;  // outlives out_, whose destructor still writes to it
     std::unique_ptr<OIIO::ImageOutput> out_;
 };
 
-OIIO::ImageSpec exr_spec(const ExrSpec& in) {
-    OIIO::ImageSpec spec(in.width, in.height, static_cast<int>(in.channels.size()), OIIO::TypeDesc::FLOAT);
-    spec.channelnames.clear();
-    spec.channelformats.clear();
-    for (const auto& channel : in.channels) {
-        spec.channelnames.push_back(channel.name);
-        spec.channelformats.emplace_back(channel.type == Channel::Type::u32 ? OIIO::TypeDesc::UINT
-                                                                            : OIIO::TypeDesc::FLOAT);
-    }
-    spec.alpha_channel = -1;
-    spec.z_channel = -1;
-    spec.attribute("compression", "zip");
-    for (const auto& [key, value] : in.attributes) spec.attribute(key, value);
-    spec.attribute("DateTime", "");  // left out, the library writes the time of day
-    return spec;
-}
-
-class OiioExr final : public ExrWriter {
-public:
-    OiioExr(std::unique_ptr<ByteSink> sink, const std::string& path, const ExrSpec& spec)
-        : file_(std::move(sink), path, "openexr", exr_spec(spec)) {}
-    void write_rows(int y_begin, int rows, std::span<const std::byte> pixels) override {
-        file_.write(y_begin, rows, pixels);
-    }
-    void close() override { file_.close(); }
-
-private:
-    ScanlineFile file_;
-};
-
-class OiioPng final : public PngWriter {
-public:
-    OiioPng(std::unique_ptr<ByteSink> sink, const std::string& path, const PngSpec& spec)
-        : file_(std::move(sink), path, "png", image_spec(spec)) {}
-    void write_rows(int rows, std::span<const Rgb8> pixels) override {
-        file_.write(file_.next(), rows, std::as_bytes(pixels));
-    }
-    void close() override { file_.close(); }
-
-private:
-    static OIIO::ImageSpec image_spec(const PngSpec& png) {
-        OIIO::ImageSpec spec(png.width, png.height, 3, OIIO::TypeDesc::UINT8);
-        for (const auto& [keyword, text] : png.words) spec.attribute(keyword, text);
-        spec.attribute("oiio:ColorSpace", "sRGB");
-        // Of 1024 x 1024 heatmaps, which have few colours and much noise, level 2 without filters makes files a third
-        // smaller than the default (level 6, every filter tried) in a quarter of its time.
-        spec.attribute("png:filter", 8);  // PNG_FILTER_NONE
-        spec.attribute("png:compressionLevel", 2);
-        return spec;
-    }
-    ScanlineFile file_;
-};
-
 }  // namespace
-
-std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<ByteSink> sink, const std::string& path, const ExrSpec& spec) {
-    return std::make_unique<OiioExr>(std::move(sink), path, spec);
-}
 
 std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<ByteSink> sink, const std::string& path, const PngSpec& spec) {
     return std::make_unique<OiioPng>(std::move(sink), path, spec);

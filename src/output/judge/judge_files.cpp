@@ -49,18 +49,20 @@ std::string case_name(const TestedForm& row, const NotedRay& ray) {
 /// The files of one row.
 class RowParts final : public JudgeSink {
 public:
-    RowParts(const TestedForm& row, WorstRays worst, measure::evaluate::EvaluationSink& map)
-        : row_(row), worst_(std::move(worst)), map_(map) {}
-    void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
-        rows_.emplace(path, ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
+    RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
+    void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
+        rows_.emplace(folder, map::row_name(row_) + ".csv",
+                      fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
+                      ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
+    void send_to(measure::evaluate::EvaluationSink& map) { map_ = &map; }
     void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) override {
         worst_.look_at(chunk.first, result);
-        if (rows_) rows_->add(chunk, result, row_);
-        map_.band(result);
+        for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
+        map_->band(result);
     }
     [[nodiscard]] WorstRays& worst() { return worst_; }
-    [[nodiscard]] std::optional<RayRows>& rows() { return rows_; }
+    [[nodiscard]] std::optional<table::TableFile<JudgedRay>>& rows() { return rows_; }
     void close() {
         if (rows_) rows_->close();
     }
@@ -68,8 +70,8 @@ public:
 private:
     const TestedForm& row_;
     WorstRays worst_;
-    measure::evaluate::EvaluationSink& map_;
-    std::optional<RayRows> rows_;
+    measure::evaluate::EvaluationSink* map_ = nullptr;
+    std::optional<table::TableFile<JudgedRay>> rows_;
 };
 
 }  // namespace
@@ -98,13 +100,13 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     Parts& p = *parts_;
     p.scene = scene_of(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
+    const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    const auto table_of = [](const TestedForm& row) { return map::row_name(row) + ".csv"; };
-    if (p.options.rows) {
-        for (const TestedForm& row : request.rows)
-            tables.push_back({table_of(row),
-                              fmt::format("One row per ray: {} in {}", row.form->info->name, row.format.name),
-                              ray_table(dump, request.metrics).columns()});
+    for (const TestedForm& row : request.rows) {
+        p.rows.push_back(std::make_unique<RowParts>(row, WorstRays(p.options.worst, ulps)));
+        if (!p.options.rows) continue;
+        p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
+        tables.push_back(p.rows.back()->rows()->about());
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
                                                       .drawn = p.options.drawn,
@@ -116,14 +118,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
-    const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     const auto sinks = p.map->sinks();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        p.rows.push_back(std::make_unique<RowParts>(request.rows[r], WorstRays(p.options.worst, ulps), *sinks[r]));
-        if (p.options.rows)
-            p.rows.back()->open_rows(
-                p.options.keep ? std::filesystem::path() : p.options.folder / table_of(request.rows[r]), dump, request);
-    }
+    for (std::size_t r = 0; r < sinks.size(); ++r) p.rows[r]->send_to(*sinks[r]);
 }
 
 JudgeFiles::~JudgeFiles() = default;

@@ -139,11 +139,11 @@ private:
 template <class R>
 class TableFile {
 public:
-    /// `title` says what a row is.
+    /// `title` says what a row is. Without a folder there is no file: see `take_lines`.
     TableFile(const std::filesystem::path& folder, const std::string& name, std::string title, Table<R> table)
         : table_(std::move(table)),
           about_{name, std::move(title), table_.columns()},
-          csv_(folder / name, about_.columns) {}
+          csv_(folder.empty() ? file::CsvWriter(about_.columns) : file::CsvWriter(folder / name, about_.columns)) {}
 
     void add(const R& row) { table_.add_row(csv_, row); }
     void add_all(const std::vector<R>& rows) {
@@ -151,6 +151,8 @@ public:
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
+    /// What was added since the last call, where there is no file.
+    [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void close() { csv_.close(); }
 
 private:

@@ -30,8 +30,8 @@ Vector oklab(const Vector& c) {
 
 double distance(const Vector& a, const Vector& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-std::vector<lostbits::output::image::Rgb8> grey_ramp() {
-    std::vector<lostbits::output::image::Rgb8> out;
+std::vector<Rgb8> grey_ramp() {
+    std::vector<Rgb8> out;
     for (int i = 0; i < 101; ++i) out.push_back(Rgb8{static_cast<std::uint8_t>(i), 0, 0});
     return out;
 }
@@ -41,7 +41,7 @@ std::vector<lostbits::output::image::Rgb8> grey_ramp() {
 TEST_CASE("the ramps rise from dark to light and are the published ones", "[colour]") {
     const auto viridis = backend().ramp("viridis", 256);
     REQUIRE(viridis.size() == 256);
-    const auto near = [](lostbits::output::image::Rgb8 a, lostbits::output::image::Rgb8 b) {
+    const auto near = [](Rgb8 a, Rgb8 b) {
         return std::abs(a.r - b.r) <= 2 && std::abs(a.g - b.g) <= 2 && std::abs(a.b - b.b) <= 2;
     };
     // matplotlib's ends and middle, in sRGB: a ramp left in linear light fails here.
@@ -65,7 +65,7 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
     const auto check = [&](auto eye, double least) {
         for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
             const Vector mine = oklab(eye(linear(outcome_colours[i])));
-            for (const lostbits::output::image::Rgb8 value : ramp) {
+            for (const Rgb8 value : ramp) {
                 INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g)
                                                                  << ' ' << int(value.b));
                 CHECK(distance(mine, oklab(eye(linear(value)))) > least);
@@ -92,10 +92,9 @@ TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
 TEST_CASE("what no width suffices for looks like no value and like no outcome", "[colour]") {
     const auto ramp = backend().ramp("viridis", 256);
     const auto check = [&](auto eye, double least) {
-        const Vector mine = oklab(eye(linear(lostbits::output::map::beyond_colour)));
-        for (const lostbits::output::image::Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
-        for (const lostbits::output::image::Rgb8 outcome : outcome_colours)
-            CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
+        const Vector mine = oklab(eye(linear(beyond_colour)));
+        for (const Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+        for (const Rgb8 outcome : outcome_colours) CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
     };
     check([](const Vector& c) { return c; }, 0.15);
     check(deuteranope, 0.10);
@@ -103,9 +102,9 @@ TEST_CASE("what no width suffices for looks like no value and like no outcome", 
 
 TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
     std::vector<Vector> seen;
-    for (const lostbits::output::image::Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
+    for (const Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
     for (std::size_t i = 0; i < 1000; ++i) {
-        const Vector mine = oklab(linear(lostbits::output::image::distinct_colour(i)));
+        const Vector mine = oklab(linear(distinct_colour(i)));
         // 0.02 is a just noticeable difference. Agreed hits have no colour of their own beside categories.
         const double least = i < 60 ? 0.06 : i < 200 ? 0.04 : 0.02;
         for (std::size_t j = 1; j < seen.size(); ++j) {
@@ -114,28 +113,27 @@ TEST_CASE("a thousand categories have a colour each, the first of them the clear
         }
         seen.push_back(mine);
     }
-    CHECK(lostbits::output::image::distinct_colour(1000) == distinct_colour(0));
+    CHECK(distinct_colour(1000) == distinct_colour(0));
 }
 
 TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     const double inf = std::numeric_limits<double>::infinity();
-    const lostbits::output::image::ColourScale scale("grey", grey_ramp(), 0, 24);
-    CHECK(scale.map(0) == lostbits::output::image::Rgb8{0, 0, 0});
+    const ColourScale scale("grey", grey_ramp(), 0, 24);
+    CHECK(scale.map(0) == Rgb8{0, 0, 0});
     CHECK(scale.map(12) == Rgb8{50, 0, 0});
     CHECK(scale.map(-1) == Rgb8{0, 0, 0});
     CHECK(scale.map(inf) == Rgb8{100, 0, 0});
     CHECK(scale.map(-inf) == Rgb8{0, 0, 0});
     CHECK_THROWS_AS(scale.map(std::nan("")), std::invalid_argument);
-    const lostbits::output::image::ColourScale log("grey", grey_ramp(), 1, 16, Spacing::log2);
+    const ColourScale log("grey", grey_ramp(), 1, 16, Spacing::log2);
     CHECK(log.map(4) == Rgb8{50, 0, 0});
     CHECK(log.map(0) == Rgb8{0, 0, 0});
     CHECK(log.map(-3) == Rgb8{0, 0, 0});
-    const lostbits::output::image::ColourScale wide("grey", grey_ramp(), -1.7e308, 1.7e308);
+    const ColourScale wide("grey", grey_ramp(), -1.7e308, 1.7e308);
     CHECK(wide.map(0) == Rgb8{50, 0, 0});
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, 1, Spacing::log2),
-                    std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, 1, Spacing::log2), std::invalid_argument);
     CHECK_THROWS_AS(ColourScale("grey", {Rgb8{}}, 0, 1), std::invalid_argument);
     const ColourScale root("grey", grey_ramp(), 0, 16, Spacing::root);
     CHECK(root.map(4) == Rgb8{50, 0, 0});
@@ -147,7 +145,7 @@ TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
 }
 
 TEST_CASE("ticks are round, within the range and few", "[colour]") {
-    const auto labels = [](const lostbits::output::image::ColourScale& scale, int most) {
+    const auto labels = [](const ColourScale& scale, int most) {
         std::string out;
         for (const auto& tick : scale.ticks(most)) {
             CHECK(tick.position >= 0);
@@ -183,10 +181,9 @@ TEST_CASE("ticks are round, within the range and few", "[colour]") {
 
 TEST_CASE("linear light goes there and back", "[colour]") {
     for (int i = 0; i < 256; ++i) {
-        CHECK(lostbits::output::image::srgb_byte(lostbits::output::image::linear_light(static_cast<std::uint8_t>(i))) ==
-              i);
+        CHECK(srgb_byte(linear_light(static_cast<std::uint8_t>(i))) == i);
     }
-    CHECK(lostbits::output::image::srgb_byte(0x8000) == 188);
+    CHECK(srgb_byte(0x8000) == 188);
 }
 
 }  // namespace test_colour

@@ -14,12 +14,12 @@ using namespace lostbits::output::test;
 
 namespace {
 
-lostbits::output::image::Rgb8 colour(std::size_t row, std::size_t column) {
+Rgb8 colour(std::size_t row, std::size_t column) {
     return {static_cast<std::uint8_t>(40 + row), static_cast<std::uint8_t>(90 + column), 77};
 }
 
 /// Five columns in two groups, three rows, each cell a colour of its own.
-lostbits::output::plot::MatrixPlotSpec coloured() {
+MatrixPlotSpec coloured() {
     MatrixPlotSpec spec;
     spec.title = "A matrix";
     spec.groups = {{"f32", {"one", "two", "three"}}, {"f64", {"one", "a much longer name"}}};
@@ -30,7 +30,7 @@ lostbits::output::plot::MatrixPlotSpec coloured() {
     return spec;
 }
 
-lostbits::output::image::PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
+PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
     write_matrix_plot(backend(), folder / "m.png", spec);
     return backend().read_png(folder / "m.png");
 }
@@ -51,7 +51,7 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
         }
     }
     CHECK(rim_is_blank(image));
-    lostbits::output::plot::write_matrix_plot(backend(), folder / "again.png", coloured());
+    write_matrix_plot(backend(), folder / "again.png", coloured());
     CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
     const Scratch folder;
     const auto plain = plotted(folder, coloured());
     const auto at = find_block(plain, colour(0, 0), 25, 21).value();
-    for (const auto& [ground, dark_ink] : {std::pair{lostbits::output::image::Rgb8{226, 238, 226}, true},
+    for (const auto& [ground, dark_ink] : {std::pair{Rgb8{226, 238, 226}, true},
                                            {Rgb8{0, 0, 0}, false},
                                            {outcome_colours[3], true},
                                            {Rgb8{68, 1, 84}, false}}) {
@@ -87,7 +87,7 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
 TEST_CASE("legend and colour bar stand beside the cells, long names and many rows fit", "[matrix_plot]") {
     const Scratch folder;
     auto spec = coloured();
-    spec.legend = {{"false hit", lostbits::output::image::outcome_colours[2], "3"}};
+    spec.legend = {{"false hit", outcome_colours[2], "3"}};
     const auto image = plotted(folder, spec);
     CHECK(count_of(image, outcome_colours[2]) > 50);
     const auto ramp = backend().ramp("viridis", 256);
@@ -116,11 +116,10 @@ TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
     spec.rows.clear();
     spec.cells.clear();
     CHECK_THROWS_AS(plotted(folder, spec), std::invalid_argument);
-    CHECK_THROWS_AS(plotted(folder, lostbits::output::plot::MatrixPlotSpec{}), std::invalid_argument);
+    CHECK_THROWS_AS(plotted(folder, MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
     plotted(folder, coloured());
-    CHECK_THROWS_AS(lostbits::output::plot::write_matrix_plot(backend(), folder / "m.png/below.png", coloured()),
-                    lostbits::EnvironmentError);
+    CHECK_THROWS_AS(write_matrix_plot(backend(), folder / "m.png/below.png", coloured()), lostbits::EnvironmentError);
 }
 
 }  // namespace test_matrix_plot

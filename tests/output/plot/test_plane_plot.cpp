@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "output/helpers.hpp"
+#include "output/image/pixels.hpp"
 #include "output/plot/plane_plot.hpp"
 
 namespace test_plane_plot {
@@ -17,7 +18,7 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Columns at 2^0, 2^1, ...; rows at 0, 1, ...; each cell a colour of its own.
-lostbits::output::plot::PlanePlotSpec coloured(int columns, int rows) {
+PlanePlotSpec coloured(int columns, int rows) {
     PlanePlotSpec spec;
     spec.title = "A plane";
     spec.x_axis = {"distance", AxisSpec::Scale::log2, {}, {}};
@@ -26,32 +27,16 @@ lostbits::output::plot::PlanePlotSpec coloured(int columns, int rows) {
     for (int j = 0; j < rows; ++j) spec.y.push_back(j);
     for (int j = 0; j < rows; ++j) {
         for (int i = 0; i < columns; ++i) {
-            spec.cells.push_back({no_value, lostbits::output::image::Rgb8{static_cast<std::uint8_t>(i),
-                                                                          static_cast<std::uint8_t>(j), 77}});
+            spec.cells.push_back(
+                {no_value, image::Rgb8{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}});
         }
     }
     return spec;
 }
 
-lostbits::output::image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
+image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
     write_plane_plot(backend(), folder / "p.png", spec);
     return backend().read_png(folder / "p.png");
-}
-
-std::int64_t count_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour) {
-    return std::ranges::count(image.pixels, colour);
-}
-
-bool rim_is_blank(const lostbits::output::image::PngImage& image) {
-    const int rim = image::style::margin - 1;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && image.pixels[static_cast<std::size_t>(y * image.width + x)] != image::style::page)
-                return false;
-        }
-    }
-    return true;
 }
 
 }  // namespace
@@ -64,13 +49,13 @@ TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first 
             CHECK(count_of(image, {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), 77}) == 14 * 14);
         }
     }
-    const auto place = [&](lostbits::output::image::Rgb8 colour) {
+    const auto place = [&](image::Rgb8 colour) {
         return static_cast<int>(std::ranges::find(image.pixels, colour) - image.pixels.begin());
     };
     CHECK(place({0, 29, 77}) < place({0, 0, 77}));
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
-    lostbits::output::plot::write_plane_plot(backend(), folder / "again.png", coloured(40, 30));
+    write_plane_plot(backend(), folder / "again.png", coloured(40, 30));
     CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 
@@ -80,14 +65,13 @@ TEST_CASE("values take the ramp, outcomes their colour, and what is neither is h
     const auto ramp = backend().ramp("viridis", 256);
     spec.scale.emplace("viridis", ramp, 0, 24);
     spec.unit = "lost bits";
-    spec.cells = {
-        {0.0}, {std::numeric_limits<double>::infinity()}, {5.0, lostbits::output::image::outcome_colours[3]}, {12.0}};
+    spec.cells = {{0.0}, {std::numeric_limits<double>::infinity()}, {5.0, image::outcome_colours[3]}, {12.0}};
     const auto image = plotted(folder, spec);
     const std::int64_t cell = 280 * 210;
     CHECK(count_of(image, ramp.front()) >= cell);
     CHECK(count_of(image, ramp.back()) >= cell);
     CHECK(count_of(image, spec.scale->map(12)) >= cell);
-    CHECK(count_of(image, lostbits::output::image::outcome_colours[3]) == cell);
+    CHECK(count_of(image, image::outcome_colours[3]) == cell);
     CHECK(rim_is_blank(image));
     spec.cells[0] = {};
     const auto hatched = plotted(folder, spec);
@@ -121,7 +105,7 @@ TEST_CASE("planes of odd shapes, and those that are refused", "[plane_plot]") {
     for (const auto& [columns, rows] : {std::pair{1, 1}, {1, 30}, {200, 1}, {3, 700}}) {
         auto spec = coloured(columns, rows);
         spec.title = std::string(200, 'W');
-        spec.legend = {{std::string(150, 'W'), lostbits::output::image::outcome_colours[2], "1"}};
+        spec.legend = {{std::string(150, 'W'), image::outcome_colours[2], "1"}};
         CHECK(rim_is_blank(plotted(folder, spec)));
     }
     auto spec = coloured(2, 2);
