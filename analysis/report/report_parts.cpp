@@ -8,7 +8,7 @@
 #include "measure/sweep/cases.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/offset/offset_pictures.hpp"
+#include "output/offset/offset_files.hpp"
 #include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"

@@ -114,9 +114,9 @@ public:
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em; the exponent of `2^-10` is raised. A character that
-    /// DejaVu Sans lacks becomes a box; where the text is not UTF-8, every byte beyond ASCII `?`. Throws
-    /// EnvironmentError when that font is not installed.
+    /// One line of text with letters `size` pixels to the em; the exponent of a power of 2 or 10, `2^-10`, is raised
+    /// where it is not a part of a name. A character that DejaVu Sans lacks becomes a box; where the text is not UTF-8,
+    /// every byte beyond ASCII `?`. Throws EnvironmentError when that font is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size, bool bold = false) = 0;
 
     /// How much of each pixel the figures cover together, 0 to 255, row by row.

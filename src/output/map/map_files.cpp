@@ -7,7 +7,6 @@
 
 #include "output/blame/explain_command.hpp"
 #include "output/file/machine.hpp"
-#include "output/map/culprit_table.hpp"
 #include "output/map/map_pictures.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"

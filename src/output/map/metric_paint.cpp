@@ -7,7 +7,7 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/blame/culprits.hpp"
-#include "output/map/culprit_table.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::map {
 

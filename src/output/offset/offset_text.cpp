@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "measure/offset/cheapest.hpp"
-#include "output/offset/offset_pictures.hpp"
+#include "output/offset/offset_files.hpp"
 
 namespace lostbits::output::offset {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "output/image/ticks.hpp"
+#include "output/image/colour.hpp"
 
 namespace lostbits::output::plot {
 namespace {

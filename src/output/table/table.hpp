@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -166,6 +167,21 @@ template <class... R>
 void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>&... files) {
     file::write_datapackage(folder / "datapackage.json", title, {files.about()...});
     (files.close(), ...);
+}
+/// The same of a summary, of a table for each of its rows, and of what others write there. The summary is closed last:
+/// a folder with one is a finished one.
+template <class R, class Each>
+void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
+                  const std::vector<std::unique_ptr<TableFile<Each>>>& each,
+                  const std::vector<file::DataResource>& also = {}) {
+    std::vector<file::DataResource> resources{summary.about()};
+    for (const auto& file : each) {
+        file->close();
+        resources.push_back(file->about());
+    }
+    resources.insert(resources.end(), also.begin(), also.end());
+    file::write_datapackage(folder / "datapackage.json", title, resources);
+    summary.close();
 }
 
 }  // namespace lostbits::output::table

@@ -113,7 +113,7 @@ TEST_CASE("letters beyond ASCII are themselves, and what the font lacks is a box
           backend().render_text("2", 16).width + backend().render_text("²", 16).width);
 }
 
-TEST_CASE("exponents are raised within the line box, and the names of forms stay as they are", "[text]") {
+TEST_CASE("exponents are raised within the line box, and the names of forms and files stay as they are", "[text]") {
     for (const int size : {9, 11, 13, 18}) {
         INFO(size);
         const auto drawn = [size](const char* text) { return backend().render_text(text, size); };
@@ -130,8 +130,20 @@ TEST_CASE("exponents are raised within the line box, and the names of forms stay
         // Nothing but the 2 stands on the baseline, and nothing is cut off at the top.
         CHECK(ink_between(power, power.baseline - 2, power.baseline) ==
               ink_between(drawn("2"), power.baseline - 2, power.baseline));
-        CHECK(ink_between(drawn("^10"), 0, power.baseline) > 0);
-        CHECK(ink_between(drawn("^10"), power.baseline - 1, power.height) == 0);
+        const auto flat_width = [&](std::string_view text) {
+            int sum = 0;
+            for (const char c : text) sum += drawn(std::string(1, c).c_str()).width;
+            return sum;
+        };
+        for (const char* number : {"[-2^10", "from 10^3 on", "2^0.5)", "2^10-3"}) {
+            INFO(number);
+            CHECK(drawn(number).width < flat_width(number));
+        }
+        // What is no 2 or 10, or a part of a name, has no exponent.
+        for (const char* name : {"a^2", "12^2", "a/2^3", "rays-2^10", "2^10.csv", "2^3rd", "r^2 - l^2", "^10"}) {
+            INFO(name);
+            CHECK(drawn(name).width == flat_width(name));
+        }
         CHECK(drawn("box.a^box.b").width == drawn("box.a").width + drawn("^").width + drawn("box.b").width);
         // A dot that ends a sentence stands on the line, and so does what follows a number.
         CHECK(drawn("2^10.").width == drawn("2^10").width + drawn(".").width);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <thread>
 
 #include "catch.hpp"
@@ -134,6 +135,12 @@ TEST_CASE("text is broken and shortened between letters of any size", "[text]") 
         }
         CHECK(found);
     }
+}
+
+TEST_CASE("a title of several lines is one", "[text]") {
+    const std::array<std::string, 1> lines{"c\td"}, line{"c d"};
+    CHECK(std::ranges::equal(heading(backend(), "a\nb", lines, 400).pixels(),
+                             heading(backend(), "a b", line, 400).pixels()));
 }
 
 TEST_CASE("the legend shows what occurred and nothing else, the bar is there when a scale is", "[heatmap]") {
