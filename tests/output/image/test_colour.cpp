@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "catch.hpp"
 #include "measure/answer/outcome.hpp"
@@ -59,45 +60,26 @@ TEST_CASE("the ramps rise from dark to light and are the published ones", "[colo
     CHECK_THROWS_AS(backend().ramp("jet", 3), lostbits::InputError);
 }
 
-TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
+TEST_CASE("no outcome looks like a value, and what no width suffices for like neither", "[colour]") {
+    const auto drawn = std::span(outcome_colours).first(lostbits::measure::answer::outcomes_without_mesh).subspan(1);
     const auto ramp = backend().ramp("viridis", 256);
     // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
-    const auto check = [&](auto eye, double least) {
-        for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
-            const Vector mine = oklab(eye(linear(outcome_colours[i])));
-            for (const Rgb8 value : ramp) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g)
-                                                                 << ' ' << int(value.b));
-                CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+    for (const auto& [eye, least] : {std::pair{&any_eye, 0.15}, {&deuteranope, 0.10}}) {
+        const auto check_apart = [&, eye = eye, least = least](Rgb8 one, std::span<const Rgb8> others) {
+            for (const Rgb8 other : others) {
+                INFO(int(one.r) << ' ' << int(one.g) << ' ' << int(one.b) << " against " << int(other.r) << ' '
+                                << int(other.g) << ' ' << int(other.b));
+                CHECK(distance(oklab(eye(linear(one))), oklab(eye(linear(other)))) > least);
             }
-            for (std::size_t j = 0; j < i; ++j) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against "
-                                                                 << lostbits::measure::answer::outcome_names[j]);
-                CHECK(distance(mine, oklab(eye(linear(outcome_colours[j])))) > least);
-            }
-        }
-    };
-    check([](const Vector& c) { return c; }, 0.15);
-    check(deuteranope, 0.10);
-    // In grey the drawn outcomes still differ.
-    for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
-        for (std::size_t j = 1; j < i; ++j) {
-            INFO(lostbits::measure::answer::outcome_names[i] << " against "
-                                                             << lostbits::measure::answer::outcome_names[j]);
-            CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
-        }
+        };
+        for (const Rgb8 outcome : drawn) check_apart(outcome, ramp);
+        check_apart(beyond_colour, ramp);
+        check_apart(beyond_colour, outcome_colours);
     }
-}
-
-TEST_CASE("what no width suffices for looks like no value and like no outcome", "[colour]") {
-    const auto ramp = backend().ramp("viridis", 256);
-    const auto check = [&](auto eye, double least) {
-        const Vector mine = oklab(eye(linear(beyond_colour)));
-        for (const Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
-        for (const Rgb8 outcome : outcome_colours) CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
-    };
-    check([](const Vector& c) { return c; }, 0.15);
-    check(deuteranope, 0.10);
+    // In grey the drawn outcomes still differ.
+    for (const Rgb8& one : drawn)
+        for (const Rgb8& other : drawn)
+            CHECK((&one == &other || std::abs(oklab(linear(one))[0] - oklab(linear(other))[0]) > 0.07));
 }
 
 TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {

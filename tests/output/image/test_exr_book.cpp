@@ -113,29 +113,25 @@ TEST_CASE("a book of one part without a name is a file without parts", "[exr]") 
 TEST_CASE("a book's bytes are the same whichever part is served first, and by how many threads", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
-    {
-        ExrBook book(folder / "a.exr", parts);
+    const auto write = [&](const char* name, const auto& serve_all) {
+        ExrBook book(folder / name, parts);
+        serve_all(book);
+        book.close();
+    };
+    write("a.exr", [&](ExrBook& book) {
         for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
-        book.close();
-    }
-    {
-        ExrBook book(folder / "b.exr", parts);
-        for (int y = 0; y < height; y += 3) {
+    });
+    write("b.exr", [&](ExrBook& book) {
+        for (int y = 0; y < height; y += 3)
             for (const std::size_t p : {2, 1, 0}) serve(book, parts, p, y, std::min(3, height - y));
-        }
-        book.close();
-    }
-    {
-        ExrBook book(folder / "c.exr", parts);
-        std::vector<std::thread> threads;
-        for (const std::size_t p : {0, 1, 2}) {
+    });
+    write("c.exr", [&](ExrBook& book) {
+        std::vector<std::jthread> threads;
+        for (const std::size_t p : {0, 1, 2})
             threads.emplace_back([&, p] {
                 for (int y = 0; y < height; ++y) serve(book, parts, p, y, 1);
             });
-        }
-        for (auto& thread : threads) thread.join();
-        book.close();
-    }
+    });
     CHECK(contents(folder / "a.exr").size() > 1000);
     CHECK(contents(folder / "a.exr") == contents(folder / "b.exr"));
     CHECK(contents(folder / "a.exr") == contents(folder / "c.exr"));

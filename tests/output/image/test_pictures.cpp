@@ -18,12 +18,12 @@ namespace {
 
 ColourScale viridis() { return {"viridis", backend().ramp("viridis", 256), 0, 24}; }
 
+/// Every outcome but the first.
 std::vector<LegendEntry> legend_of(const std::string& count) {
-    return {{"both miss", outcome_colours[1], count},       {"false hit", outcome_colours[2], count},
-            {"false miss", outcome_colours[3], count},      {"not a number", outcome_colours[4], count},
-            {"unresolved", outcome_colours[5], count},      {"wrong solid", outcome_colours[6], count},
-            {"crack", outcome_colours[7], count},           {"double hit", outcome_colours[8], count},
-            {"wrong neighbour", outcome_colours[9], count}, {"out of order", outcome_colours[10], count}};
+    std::vector<LegendEntry> entries;
+    for (std::size_t i = 1; i < outcome_colours.size(); ++i)
+        entries.push_back({"wrong neighbour", outcome_colours[i], count});
+    return entries;
 }
 
 /// No two samples of a small field alike, and none a colour of the page.
@@ -234,7 +234,6 @@ PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, 
         });
     }
     for (auto& worker : workers) worker.join();
-    CHECK_FALSE(fs::exists(path));
     sheet.finish(legend_of("12 (0.9%)"));
     return backend().read_png(path);
 }
@@ -245,7 +244,9 @@ TEST_CASE("a contact sheet shows every cell once, whole, with nothing cut off", 
     const Scratch folder;
     for (const auto& [forms, formats] : {std::pair<std::size_t, std::size_t>{22, 3}, {1, 1}, {8, 2}, {7, 1}}) {
         INFO(forms << " x " << formats);
-        const auto image = sheet_of(folder / (std::to_string(forms) + ".png"), forms, formats, 3);
+        const auto image = sheet_of(folder / "a.png", forms, formats, 3);
+        static_cast<void>(sheet_of(folder / "b.png", forms, formats, 1));
+        CHECK(contents(folder / "a.png") == contents(folder / "b.png"));  // however many threads fed it
         for (std::size_t cell = 0; cell < forms * formats; ++cell) {
             CHECK(count_of(image, {static_cast<std::uint8_t>(3 * cell + 1), 200, 3}) == 128 * 64);
         }
@@ -273,32 +274,13 @@ TEST_CASE("where formats differ each line of a sheet has a bar of its own", "[co
     };
     const auto both = sheet("two.png", 2, {{"viridis", ramp, 0, 24}, {"viridis", ramp, 0, 53}});
     const auto one = sheet("one.png", 2, {{"viridis", ramp, 0, 24}});
-    // The middle of the ramp is met once in each bar, sixteen pixels wide.
-    const auto bars = [&](const PngImage& image) {
-        int rows = 0;
-        for (int y = 0; y < image.height; ++y) {
-            bool top = false;
-            for (int x = 0; x < image.width; ++x) top |= pixel_at(image, x, y) == ramp.back();
-            rows += top;
-        }
-        return rows;
-    };
-    CHECK(bars(one) > 0);
-    CHECK(bars(both) >= 2);
-    CHECK(count_of(both, ramp.back()) >= 32);
+    CHECK(count_of(one, ramp.back()) > 0);
+    CHECK(count_of(both, ramp.back()) >= 32);  // sixteen pixels wide, in each bar
     // Nine forms are two blocks, and every block has its bars.
     const auto blocks = sheet("blocks.png", 9, {{"viridis", ramp, 0, 24}, {"viridis", ramp, 0, 53}});
     CHECK(count_of(blocks, ramp.back()) == 2 * count_of(both, ramp.back()));
     CHECK(rim_is_blank(blocks));
     CHECK_THROWS_AS(sheet("three.png", 2, {viridis(), viridis(), viridis()}), std::logic_error);
-}
-
-TEST_CASE("a contact sheet does not show how many threads fed it", "[contact_sheet]") {
-    const Scratch folder;
-    sheet_of(folder / "a.png", 9, 2, 1);
-    sheet_of(folder / "b.png", 9, 2, 4);
-    CHECK(contents(folder / "a.png") == contents(folder / "b.png"));
-    CHECK(folder.entries() == 2);
 }
 
 TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[contact_sheet]") {
@@ -317,6 +299,7 @@ TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[con
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));
     CHECK_THROWS_AS(sheet.add_rows(2, 0, 0, std::vector<Rgb8>(64)), std::logic_error);
     CHECK_THROWS_AS(sheet.set_note(0, 1, ""), std::logic_error);
+    CHECK_FALSE(fs::exists(folder / "s.png"));
     sheet.finish({});
     const auto image = backend().read_png(folder / "s.png");
     CHECK(count_of(image, {1, 2, 3}) == 128 * 128);
