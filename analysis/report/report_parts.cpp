@@ -9,7 +9,6 @@
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/offset/offset_text.hpp"
 #include "output/page/grid_data.hpp"
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"

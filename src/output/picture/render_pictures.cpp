@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/map/sheet_words.hpp"
+#include "output/map/map_pictures.hpp"
 
 namespace lostbits::output::picture {
 
