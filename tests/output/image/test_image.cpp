@@ -20,36 +20,32 @@ using namespace lostbits::output::test;
 TEST_CASE("a full disk stops a PNG, and nothing is left", "[png]") {
     const Scratch folder;
     backend();  // loaded here: the child must not start it under the limit
-    const auto attempt = [&](rlim_t limit_bytes, auto write) {
+    std::mt19937 random(5);
+    std::vector<std::uint32_t> noise(1024 * 16);
+    for (auto& n : noise) n = static_cast<std::uint32_t>(random());
+    const auto attempt = [&](rlim_t limit_bytes) {
         return in_child([&] {
             file::ignore_file_size_signal();
             const rlimit limit{limit_bytes, limit_bytes};
             ::setrlimit(RLIMIT_FSIZE, &limit);
             try {
-                write();
+                auto out = backend().open_png(folder / "a.png", 1024, 160);
+                const std::span<const Rgb8> rows(reinterpret_cast<const Rgb8*>(noise.data()), 1024 * 16);
+                for (int y = 0; y < 160; y += 16) out->write_rows(16, rows);
+                out->close();
             } catch (const EnvironmentError& error) {
-                return std::string(error.what()).find(": cannot write: File too large; free space") != std::string::npos
-                           ? 1
-                           : 2;
+                const std::string why = error.what();
+                return why.find(": cannot write: File too large; free space") != std::string::npos ? 1 : 2;
             }
             return 0;
         });
     };
-    std::mt19937 random(5);
-    std::vector<std::uint32_t> noise(1024 * 16);
-    for (auto& n : noise) n = static_cast<std::uint32_t>(random());
-    const auto png = [&] {
-        auto out = backend().open_png(folder / "a.png", 1024, 160);
-        const std::span<const Rgb8> row(reinterpret_cast<const Rgb8*>(noise.data()), 1024 * 16);
-        for (int y = 0; y < 160; y += 16) out->write_rows(16, row);
-        out->close();
-    };
     // In the header, in the pixels, and within the buffer's last flush.
     for (const rlim_t limit : {rlim_t{100}, rlim_t{300000}, rlim_t{480000}}) {
-        CHECK(attempt(limit, png) == 1);
+        CHECK(attempt(limit) == 1);
         CHECK(folder.entries() == 0);
     }
-    CHECK(attempt(RLIM_INFINITY, png) == 0);
+    CHECK(attempt(RLIM_INFINITY) == 0);
     CHECK(folder.entries() == 1);
 }
 
