@@ -14,8 +14,6 @@
 #include "output/file/estimate.hpp"
 #include "output/offset/along_files.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/offset/offset_pictures.hpp"
-#include "output/offset/offset_text.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {

@@ -1,6 +1,6 @@
 // Pictures for tests that do not look at them: an image module that keeps what is drawn and skips the library, which
-// takes half a second of processor to load. A PNG is its size, its words and its pixels, an EXR its channels and
-// samples, as they were handed over: the bytes still tell whether two pictures are the same.
+// takes half a second of processor to load. A PNG is its size, its words and its pixels, as they were handed over: the
+// bytes still tell whether two pictures are the same.
 #include <algorithm>
 #include <span>
 
@@ -36,20 +36,6 @@ public:
         file_.put(spec.words);
     }
     void write_rows(int /*rows*/, std::span<const Rgb8> pixels) override { file_.put(pixels); }
-    void close() override { file_.commit(); }
-
-private:
-    PlainFile file_;
-};
-
-class PlainExr final : public ExrWriter {
-public:
-    PlainExr(std::unique_ptr<file::ByteSink> sink, const ExrSpec& spec) : file_(std::move(sink)) {
-        file_.put("exr " + std::to_string(spec.width) + " " + std::to_string(spec.height));
-        file_.put(spec.attributes);
-        for (const Channel& channel : spec.channels) file_.put(channel.name);
-    }
-    void write_rows(int /*y_begin*/, int /*rows*/, std::span<const std::byte> pixels) override { file_.put(pixels); }
     void close() override { file_.commit(); }
 
 private:
@@ -94,10 +80,6 @@ public:
     PngImage read_png(const std::filesystem::path& path) override { refuse(path); }
 
 protected:
-    std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string&,
-                                        const ExrSpec& spec) override {
-        return std::make_unique<PlainExr>(std::move(sink), spec);
-    }
     std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string&,
                                         const PngSpec& spec) override {
         return std::make_unique<PlainPng>(std::move(sink), spec);

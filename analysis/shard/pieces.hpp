@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/shard/division.hpp"
-#include "output/map/map_piece.hpp"
+#include "output/map/map_exr.hpp"
 
 namespace lostbits::analysis::shard {
 

@@ -24,11 +24,11 @@ Outcome diff(const std::string& a, const std::string& b, const std::string& opti
 }
 
 void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
-    auto exr = backend().open_exr(
-        path, {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}});
+    output::image::ExrBook exr(
+        path, {{"", {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}}}});
     const float samples[] = {1, x};
-    exr->write_rows(0, 1, std::as_bytes(std::span(samples)));
-    exr->close();
+    exr.write_rows(0, 0, 1, std::as_bytes(std::span(samples)));
+    exr.close();
 }
 
 /// A part of one channel and one pixel for each name and value.

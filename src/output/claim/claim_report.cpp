@@ -16,7 +16,7 @@
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_files.hpp"
-#include "output/offset/offset_pictures.hpp"
+#include "output/offset/offset_files.hpp"
 #include "output/picture/render_pictures.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_planes.hpp"

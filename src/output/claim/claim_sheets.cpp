@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "output/consistency/consistency_pictures.hpp"
+#include "output/consistency/consistency_files.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::output::claim {

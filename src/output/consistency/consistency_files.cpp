@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "output/blame/explain_command.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
 
+using measure::answer::Outcome;
+using measure::consistency::Accord;
 using measure::consistency::accord_names;
 using measure::consistency::AccordOfPixels;
 using measure::consistency::Check;
@@ -16,9 +20,101 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyRequest;
 using measure::consistency::RowChecks;
 using measure::evaluate::TestedForm;
+using pixel::colour_of;
+using pixel::PixelColumn;
+using pixel::PixelValue;
+using pixel::share_text;
 using table::Table;
 
 namespace {
+
+constexpr const char* excess_unit = "ulps of the length";
+constexpr std::size_t on_ramp = accord_names.size();  ///< where numbers are compared and both rays hit
+
+/// How many ulps further apart than the exact ones both ends of a chord are.
+image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
+
+pixel::Look look_of(const Check& check) {
+    return {
+        {{"not asked", colour_of(Outcome::agree_miss)},
+         {"both answers are alike", colour_of(Outcome::agree_hit)},
+         {fmt::format("yes only for: {}", check.first), colour_of(Outcome::false_hit),
+          "only the first question is answered with yes"},
+         {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss), "only the second question is"},
+         {"alike, but other numbers", colour_of(Outcome::not_a_number)},
+         {"the inputs differ, not the form", colour_of(Outcome::wrong_object)},
+         {"not proved", colour_of(Outcome::unresolved)},
+         {""}},
+        check.numbers ? std::optional(excess_scale()) : std::nullopt,
+        check.numbers ? excess_unit : ""};
+}
+
+std::vector<PixelColumn<ConsistencyBand>> columns_of(const ConsistencyRequest& request) {
+    std::vector<PixelColumn<ConsistencyBand>> columns;
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        for (std::size_t c = 0; c < request.checks.size(); ++c) {
+            const Check& check = *request.checks[c];
+            const auto& row = request.rows[r];
+            pixel::ColumnSpec spec{.file = fmt::format("{}.{}.png", map::row_name(row), check.name),
+                                   .title = fmt::format("{}: {}", check.name, check.title),
+                                   .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
+                                   .look = std::make_shared<const pixel::Look>(look_of(check)),
+                                   .places = {{c, r}}};
+            if (check.numbers)
+                spec.subtitle.emplace_back(
+                    "colour: by how much more than the exact answers the chord differs from either end, clamped at "
+                    "both ends of the bar");
+            columns.push_back(
+                {std::move(spec), r, pixel::drawn_by<ConsistencyBand>([c](const ConsistencyBand& band, std::size_t i) {
+                     const auto& pixels = band.checks[c];
+                     const auto accord = static_cast<std::size_t>(pixels.accord[i]);
+                     return pixels.excess.empty() || std::isnan(pixels.excess[i])
+                                ? PixelValue{accord}
+                                : PixelValue{on_ramp, pixels.excess[i]};
+                 })});
+        }
+    }
+    return columns;
+}
+
+image::SheetSpec sheet_spec(const ConsistencyRequest& request) {
+    image::SheetSpec spec{
+        .title = request.scene->title,
+        .subtitle =
+            {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
+                         "alike",
+                         request.scene->id, request.scene->width, request.scene->height),
+             "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
+             "more than the exact answers both chords, or both t, differ"},
+        .forms = {},
+        .formats = {},
+        .scales = {excess_scale()},
+        .unit = excess_unit,
+        .legend = {},
+        .categories = true};
+    for (const Check* check : request.checks) spec.forms.emplace_back(check->name);
+    for (const auto& row : request.rows)
+        spec.formats.push_back(fmt::format("{} {}", map::short_name(*row.form->info), row.format.name));
+    return spec;
+}
+
+std::string note_of(const Check& check, const CheckSummary& s) {
+    if (s.asked() == 0) return "not asked";
+    // Whether an end at the hit counts is a convention: yes everywhere is no difference.
+    if (check.measure == measure::consistency::check_end) {
+        const auto yes = s.of(Accord::second_alone);
+        return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
+    }
+    const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
+    std::string note = s.decisions() == 0 ? alike : share_text(s.decisions(), s.asked()) + " differ";
+    if (const auto inputs = s.of(Accord::by_inputs); inputs > 0 && !check.numbers)
+        note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
+    if (s.excess.count() > 0)
+        note += fmt::format("\np99 {:.3g}, max {:.3g} ulps", s.excess.quantile(0.99), s.excess.quantile(1));
+    else if (s.of(Accord::other_number) > 0)
+        note += fmt::format("\n{} other bits", share_text(s.of(Accord::other_number), s.asked()));
+    return note;
+}
 
 Table<AccordPixel> pixel_table(const ConsistencyRequest& request) {
     using R = AccordPixel;
@@ -75,6 +171,23 @@ Table<CheckRow> check_table() {
 
 }  // namespace
 
+ConsistencyPictures::ConsistencyPictures(const ConsistencyRequest& request, const std::filesystem::path& sheet,
+                                         const std::filesystem::path& singles)
+    : request_(request),
+      files_({.scene = *request.scene,
+              .sheets = {{sheet, sheet_spec(request)}},
+              .singles = singles,
+              .stop = request.limit.stop},
+             columns_of(request)) {}
+
+void ConsistencyPictures::finish(const std::vector<RowChecks>& rows) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        for (std::size_t c = 0; c < rows[r].size(); ++c)
+            files_.writer().set_note({c, r}, note_of(*request_.checks[c], rows[r][c]));
+    }
+    files_.writer().finish();
+}
+
 ConsistencyFiles::ConsistencyFiles(const ConsistencyRequest& request, ConsistencyFilesOptions options)
     : request_(request),
       options_(std::move(options)),
@@ -94,16 +207,10 @@ void ConsistencyFiles::band(std::size_t row, const ConsistencyBand& band) {
 
 void ConsistencyFiles::finish(const std::vector<RowChecks>& rows) {
     pictures_.finish(rows);
-    std::vector<file::DataResource> resources{table_.about()};
-    for (const auto& pixels : pixels_) {
-        pixels->close();
-        resources.push_back(pixels->about());
-    }
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)
             table_.add({request_.checks[c], &request_.rows[r], &rows[r][c]});
-    file::write_datapackage(options_.folder / "datapackage.json", request_.scene->title, resources);
-    table_.close();  // last: a folder with a summary is a finished one
+    table::close_tables(options_.folder, request_.scene->title, table_, pixels_);
 }
 
 }  // namespace lostbits::output::consistency

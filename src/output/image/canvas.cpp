@@ -1,6 +1,7 @@
 #include "output/image/canvas.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
@@ -188,13 +189,16 @@ Canvas heading(ImageBackend& backend, std::string_view title, std::span<const st
     };
     std::vector<Line> lines;
     int height = 0;
-    const auto add = [&](std::string_view text, int size, bool bold, Rgb8 colour) {
+    const auto add = [&](std::string text, int size, bool bold, Rgb8 colour) {
+        // A title in a file may have several lines, or a tab: no letters, which would be boxes.
+        std::ranges::replace_if(
+            text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
         for (auto& line : wrap_text(backend, text, size, bold, width)) {
             lines.push_back({std::move(line), style::line_height(size), colour});
             height += style::line_height(size);
         }
     };
-    add(title, style::title_size, true, style::ink);
+    add(std::string(title), style::title_size, true, style::ink);
     for (const auto& text : subtitle) add(text, style::text_size, false, style::soft_ink);
     Canvas out(width, height);
     int y = 0;

@@ -1,12 +1,12 @@
 #include "output/image/colour.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "output/file/number_text.hpp"
-#include "output/image/ticks.hpp"
 
 namespace lostbits::output::image {
 namespace {
@@ -193,6 +193,28 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
     // A range that holds no two round values is labelled at its ends.
     if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};
     return out;
+}
+
+double round_step(double least) {
+    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+    for (const double m : {1.0, 2.0, 5.0}) {
+        if (m * ten >= least * (1 - 1e-9)) return m * ten;
+    }
+    return 10 * ten;
+}
+
+std::vector<double> multiples(double step, double lo, double hi) {
+    std::vector<double> out;
+    const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
+    for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
+    return out;
+}
+
+std::string tick_label(double value, int digits) {
+    char text[40];
+    // A negative zero is labelled 0.
+    const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general, digits).ptr;
+    return {text, end};
 }
 
 std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_table()[srgb]; }

@@ -111,6 +111,17 @@ private:
     double from_, range_;  ///< of lo as it is spaced, and of hi less that
 };
 
+// Round values for the ticks of axes and colour bars.
+
+/// 1, 2 or 5 times ten^k: the least such step that is at least `least` > 0.
+[[nodiscard]] double round_step(double least);
+
+/// The multiples of `step` from `lo` to `hi`, both included where they are multiples but for rounding.
+[[nodiscard]] std::vector<double> multiples(double step, double lo, double hi);
+
+/// With so many significant digits: a tick at 3 times 0.1 is not 0.30000000000000004.
+[[nodiscard]] std::string tick_label(double value, int digits = 6);
+
 /// Linear light of an sRGB byte, as 0..65535. Averages of pixels are taken in it.
 [[nodiscard]] std::uint16_t linear_light(std::uint8_t srgb) noexcept;
 

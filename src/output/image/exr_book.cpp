@@ -79,9 +79,11 @@ std::string header_of(const ExrPart& part) {
     put_attribute(out, "pixelAspectRatio", "float", words({1.0F}));
     put_attribute(out, "screenWindowCenter", "v2f", words({0.0F, 0.0F}));
     put_attribute(out, "screenWindowWidth", "float", words({1.0F}));
-    put_attribute(out, "name", "string", part.name);
-    put_attribute(out, "type", "string", "scanlineimage");
-    put_attribute(out, "chunkCount", "int", words<std::int32_t>({blocks_of(spec)}));
+    if (!part.name.empty()) {
+        put_attribute(out, "name", "string", part.name);
+        put_attribute(out, "type", "string", "scanlineimage");
+        put_attribute(out, "chunkCount", "int", words<std::int32_t>({blocks_of(spec)}));
+    }
     for (const auto& [name, value] : spec.attributes) put_attribute(out, name, "string", value);
     out += '\0';
     return out;
@@ -137,6 +139,7 @@ ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) 
         if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty() || !names.insert(part.name).second ||
             spec.width != parts.front().spec.width || spec.height != parts.front().spec.height)
             throw std::logic_error(path_ + ": part " + part.name + " has no pixels, a name or a size of its own");
+        if (part.name.empty() && parts.size() > 1) throw std::logic_error(path_ + ": a part without a name");
         for (int block = 0; block < blocks_of(spec); ++block)
             order_.emplace_back(part.run, block, static_cast<std::size_t>(&part - parts.data()));
     }
@@ -151,12 +154,15 @@ ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) 
 
 ExrBook::~ExrBook() = default;
 
+bool ExrBook::has_parts() const { return !pages_.front().part.name.empty(); }
+
 void ExrBook::write_header() {
     constexpr std::int32_t magic = 20000630, version = 2, long_names = 0x400, several_parts = 0x1000;
     const bool is_long = std::ranges::any_of(pages_, [](const Page& page) { return has_long_name(page.part); });
-    std::string header = words<std::int32_t>({magic, version | several_parts | (is_long ? long_names : 0)});
+    std::string header =
+        words<std::int32_t>({magic, version | (has_parts() ? several_parts : 0) | (is_long ? long_names : 0)});
     for (const Page& page : pages_) header += header_of(page.part);
-    header += '\0';
+    if (has_parts()) header += '\0';
     out_.seek(0);
     out_.write(header);
     for (Page& page : pages_) {
@@ -205,8 +211,8 @@ void ExrBook::write_waiting() {
          first = waiting_.erase(first), ++next_) {
         const auto& [run, block, part] = first->first;
         pages_[part].offsets[static_cast<std::size_t>(block)] = out_.tell();
-        out_.write(words<std::int32_t>(
-            {static_cast<std::int32_t>(part), block * block_lines, static_cast<std::int32_t>(first->second.size())}));
+        if (has_parts()) out_.write(words({static_cast<std::int32_t>(part)}));
+        out_.write(words({block * block_lines, static_cast<std::int32_t>(first->second.size())}));
         out_.write(first->second);
     }
 }

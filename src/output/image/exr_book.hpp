@@ -1,4 +1,4 @@
-// An EXR file of several parts that grow side by side.
+// An EXR file of one part, or of several that grow side by side.
 //
 // OpenImageIO writes one part after the other, so that all but the first would have to wait on disk, uncompressed: 1.7
 // GB for 41 rows of a map of 1024 × 1024. The file format asks for no such order.
@@ -30,7 +30,7 @@
 namespace lostbits::output::image {
 
 struct ExrPart {
-    std::string name;
+    std::string name;  ///< empty: the file has this one alone, and is none of parts
     ExrSpec spec;
     /// Parts of one run grow together; a later run begins when the parts of the ones before are whole.
     int run = 0;
@@ -48,7 +48,10 @@ public:
     ExrBook(const ExrBook&) = delete;
     ExrBook& operator=(const ExrBook&) = delete;
 
-    /// The next rows of a part, as ExrWriter::write_rows takes them. Different parts may be served at the same time.
+    /// The next `rows` rows of a part, the first of which is `y_begin`. `pixels` holds rows · width · channels samples
+    /// of four bytes in native byte order, the channels of a pixel side by side in the order of the spec. Different
+    /// parts may be served at the same time. Throws EnvironmentError (a full disk), and std::logic_error for rows out
+    /// of order or a wrong size.
     void write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels);
 
     /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
@@ -58,6 +61,7 @@ private:
     struct Page;
     using Place = std::tuple<int, int, std::size_t>;  ///< run, block, part
 
+    [[nodiscard]] bool has_parts() const;
     void write_header();
     void add_block(std::size_t part, int block, std::string bytes);
     void write_waiting();

@@ -43,9 +43,6 @@ public:
     /// rows are lacking.
     void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
 
-    /// Pixels a side that a sample got.
-    [[nodiscard]] int magnification() const noexcept { return factor_; }
-
 private:
     void put_body_row(std::span<const Rgb8> samples);
 

@@ -1,4 +1,5 @@
-// The face of the image module: EXR, PNG, colour ramps, text and lines, without a type of the libraries behind it.
+// The face of the image module: PNG, what an EXR holds, colour ramps, text and lines, without a type of the libraries
+// behind it.
 //
 // OpenImageIO, which brings Cairo, costs 180 ms to load, so they sit in a module of their own (`lostbits_image`) that
 // `image_backend()` loads when a command first writes a picture.
@@ -34,21 +35,6 @@ struct ExrSpec {
     std::vector<std::pair<std::string, std::string>> attributes;  ///< `lostbits:scene`, ...; written as strings
 };
 
-/// Writes one EXR file from top to bottom: single part, scan lines, ZIP, no date. Memory does not grow with the
-/// height. One thread at a time.
-class ExrWriter {
-public:
-    virtual ~ExrWriter() = default;
-
-    /// The next `rows` rows, the first of which is `y_begin`. `pixels` holds rows · width · channels samples of four
-    /// bytes in native byte order, the channels of a pixel side by side in the order of the spec. Throws
-    /// EnvironmentError (a full disk), and std::logic_error for rows out of order or a wrong size.
-    virtual void write_rows(int y_begin, int rows, std::span<const std::byte> pixels) = 0;
-
-    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
-    virtual void close() = 0;
-};
-
 /// What a PNG file is to be.
 struct PngSpec {
     int width = 0, height = 0;
@@ -60,10 +46,11 @@ class PngWriter {
 public:
     virtual ~PngWriter() = default;
 
-    /// The next `rows` rows. Throws as ExrWriter::write_rows does.
+    /// The next `rows` rows. Throws EnvironmentError (a full disk), and std::logic_error for too many rows or a wrong
+    /// size.
     virtual void write_rows(int rows, std::span<const Rgb8> pixels) = 0;
 
-    /// As ExrWriter::close.
+    /// Gives the file its final name. Throws EnvironmentError, and std::logic_error when rows are lacking.
     virtual void close() = 0;
 };
 
@@ -118,22 +105,18 @@ class ImageBackend {
 public:
     virtual ~ImageBackend() = default;
 
-    /// Opens `path` at once, as AtomicFile does. In a run's own folder (see file::ResultFolder) the file says what made
-    /// it, as `lostbits:command` and `lostbits:program`. Throws EnvironmentError, and std::logic_error for a spec
-    /// without pixels or channels, or with a channel name used twice.
-    [[nodiscard]] std::unique_ptr<ExrWriter> open_exr(const std::filesystem::path& path, const ExrSpec& spec);
-
-    /// Opens `path` for width × height RGB pixels. What made it is in text chunks `lostbits:command` and `Software`.
-    /// Throws as open_exr does.
+    /// Opens `path` at once, as AtomicFile does, for width × height RGB pixels. In a run's own folder (see
+    /// file::ResultFolder) the file says what made it, in text chunks `lostbits:command` and `Software`. Throws
+    /// EnvironmentError, and std::logic_error for a picture without pixels.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
 
     /// `steps` (at least 2) colours of the ramp, low to high: viridis, inferno, magma, plasma or turbo. Throws
     /// InputError for another name.
     [[nodiscard]] virtual std::vector<Rgb8> ramp(std::string_view name, int steps) = 0;
 
-    /// One line of text with letters `size` pixels to the em; the exponent of `2^-10` is raised. A character that
-    /// DejaVu Sans lacks becomes a box; where the text is not UTF-8, every byte beyond ASCII `?`. Throws
-    /// EnvironmentError when that font is not installed.
+    /// One line of text with letters `size` pixels to the em; the exponent of a power of 2 or 10, `2^-10`, is raised
+    /// where it is not a part of a name. A character that DejaVu Sans lacks becomes a box; where the text is not UTF-8,
+    /// every byte beyond ASCII `?`. Throws EnvironmentError when that font is not installed.
     [[nodiscard]] virtual TextBitmap render_text(std::string_view utf8, int size, bool bold = false) = 0;
 
     /// How much of each pixel the figures cover together, 0 to 255, row by row.
@@ -149,14 +132,12 @@ public:
     [[nodiscard]] virtual PngImage read_png(const std::filesystem::path& path) = 0;
 
 protected:
-    virtual std::unique_ptr<ExrWriter> make_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                const ExrSpec& spec) = 0;
     virtual std::unique_ptr<PngWriter> make_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
                                                 const PngSpec& spec) = 0;
 };
 
 /// Grows with every change of this header; a module of another build is refused rather than misread.
-inline constexpr int image_module_abi = 4;
+inline constexpr int image_module_abi = 5;
 
 /// The module, loaded on the first call; later calls cost nothing. Looks at $LOSTBITS_IMAGE_MODULE (then nowhere
 /// else), beside the program, in its `../lib/lostbits` and in its `src/output`. Throws EnvironmentError that says

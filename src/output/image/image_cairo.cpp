@@ -3,7 +3,9 @@
 #include <cairo-ft.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -117,12 +119,26 @@ Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& f
     return {font, {made, cairo_glyph_free}, count, extents.x_advance};
 }
 
-/// How many letters after a `^` are its exponent; 0 where it is none, as before a letter in the name of a form.
-std::size_t exponent_after(std::string_view text) {
-    if (!text.starts_with('^')) return 0;
-    const std::size_t sign = text.size() > 1 && (text[1] == '-' || text[1] == '+') ? 1 : 0;
-    const auto number = text.substr(1, text.find_first_not_of(".0123456789", 1 + sign) - 1);
-    return number.find_last_of("0123456789") + 1;  // no dot that ends a sentence; 0 after npos
+/// How many letters after the `^` at a place are the exponent of a power of 2 or 10 that stands alone; 0 where there is
+/// none, as in the name of a form, of a file or of what a formula computes.
+std::size_t exponent_after(std::string_view text, std::size_t place) {
+    const auto ends_a_name = [](std::string_view before) {
+        return !before.empty() &&
+               (std::isalnum(static_cast<unsigned char>(before.back())) || std::strchr("_./^-+@~", before.back()));
+    };
+    const auto begins_one = [](std::string_view after) {
+        if (after.starts_with('.')) after.remove_prefix(1);
+        return !after.empty() && (std::isalpha(static_cast<unsigned char>(after[0])) || after[0] == '_');
+    };
+    std::string_view before = text.substr(0, place);
+    if (!before.ends_with('2') && !before.ends_with("10")) return 0;
+    before.remove_suffix(before.ends_with('2') ? 1 : 2);
+    if (before.ends_with('-')) before.remove_suffix(1);
+    text.remove_prefix(place + 1);
+    const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+    const auto number = text.substr(0, text.find_first_not_of(".0123456789", sign));
+    const std::size_t digits = number.find_last_of("0123456789") + 1;  // no dot that ends a sentence; 0 after npos
+    return ends_a_name(before) || begins_one(text.substr(digits)) ? 0 : digits;
 }
 
 }  // namespace
@@ -139,15 +155,20 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = size * 2 / 5;
     std::vector<Letters> line;
     double pen = 0;
-    while (!utf8.empty()) {
-        const std::size_t raised = exponent_after(utf8);
-        if (raised > 0) utf8.remove_prefix(1);
-        const std::size_t end = raised > 0 ? raised : std::min(utf8.find('^', 1), utf8.size());
-        line.push_back(lay_out(font_of(raised > 0 ? small : size, bold), utf8.substr(0, end),
-                               {pen, out.baseline - (raised > 0 ? rise : 0.0)}));
+    const auto add = [&](std::string_view text, int letters, double above) {
+        if (text.empty()) return;
+        line.push_back(lay_out(font_of(letters, bold), text, {pen, out.baseline - above}));
         pen += line.back().advance;
-        utf8.remove_prefix(end);
+    };
+    std::size_t from = 0;
+    for (std::size_t at = utf8.find('^'); at != std::string_view::npos; at = utf8.find('^', at + 1)) {
+        const std::size_t raised = exponent_after(utf8, at);
+        if (raised == 0) continue;
+        add(utf8.substr(from, at - from), size, 0);
+        add(utf8.substr(at + 1, raised), small, rise);
+        from = at + 1 + raised;
     }
+    add(utf8.substr(from), size, 0);
     out.width = static_cast<int>(std::lround(std::clamp(pen, 0.0, widest)));
     const Paper paper(out.width, out.height);
     for (const Letters& letters : line) {

@@ -1,7 +1,6 @@
 #include <dlfcn.h>
 
 #include <mutex>
-#include <set>
 #include <stdexcept>
 #include <system_error>
 
@@ -68,21 +67,6 @@ ImageBackend& image_backend() {
     const std::lock_guard lock(mutex);
     if (backend == nullptr) backend = &load();
     return *backend;
-}
-
-std::unique_ptr<ExrWriter> ImageBackend::open_exr(const fs::path& path, const ExrSpec& spec) {
-    if (spec.width <= 0 || spec.height <= 0 || spec.channels.empty()) {
-        throw std::logic_error(path.string() + ": an EXR without pixels or channels");
-    }
-    std::set<std::string_view> names;
-    for (const auto& channel : spec.channels) {
-        if (!names.insert(channel.name).second) {
-            throw std::logic_error(path.string() + ": channel " + channel.name + " appears twice");
-        }
-    }
-    ExrSpec signed_spec = spec;
-    file::add_maker(path, signed_spec.attributes);
-    return make_exr(std::make_unique<file::AtomicFile>(path), path.string(), signed_spec);
 }
 
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {

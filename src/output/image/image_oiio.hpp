@@ -24,12 +24,6 @@ namespace lostbits::output::image {
 /// Around whatever calls the library.
 using intersect::process::KeepsFloatingPoint;
 
-/// The writers behind ImageBackend::open_exr and open_png. Bytes go to `sink`; `path` is for messages.
-[[nodiscard]] std::unique_ptr<ExrWriter> oiio_exr(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                  const ExrSpec& spec);
-[[nodiscard]] std::unique_ptr<PngWriter> oiio_png(std::unique_ptr<file::ByteSink> sink, const std::string& path,
-                                                  const PngSpec& spec);
-
 /// What is behind ImageBackend::render_text and cover.
 [[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);

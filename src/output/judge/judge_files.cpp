@@ -6,13 +6,13 @@
 
 #include "measure/judge/worst_rays.hpp"
 #include "output/blame/explain_command.hpp"
-#include "output/judge/ray_rows.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/sweep/case_text.hpp"
 
 namespace lostbits::output::judge {
 
+using file::Cell;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
@@ -21,6 +21,9 @@ using measure::judge::NotedRay;
 using measure::judge::WorstRays;
 using scene::dump::Chunk;
 using scene::dump::Dump;
+using scene::dump::Layout;
+using table::Table;
+namespace slot = scene::dump::slot;
 
 namespace {
 
@@ -46,21 +49,87 @@ std::string case_name(const TestedForm& row, const NotedRay& ray) {
     return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, what);
 }
 
+/// A ray of a chunk of the file.
+struct JudgedRay {
+    const scene::dump::Chunk* chunk;
+    map::BandRay found;
+};
+
+bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.found.i] != 0; }
+
+/// What the file has of a ray and its solid.
+Table<JudgedRay> given_columns(const Dump& dump) {
+    using R = JudgedRay;
+    const Layout& layout = dump.layout();
+    Table<R> table{{"ray", "integer", "", "place of the ray in the file, from 0",
+                    [](const R& r) { return r.chunk->first + r.found.i; }}};
+    // Numbers of files of floats are written as short as floats are.
+    const bool narrow = dump.format().engine == Format::Engine::native32;
+    const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
+    const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
+        if (layout.has(s))
+            table.add({std::string(scene::dump::name_of_slot(s, layout.solid())), type, "", meaning, std::move(value)});
+    };
+    const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
+        add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
+    };
+    for (int k = 0; k < 6; ++k)
+        add_number(slot::origin + static_cast<std::size_t>(k), "of the ray, as it was judged",
+                   [k](const Chunk& c, std::size_t i) {
+                       const Ray<double> ray = c.rays[i];
+                       return k < 3 ? ray.origin[k] : ray.direction[k - 3];
+                   });
+    add_number(slot::tmin, "where the range of the ray begins",
+               [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
+    add_number(slot::tmax, "where it ends", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
+    for (std::size_t s = slot::solid; s < slot::t; ++s)
+        add_number(s, "of the ray's solid, as it was judged",
+                   [k = s - slot::solid](const Chunk& c, std::size_t i) { return c.solids[i].used()[k]; });
+    for (std::size_t s = slot::matrix; s < slot::count; ++s)
+        add_number(s, "of its matrix, as it was judged",
+                   [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.solids[i].placed->matrix[k]; });
+    add(slot::hit, "boolean", "whether the file has a hit there", has_hit);
+    add(slot::t, "number", "the file's answer; missing where it has no hit",
+        [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.found.i]) : Cell(); });
+    return table;
+}
+
+/// The columns of one row of the work. `decides`: its answers have no t.
+Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::metric::Metric*>& metrics,
+                           bool decides = false) {
+    using Found = map::BandRay;
+    Table<Found> found{map::outcome_column()};
+    found.add_exact({"answer", "number", "t", "the answer that was judged, in its own unit",
+                     [decides](const Found& r) { return r.hit() && !decides ? r.t() : Cell(); }});
+    found.add(map::found_columns(metrics));
+    Table<JudgedRay> table = given_columns(dump);
+    const std::size_t kept = dump.layout().kept().size();
+    for (std::size_t k = 0; k < kept; ++k) {
+        std::string name = file::csv_text(dump.layout().kept()[k]);  // a column may be called like a formula
+        while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
+        table.add({name, "string", "", "as the file has it",
+                   [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});
+    }
+    return table.add(found, &JudgedRay::found);
+}
+
 /// The files of one row.
 class RowParts final : public JudgeSink {
 public:
-    RowParts(const TestedForm& row, WorstRays worst, measure::evaluate::EvaluationSink& map)
-        : row_(row), worst_(std::move(worst)), map_(map) {}
-    void open_rows(const std::filesystem::path& path, const Dump& dump, const JudgeRequest& request) {
-        rows_.emplace(path, ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
+    RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
+    void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
+        rows_.emplace(folder, map::row_name(row_) + ".csv",
+                      fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
+                      ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
     }
+    void send_to(measure::evaluate::EvaluationSink& map) { map_ = &map; }
     void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) override {
         worst_.look_at(chunk.first, result);
-        if (rows_) rows_->add(chunk, result, row_);
-        map_.band(result);
+        for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
+        map_->band(result);
     }
     [[nodiscard]] WorstRays& worst() { return worst_; }
-    [[nodiscard]] std::optional<RayRows>& rows() { return rows_; }
+    [[nodiscard]] std::optional<table::TableFile<JudgedRay>>& rows() { return rows_; }
     void close() {
         if (rows_) rows_->close();
     }
@@ -68,8 +137,8 @@ public:
 private:
     const TestedForm& row_;
     WorstRays worst_;
-    measure::evaluate::EvaluationSink& map_;
-    std::optional<RayRows> rows_;
+    measure::evaluate::EvaluationSink* map_ = nullptr;
+    std::optional<table::TableFile<JudgedRay>> rows_;
 };
 
 }  // namespace
@@ -98,13 +167,13 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     Parts& p = *parts_;
     p.scene = scene_of(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
+    const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    const auto table_of = [](const TestedForm& row) { return map::row_name(row) + ".csv"; };
-    if (p.options.rows) {
-        for (const TestedForm& row : request.rows)
-            tables.push_back({table_of(row),
-                              fmt::format("One row per ray: {} in {}", row.form->info->name, row.format.name),
-                              ray_table(dump, request.metrics).columns()});
+    for (const TestedForm& row : request.rows) {
+        p.rows.push_back(std::make_unique<RowParts>(row, WorstRays(p.options.worst, ulps)));
+        if (!p.options.rows) continue;
+        p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
+        tables.push_back(p.rows.back()->rows()->about());
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
                                                       .drawn = p.options.drawn,
@@ -116,14 +185,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
-    const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
     const auto sinks = p.map->sinks();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        p.rows.push_back(std::make_unique<RowParts>(request.rows[r], WorstRays(p.options.worst, ulps), *sinks[r]));
-        if (p.options.rows)
-            p.rows.back()->open_rows(
-                p.options.keep ? std::filesystem::path() : p.options.folder / table_of(request.rows[r]), dump, request);
-    }
+    for (std::size_t r = 0; r < sinks.size(); ++r) p.rows[r]->send_to(*sinks[r]);
 }
 
 JudgeFiles::~JudgeFiles() = default;

@@ -8,7 +8,7 @@
 
 #include "measure/judge/judge.hpp"
 #include "measure/judge/worst_rays.hpp"
-#include "output/map/map_piece.hpp"
+#include "output/map/map_exr.hpp"
 
 namespace lostbits::output::judge {
 

@@ -73,9 +73,4 @@ std::vector<LegendEntry> outcome_legend(const measure::evaluate::FormSummary& su
     return entries;
 }
 
-std::vector<LegendEntry> without_counts(std::vector<LegendEntry> entries) {
-    for (LegendEntry& entry : entries) entry.count.clear();
-    return entries;
-}
-
 }  // namespace lostbits::output::map

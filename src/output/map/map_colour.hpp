@@ -55,9 +55,7 @@ inline constexpr const char* paler_means = "paler: half an ulp in each input wou
 /// `false miss`, `wrong solid`: an outcome in words.
 std::string plain_name(measure::answer::Outcome o);
 
-/// The legend of a finished row; entries without a pixel are left out.
+/// The outcomes of a finished row; entries without a pixel are left out.
 std::vector<image::LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary);
-/// Of a sheet: counts of several maps have no common whole.
-std::vector<image::LegendEntry> without_counts(std::vector<image::LegendEntry> entries);
 
 }  // namespace lostbits::output::map

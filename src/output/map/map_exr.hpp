@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
+#include "output/pixel/columns.hpp"
 #include "output/pixel/exr_layers.hpp"
 
 namespace lostbits::output::map {
@@ -84,5 +86,25 @@ private:
     std::vector<const intersect::Info*> needed_;
     std::unique_ptr<image::ExrBook> book_;
 };
+
+/// What the files of a map take of a band of one of its rows, or of a form of the bits needed: what a shard keeps, and
+/// what is written where there are none.
+struct MapPiece {
+    int y0 = 0;
+    std::vector<pixel::Strip> strips = {};  ///< of each picture that is drawn, in their order
+    std::vector<ExrRows> exr = {};
+    std::string lines = {};  ///< of the table of pixels
+
+    [[nodiscard]] bool is_empty() const { return strips.empty() && exr.empty() && lines.empty(); }
+};
+
+template <class Bits>
+void fields(Bits& bits, MapPiece& piece) {
+    auto& [y0, strips, exr, lines] = piece;
+    bits(y0, strips, exr, lines);
+}
+
+/// Takes the pieces of each row in place of the files, of which none is opened then.
+using KeepPiece = std::function<void(std::size_t row, MapPiece&& piece)>;
 
 }  // namespace lostbits::output::map

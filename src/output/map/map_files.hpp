@@ -10,7 +10,6 @@
 #include "output/file/datapackage.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_exr.hpp"
-#include "output/map/map_piece.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::output::map {

@@ -1,4 +1,5 @@
-// The tables of a map: summary.csv (a row per form and format) and the CSV of the pixels of one row.
+// The tables of a map: summary.csv (a row per form and format), culprits.csv (a row per form, format and operation) and
+// the CSV of the pixels of one row.
 #pragma once
 
 #include <filesystem>
@@ -34,6 +35,27 @@ table::Table<SummaryRow> summary_table(const std::vector<const measure::metric::
 std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
                                      const measure::evaluate::FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
+
+/// An operation that is the culprit of some rays: as columns of a summary, operations would differ from run to run.
+struct Culprit {
+    measure::evaluate::TestedForm row;
+    std::string_view operation;
+    std::uint64_t rays;
+    double fraction;
+};
+table::Table<Culprit> culprit_table();
+
+/// Only where `culprit` is among the metrics.
+[[nodiscard]] bool asks_for_culprits(const std::vector<const measure::metric::Metric*>& metrics);
+
+/// The most frequent first.
+std::vector<Culprit> culprits_of(const std::vector<const measure::metric::Metric*>& metrics,
+                                 const measure::evaluate::TestedForm& row,
+                                 const measure::evaluate::FormSummary& summary);
+
+/// The operations that are the culprit of any ray, by their categories, the most frequent first; of equals the first on
+/// the tape.
+std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts);
 
 /// A ray of a band, as a row of the run answers it.
 struct BandRay {

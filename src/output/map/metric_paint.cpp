@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measure/answer/against.hpp"
 #include "measure/blame/culprits.hpp"
-#include "output/map/culprit_table.hpp"
+#include "output/map/map_tables.hpp"
 
 namespace lostbits::output::map {
 
@@ -140,35 +139,23 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
     return {by_outcome ? place_of(outcome) : look_.categories.size() - 1};
 }
 
-std::vector<LegendEntry> MetricPaint::widest(std::uint64_t pixels, bool of_mesh) const {
+pixel::Look MetricPaint::look(bool of_mesh) const {
+    pixel::Look look = look_;
+    if (metric_->by_run)
+        look.own_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
+            return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
+        };
+    for (std::size_t o = measure::answer::outcomes_without_mesh; !of_mesh && o < image::outcome_colours.size(); ++o)
+        look.categories[place_of(static_cast<Outcome>(o))].name.clear();
+    return look;
+}
+
+std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
-    if (metric_->by_run) {
-        std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, count});
-        for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
-            entries.push_back({plain_name(o), pixel::colour_of(o), count});
-        return entries;
-    }
-    auto entries = look_.widest_legend(pixels);
-    for (std::size_t o = measure::answer::outcomes_without_mesh;
-         is_of_hits() && !of_mesh && o < image::outcome_colours.size(); ++o)
-        std::erase_if(entries, [o](const LegendEntry& e) { return e.label == plain_name(static_cast<Outcome>(o)); });
+    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, count});
+    for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
+        entries.push_back({plain_name(o), pixel::colour_of(o), count});
     return entries;
-}
-
-pixel::CategoryCounts MetricPaint::counts(const FormSummary& summary, std::size_t m) const {
-    pixel::CategoryCounts counts = summary.categories[m];
-    if (look_.scale) counts = {summary.metrics[m].count()};
-    const auto with_value = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-    counts.resize(look_.categories.size());
-    for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
-        counts[place_of(static_cast<Outcome>(o))] = summary.outcomes[o];
-    if (is_of_hits()) counts[place_of(Outcome::agree_hit)] -= with_value;
-    counts.back() = summary.rays - with_value;
-    return counts;
-}
-
-std::vector<LegendEntry> MetricPaint::legend(const pixel::CategoryCounts& counts, std::uint64_t rays) const {
-    return metric_->by_run ? culprit_legend(counts) : look_.legend(counts, rays);
 }
 
 std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& all) const {

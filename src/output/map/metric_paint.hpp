@@ -27,14 +27,12 @@ public:
     [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const {
         return look_.colour(pixel(outcome, value));
     }
-    /// Every class that may occur in a picture of so many pixels, with the widest count it can have.
-    [[nodiscard]] std::vector<image::LegendEntry> widest(std::uint64_t pixels, bool of_mesh) const;
-    /// Rays of each of its classes: those with a value, or of each category; of each outcome, where correct hits are
-    /// those without a value if the metric is of hits; and all without a value. `m` is its place in the summary.
-    [[nodiscard]] pixel::CategoryCounts counts(const measure::evaluate::FormSummary& summary, std::size_t m) const;
-    /// Those that occurred.
-    [[nodiscard]] std::vector<image::LegendEntry> legend(const pixel::CategoryCounts& counts, std::uint64_t rays) const;
-    /// The place of an outcome in the counts.
+    /// Its categories: what has a value (several, or one on the ramp); the outcomes, correct hits without a value last,
+    /// where `of_mesh` with the names of those of meshes; and whatever else has no value.
+    [[nodiscard]] pixel::Look look(bool of_mesh) const;
+    /// A pixel of a picture.
+    [[nodiscard]] pixel::PixelValue pixel(measure::answer::Outcome outcome, double value) const;
+    /// The place of an outcome in the categories.
     [[nodiscard]] std::size_t place_of(measure::answer::Outcome o) const {
         const auto k = static_cast<std::size_t>(o);
         return values_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
@@ -58,8 +56,8 @@ private:
     [[nodiscard]] bool is_of_hits() const { return metric_->over == measure::metric::Over::agreed_hits; }
     /// How far two forms are apart, which exists where both hit.
     [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && look_.scale; }
-    [[nodiscard]] pixel::PixelValue pixel(measure::answer::Outcome outcome, double value) const;
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
+    [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
 
     const measure::metric::Metric* metric_;
     int precision_;

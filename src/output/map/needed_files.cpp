@@ -6,16 +6,14 @@
 #include <optional>
 
 #include "measure/metric/statistics.hpp"
-#include "output/image/heatmap.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/pixel/look.hpp"
+#include "output/pixel/columns.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::map {
 
 using file::Cell;
 using file::CsvWriter;
-using image::Rgb8;
 using intersect::Info;
 using measure::answer::Outcome;
 using measure::evaluate::NeededBand;
@@ -47,19 +45,32 @@ pixel::PixelValue pixel_of(double needed) {
     return needed == measure::evaluate::needed_beyond ? pixel::PixelValue{1} : pixel::PixelValue{0, needed};
 }
 
-image::HeatmapSpec heatmap_spec(const NeededRequest& request, const Info& form, const pixel::Look& look) {
-    return {.title = fmt::format("{}: significand bits needed for {} correct {}", form.name, request.bits,
-                                 request.bits == 1 ? "one" : "ones"),
-            .subtitle = {request.scene->title, std::string(form.title),
-                         fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} correct "
-                                     "bits, as every wider one up to {} does; "
-                                     "inputs are rounded to the width too",
-                                     request.bits, measure::evaluate::most_width)},
-            .width = request.scene->width,
-            .height = request.scene->height,
-            .scale = look.scale,
-            .unit = look.unit,
-            .legend = look.widest_legend(request.scene->pixels())};
+using NeededColumns = pixel::ColumnFiles<NeededBand>;
+
+/// A picture a form.
+NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions& options) {
+    const auto look = std::make_shared<const pixel::Look>(needed_look(image::image_backend()));
+    std::vector<pixel::PixelColumn<NeededBand>> columns;
+    for (const intersect::table::Intersector* form : request.forms)
+        columns.push_back(
+            {{.file = stem(*form->info) + ".png",
+              .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
+                                   request.bits == 1 ? "one" : "ones"),
+              .subtitle = {std::string(form->info->title),
+                           fmt::format("colour: the smallest width that decides rightly and, on a hit, keeps {} "
+                                       "correct bits, as every wider one up to {} does; "
+                                       "inputs are rounded to the width too",
+                                       request.bits, measure::evaluate::most_width)},
+              .look = look},
+             columns.size(),
+             pixel::drawn_by<NeededBand>(
+                 [](const NeededBand& band, std::size_t i) { return pixel_of(band.needed[i]); })});
+    return {{.scene = *request.scene,
+             .sheets = {},
+             .singles = options.folder,
+             .stop = request.limit.stop,
+             .opened = !options.keep},
+            std::move(columns)};
 }
 
 struct NeededRow {
@@ -131,31 +142,24 @@ Table<NeededPixel> needed_pixel_table(int bits) {
 class NeededFormFiles final : public NeededSink {
 public:
     NeededFormFiles(const NeededRequest& request, std::size_t place, const NeededFilesOptions& options,
-                    image::ImageBackend& backend)
-        : place_(place),
-          pixel_table_(needed_pixel_table(request.bits)),
-          look_(needed_look(backend)),
-          options_(options) {
+                    NeededColumns& pictures)
+        : place_(place), pixel_table_(needed_pixel_table(request.bits)), options_(options), pictures_(pictures) {
         const Info& form = *request.forms[place]->info;
-        if (options.keep) return;
-        heatmap_.emplace(backend, options.folder / (stem(form) + ".png"), heatmap_spec(request, form, look_));
-        if (options.pixels_csv)
+        if (options.pixels_csv && !options.keep)
             csv_.emplace(options.folder, stem(form) + ".csv",
                          fmt::format("One row per pixel: bits needed by {}", form.name), pixel_table_);
     }
 
     void band(const NeededBand& result) override {
-        MapPiece piece{.y0 = result.y0};
-        std::vector<Rgb8>& field = piece.fields.emplace_back(result.needed.size());
-        for (std::size_t i = 0; i < field.size(); ++i) field[i] = look_.colour(pixel_of(result.needed[i]));
-        if (options_.exr) piece.exr = options_.exr->rows_of(result, field);
+        MapPiece piece{.y0 = result.y0, .strips = pictures_.draw(place_, result, result.needed.size())};
+        if (options_.exr) piece.exr = options_.exr->rows_of(result, piece.strips[0].colours);
         if (options_.pixels_csv) piece.lines = pixel_lines(result);
         if (options_.keep) options_.keep(place_, std::move(piece));
         else put(piece);
     }
 
     void put(const MapPiece& piece) {
-        heatmap_->write_rows(piece.fields.at(0));
+        pictures_.put(place_, piece.y0, piece.strips);
         if (options_.exr) options_.exr->write(piece.exr);
         if (csv_) csv_->add_lines(piece.lines);
     }
@@ -163,9 +167,7 @@ public:
     /// Of its pixels, where there is one.
     [[nodiscard]] const std::optional<table::TableFile<NeededPixel>>& table() const { return csv_; }
 
-    void finish(const NeededSummary& s) {
-        const std::uint64_t beyond = s.hits_beyond + s.misses_beyond;
-        heatmap_->finish(look_.legend({s.pixels() - beyond - s.unresolved, beyond, s.unresolved}, s.pixels()));
+    void finish() {
         if (csv_) csv_->close();
     }
 
@@ -178,30 +180,27 @@ private:
 
     std::size_t place_;  ///< of the form in the request
     Table<NeededPixel> pixel_table_;
-    pixel::Look look_;
     const NeededFilesOptions& options_;
-    std::optional<image::HeatmapWriter> heatmap_;
+    NeededColumns& pictures_;
     std::optional<table::TableFile<NeededPixel>> csv_;
 };
 
 struct NeededFiles::Parts {
     const NeededRequest& request;
     NeededFilesOptions options;
-    std::optional<table::TableFile<NeededRow>> table;
-    std::vector<std::unique_ptr<NeededFormFiles>> forms;
+    std::optional<table::TableFile<NeededRow>> table = {};
+    NeededColumns pictures = pictures_of(request, options);
+    std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
 };
 
 NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
-    : parts_(new Parts{request, options, {}, {}}) {
+    : parts_(new Parts{request, options}) {
     if (!options.keep)
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct ones", request.bits), needed_table());
-    for (std::size_t form = 0; form < request.forms.size(); ++form) {
-        request.limit.stop.check();
-        parts_->forms.push_back(
-            std::make_unique<NeededFormFiles>(request, form, parts_->options, image::image_backend()));
-    }
+    for (std::size_t form = 0; form < request.forms.size(); ++form)
+        parts_->forms.push_back(std::make_unique<NeededFormFiles>(request, form, parts_->options, parts_->pictures));
 }
 
 NeededFiles::~NeededFiles() = default;
@@ -224,8 +223,9 @@ void NeededFiles::put(std::size_t form, MapPiece&& piece) { parts_->forms.at(for
 
 void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;
+    p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
-        p.forms[f]->finish(summaries[f]);
+        p.forms[f]->finish();
         p.table->add({p.request.forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();

@@ -9,7 +9,6 @@
 #include "output/file/datapackage.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_exr.hpp"
-#include "output/map/map_piece.hpp"
 
 namespace lostbits::output::map {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "output/image/image.hpp"
-#include "output/offset/offset_pictures.hpp"
+#include "output/offset/offset_files.hpp"
 #include "output/plot/line_plot.hpp"
 
 namespace lostbits::output::offset {

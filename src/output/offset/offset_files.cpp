@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "measure/offset/cheapest.hpp"
+#include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::offset {
 
+using measure::answer::Outcome;
 using measure::offset::both_sides;
 using measure::offset::Fault;
 using measure::offset::OffsetBand;
@@ -16,9 +20,119 @@ using measure::offset::OffsetRow;
 using measure::offset::OffsetSummary;
 using measure::offset::Side;
 using measure::offset::Strategy;
+using measure::offset::StrategyAtPoint;
+using pixel::colour_of;
+using pixel::PixelColumn;
+using pixel::PixelValue;
 using table::Table;
 
 namespace {
+
+constexpr const char* safe_unit = "ulps of the largest coordinate";
+
+/// Where the form and the truth do not meet the same solid, or the point is not finite.
+const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
+
+/// What became of the rays of a strategy at a point; of several, the first here.
+enum class Fate : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
+pixel::Look fate_look() {
+    return {{no_point,
+             {"self-hit by truth", colour_of(Outcome::false_miss)},
+             {"past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
+             {"self-hit or lost by the form's arithmetic alone", colour_of(Outcome::false_hit)},
+             {"starts on the wrong side, without harm", colour_of(Outcome::wrong_object)},
+             {"every ray is right", colour_of(Outcome::agree_hit)}}};
+}
+
+Fate fate_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
+    if (band.is_point[pixel] == 0) return Fate::nowhere;
+    const StrategyAtPoint& at = band.at(pixel, side, strategy);
+    if (at[Fault::self_hit] > 0) return Fate::self_hit;
+    if (at[Fault::lost_occluder] + at[Fault::begins_in_neighbour] + at[Fault::lost_exit] + at[Fault::not_finite] > 0)
+        return Fate::lost;
+    if (at[Fault::self_hit_by_form] + at[Fault::lost_exit_by_form] > 0) return Fate::by_form;
+    return at[Fault::wrong_side] > 0 ? Fate::wrong_side : Fate::safe;
+}
+
+/// The smallest safe offset, and what has no place on its scale.
+pixel::Look safe_look() {
+    return {{no_point,
+             {"needs no offset", colour_of(Outcome::agree_hit)},
+             {"none is safe", colour_of(Outcome::not_a_number)},
+             {""}},
+            pixel::magnitude_scale(0x1p-2, 0x1p14),
+            safe_unit};
+}
+
+PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
+    if (band.is_point[pixel] == 0) return {0};
+    const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe;
+    if (offset == 0) return {1};
+    return std::isfinite(offset) ? PixelValue{3, offset / band.ulp[pixel]} : PixelValue{2};
+}
+
+std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<std::size_t>(side); }
+
+std::vector<PixelColumn<OffsetBand>> columns_of(const OffsetRequest& request) {
+    const auto of_fates = std::make_shared<const pixel::Look>(fate_look()),
+               of_safe = std::make_shared<const pixel::Look>(safe_look());
+    std::vector<PixelColumn<OffsetBand>> columns;
+    for (std::size_t r = 0; r < request.rows.size(); ++r) {
+        const OffsetRow& row = request.rows[r];
+        const std::string of_row =
+            fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
+        for (const Side side : both_sides) {
+            const std::string stem = fmt::format("{}.{}.", row_name(row), name_of(side));
+            for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+                const Strategy& s = *request.strategies[k];
+                columns.push_back({{.file = stem + short_name(s) + ".png",
+                                    .title = fmt::format("{} {}", s.name, in_words(side)),
+                                    .subtitle = {of_row, fmt::format("the new origin: {}", s.title)},
+                                    .look = of_fates,
+                                    .places = {{k + 1, line_of(r, side)}}},
+                                   r,
+                                   pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
+                                       return PixelValue{static_cast<std::size_t>(fate_of(band, i, side, k))};
+                                   })});
+            }
+            columns.push_back(
+                {{.file = stem + "safe.png",
+                  .title = fmt::format("The smallest safe offset {}", in_words(side)),
+                  .subtitle = {of_row,
+                               "colour: the smallest offset along the normal from which every ray is right by truth, "
+                               "clamped at both ends of the bar"},
+                  .look = of_safe,
+                  .places = {{0, line_of(r, side)}}},
+                 r,
+                 pixel::drawn_by<OffsetBand>(
+                     [side](const OffsetBand& band, std::size_t i) { return safe_offset(band, i, side); })});
+        }
+    }
+    return columns;
+}
+
+/// The smallest safe offset and the strategies across; form, format, points and side down.
+image::SheetSpec sheet_spec(const OffsetRequest& request) {
+    image::SheetSpec spec{
+        .title = request.scene->title,
+        .subtitle = {fmt::format("{}, {} x {} pixels: what becomes of rays that leave the points that a form finds",
+                                 request.scene->id, request.scene->width, request.scene->height),
+                     "first the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
+                     "share of rays that go wrong"},
+        .forms = {"smallest safe"},
+        .formats = {},
+        .scales = {*safe_look().scale},
+        .unit = safe_unit,
+        .legend = {},
+        .categories = true};
+    for (const Strategy* s : request.strategies) spec.forms.push_back(short_name(*s));
+    for (const OffsetRow& row : request.rows) {
+        for (const Side side : both_sides)
+            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
+                                               name_of(row.point), name_of(side)));
+    }
+    return spec;
+}
 
 Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
     using R = OffsetPixel;
@@ -51,6 +165,43 @@ Table<OffsetPixel> pixel_table(const OffsetRequest& request) {
 }
 
 }  // namespace
+
+std::string short_name(const Strategy& strategy) {
+    return std::string(strategy.name.substr(strategy.name.find('.') + 1));
+}
+
+std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
+
+std::string in_words(Side side) { return side == Side::outside ? "away from the solid" : "into the solid"; }
+
+OffsetPictures::OffsetPictures(const OffsetRequest& request, const std::filesystem::path& sheet,
+                               const std::filesystem::path& singles)
+    : request_(request),
+      files_({.scene = *request.scene,
+              .sheets = {{sheet, sheet_spec(request), true}},
+              .singles = singles,
+              .stop = request.limit.stop},
+             columns_of(request)) {}
+
+void OffsetPictures::add_notes(std::size_t line, const measure::offset::SideSummary& side) {
+    if (side.safe.count() > 0)
+        files_.writer().set_note({0, line}, fmt::format("p50 {:.3g}, max {:.3g}\n(world units)",
+                                                        side.safe.quantile(0.5), side.safe.quantile(1)));
+    for (std::size_t k = 0; k < request_.strategies.size(); ++k) {
+        const auto& of = side.strategies[k];
+        std::string note =
+            side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
+        if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
+        files_.writer().set_note({k + 1, line}, note);
+    }
+}
+
+void OffsetPictures::finish(const std::vector<OffsetSummary>& summaries) {
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+        for (const Side side : both_sides) add_notes(line_of(r, side), summaries[r].on(side));
+    }
+    files_.writer().finish();
+}
 
 Table<StrategyRow> strategy_table() {
     using R = StrategyRow;
@@ -104,15 +255,37 @@ void OffsetFiles::band(std::size_t row, const OffsetBand& band) {
 
 void OffsetFiles::finish(const std::vector<OffsetSummary>& summaries) {
     pictures_.finish(summaries);
-    std::vector<file::DataResource> resources{table_.about()};
-    for (const auto& pixels : pixels_) {
-        pixels->close();
-        resources.push_back(pixels->about());
-    }
-    resources.insert(resources.end(), options_.also.begin(), options_.also.end());
     table_.add_all(strategy_rows(request_, summaries));
-    file::write_datapackage(options_.folder / "datapackage.json", request_.scene->title, resources);
-    table_.close();  // last: a folder with a summary is a finished one
+    table::close_tables(options_.folder, request_.scene->title, table_, pixels_, options_.also);
+}
+
+std::vector<std::string> row_in_words(const OffsetRequest& request, std::size_t r, const OffsetSummary& summary) {
+    std::vector<std::string> lines;
+    if (summary.points == 0) return lines;
+    const measure::offset::OffsetRow& row = request.rows[r];
+    const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
+    for (const measure::offset::Side side : measure::offset::both_sides) {
+        const measure::offset::SideSummary& on = summary.on(side);
+        std::string right;
+        for (std::size_t k = 0; k < request.strategies.size(); ++k) {
+            if (on.strategies[k].bad > 0) continue;
+            right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*request.strategies[k]));
+        }
+        const double largest = on.safe.quantile(1);
+        const std::string safe =
+            std::isnan(largest)
+                ? fmt::format("no offset is safe at any of {} points", on.never_safe)
+                : fmt::format("smallest safe offset up to {:.3g}{}", largest,
+                              on.never_safe == 0 ? "" : fmt::format(" ({} points have none)", on.never_safe));
+        lines.push_back(fmt::format("{} {}: {}; right for all {} rays: {}", of, name_of(side), safe, on.rays,
+                                    right.empty() ? "no strategy" : right));
+    }
+    const auto safe =
+        measure::offset::safe_strategies(summary, request.strategies, row.row.form->shape, measure::offset::both_sides);
+    if (!safe.empty())
+        lines.push_back(fmt::format("{}: the cheapest that is right on both sides: {}, {} operations", of,
+                                    safe.front().strategy->name, safe.front().operations));
+    return lines;
 }
 
 }  // namespace lostbits::output::offset

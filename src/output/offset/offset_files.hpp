@@ -3,13 +3,43 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "measure/offset/offsets.hpp"
-#include "output/offset/offset_pictures.hpp"
+#include "output/pixel/columns.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::offset {
+
+/// `integer` of `offset.integer`.
+[[nodiscard]] std::string short_name(const measure::offset::Strategy& strategy);
+/// `sphere.half_b.f32.computed`
+[[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
+/// `away from the solid`, `into the solid`
+[[nodiscard]] std::string in_words(measure::offset::Side side);
+
+/// The offsets of a scene on one page, and a picture each: the smallest safe offset and the strategies across; forms,
+/// formats, kinds of points and sides down.
+class OffsetPictures final : public measure::offset::OffsetSink {
+public:
+    /// Opens the sheet and, in the folder `singles`, a picture for each of its cells:
+    /// `<form>.<format>.<point>.<side>.safe.png` and `….<strategy>.png`. `request` must outlive it.
+    OffsetPictures(const measure::offset::OffsetRequest& request, const std::filesystem::path& sheet,
+                   const std::filesystem::path& singles = {});
+
+    void band(std::size_t row, const measure::offset::OffsetBand& band) override {
+        files_.take(row, band, band.y0, band.is_point.size());
+    }
+    /// Draws the page and gives the files their final names.
+    void finish(const std::vector<measure::offset::OffsetSummary>& summaries);
+
+private:
+    void add_notes(std::size_t line, const measure::offset::SideSummary& side);
+
+    const measure::offset::OffsetRequest& request_;
+    pixel::ColumnFiles<measure::offset::OffsetBand> files_;
+};
 
 struct OffsetFilesOptions {
     std::filesystem::path folder;               ///< of this scene; made if missing
@@ -54,5 +84,11 @@ private:
     OffsetPictures pictures_;
     std::vector<std::unique_ptr<table::TableFile<OffsetPixel>>> pixels_;  ///< of each row, where they are asked for
 };
+
+/// What is to be said of row `r` of a request, a sentence a line: for each side the largest of the smallest safe
+/// offsets and the strategies that are right for every ray, and the cheapest that is right on both sides (`none` is a
+/// strategy too: the point stays). Nothing where no point counts.
+[[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetRequest& request, std::size_t r,
+                                                    const measure::offset::OffsetSummary& summary);
 
 }  // namespace lostbits::output::offset

@@ -8,7 +8,6 @@
 #include "output/map/row_names.hpp"
 #include "output/mend/mend_rows.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/offset/offset_pictures.hpp"
 #include "output/page/page.hpp"
 #include "output/page/text.hpp"
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "measure/picture/render.hpp"
-#include "output/picture/render_exr.hpp"
+#include "output/image/exr_book.hpp"
 #include "output/picture/render_pictures.hpp"
+#include "output/pixel/exr_layers.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::picture {
@@ -22,6 +24,30 @@ struct StageRow {
     scene::file::Stage stage;
     const measure::evaluate::TestedForm* row;
     const measure::picture::RenderSummary* summary;
+};
+
+/// The EXR of one form in one format: every number that its pictures and difference maps were made of.
+///
+/// Channels, all 32 bits: `R`, `G`, `B` (the last stage's picture in linear light); for each stage `<stage>.r`, `.g`,
+/// `.b` (FLOAT, display numbers as the format computed them, not clamped), `<stage>_true.r`, `.g`, `.b` (the certified
+/// ones) and
+/// `<stage>.difference` (8-bit steps); `normal.angle`, `point.residual`; `class.seen`, `class.shadow` (UINT, in the
+/// order of the attributes `lostbits:seen` and `lostbits:shadow`), `class.object`, `class.true_object` (0 is
+/// none, otherwise 1 + the sphere's number, counted from 0).
+class RenderExr {
+public:
+    RenderExr(const std::filesystem::path& path, const measure::picture::RenderRequest& request,
+              const measure::evaluate::TestedForm& row, const std::string& command);
+
+    void write(const measure::picture::RenderBand& band) {
+        const auto samples = layers_.samples(band, band.seen.size());
+        book_->write_rows(0, band.y0, band.rows, std::as_bytes(std::span(samples)));
+    }
+    void close() { book_->close(); }
+
+private:
+    pixel::ExrLayers<measure::picture::RenderBand> layers_;
+    std::unique_ptr<image::ExrBook> book_;
 };
 
 /// Opens every file at once, before any work, and gives all their final names in `finish`; see `MapFiles`.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/map/sheet_words.hpp"
+#include "output/map/map_pictures.hpp"
 
 namespace lostbits::output::picture {
 
@@ -222,9 +222,8 @@ RenderPictures::RenderPictures(const RenderRequest& request, const std::filesyst
     : request_(request),
       grid_(request.rows),
       files_({.scene = *request.scene,
-              .sheet = sheet,
+              .sheets = {{sheet, sheet_spec(request, grid_)}},
               .singles = singles,
-              .spec = sheet_spec(request, grid_),
               .stop = request.limit.stop},
              RenderColumns(request, grid_).take()) {}
 
@@ -232,9 +231,9 @@ void RenderPictures::finish(const std::vector<RenderSummary>& summaries) {
     const std::size_t stages = request_.stages.size();
     for (std::size_t k = 0; k < summaries.size(); ++k) {
         const map::RowGrid::Place at = grid_.places[k / stages];
-        files_.set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
+        files_.writer().set_note({1 + at.form, k % stages * grid_.formats.size() + at.format}, glance(summaries[k]));
     }
-    files_.finish();
+    files_.writer().finish();
 }
 
 }  // namespace lostbits::output::picture

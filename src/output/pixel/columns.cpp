@@ -1,22 +1,33 @@
 #include "output/pixel/columns.hpp"
 
 #include <algorithm>
+#include <functional>
+
+#include "intersect/process/parallel.hpp"
 
 namespace lostbits::output::pixel {
 
 using image::LegendEntry;
 
 ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
-    : width_(static_cast<std::size_t>(pages.scene.width)), pixels_(pages.scene.pixels()), columns_(std::move(columns)) {
+    : width_(static_cast<std::size_t>(pages.scene.width)),
+      pixels_(pages.scene.pixels()),
+      has_singles_(!pages.singles.empty()),
+      columns_(std::move(columns)),
+      captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
-    pages.spec.field_width = pages.scene.width;
-    pages.spec.field_height = pages.scene.height;
-    pages.spec.legend = sheet_legend(true);
-    for (LegendEntry& entry : pages.spec.legend)
-        if (pages.counted) entry.count = widest_count(pages.scene.pixels());
-    sheet_.emplace(image::image_backend(), pages.sheet, std::move(pages.spec));
-    if (pages.singles.empty()) return;
+    if (!pages.opened) return;
+    for (std::size_t s = 0; s < pages.sheets.size(); ++s) {
+        auto& [file, spec, counted] = pages.sheets[s];
+        spec.field_width = pages.scene.width;
+        spec.field_height = pages.scene.height;
+        spec.legend = sheet_legend(s, true);
+        for (LegendEntry& entry : spec.legend)
+            if (counted) entry.count = widest_count(pages.scene.pixels());
+        sheets_.push_back(std::make_unique<image::ContactSheet>(image::image_backend(), file, std::move(spec)));
+    }
     for (const ColumnSpec& column : columns_) {
+        if (!has_singles_) break;
         pages.stop.check();  // sixty pictures of a large scene take twenty seconds to open
         open_single(pages, column);
     }
@@ -37,7 +48,8 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
                             .height = scene.height,
                             .scale = column.look->scale,
                             .unit = column.look->unit,
-                            .legend = column.look->widest_legend(scene.pixels())};
+                            .legend = column.look->widest_legend(scene.pixels()),
+                            .widest_caption = column.widest_caption};
     spec.subtitle.insert(spec.subtitle.end(), column.subtitle.begin(), column.subtitle.end());
     single.heatmap = std::make_unique<image::HeatmapWriter>(backend, path, std::move(spec));
 }
@@ -47,20 +59,29 @@ Strip ColumnWriter::strip(std::size_t column, std::size_t pixels) const {
 }
 
 void ColumnWriter::put(std::size_t column, int y0, const Strip& strip) {
-    for (std::size_t k = 0; k < strip.counts.size(); ++k) counts_[column][k] += strip.counts[k];
-    for (const auto& [across, down] : columns_[column].places) sheet_->add_rows(across, down, y0, strip.colours);
+    for (std::size_t k = 0; k < counts_[column].size(); ++k) counts_[column][k] += strip.counts.at(k);
+    for (const auto& [across, down, sheet] : columns_[column].places)
+        sheets_[sheet]->add_rows(across, down, y0, strip.colours);
     if (singles_.empty()) return;
     const Single& single = singles_[column];
     if (single.heatmap) single.heatmap->write_rows(strip.colours);
     else single.bare->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
 }
 
-/// A name once, in the order of the columns; where not `all`, those with a pixel.
-std::vector<LegendEntry> ColumnWriter::sheet_legend(bool all) const {
+/// A name once, in the order of the columns.
+std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet, bool all) const {
     std::vector<LegendEntry> entries;
     std::vector<bool> occurs;
+    const Look* summed = nullptr;
+    CategoryCounts sum;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (columns_[c].places.empty()) continue;
+        if (std::ranges::count(columns_[c].places, sheet, &SheetPlace::sheet) == 0) continue;
+        if (look(c).own_legend) {
+            summed = &look(c);
+            sum.resize(counts_[c].size());
+            std::ranges::transform(sum, counts_[c], sum.begin(), std::plus());
+            continue;
+        }
         const auto& categories = look(c).categories;
         for (std::size_t k = 0; k < categories.size(); ++k) {
             const auto& [name, colour, on_sheet] = categories[k];
@@ -75,18 +96,31 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(bool all) const {
             if (counts_[c][k] > 0) occurs[at] = true;
         }
     }
+    if (summed) {
+        entries = all ? summed->widest_legend(pixels_) : summed->legend(sum, pixels_);
+        for (LegendEntry& entry : entries) entry.count.clear();
+        return entries;
+    }
     std::vector<LegendEntry> shown;
     for (std::size_t k = 0; k < entries.size(); ++k)
         if (occurs[k]) shown.push_back(entries[k]);
     return shown;
 }
 
-void ColumnWriter::finish() {
-    for (std::size_t c = 0; c < singles_.size(); ++c) {
-        if (singles_[c].heatmap) singles_[c].heatmap->finish(look(c).legend(counts_[c], pixels_));
-        else singles_[c].bare->close();
+void ColumnWriter::finish_single(std::size_t c) {
+    if (singles_[c].heatmap) singles_[c].heatmap->finish(look(c).legend(counts_[c], pixels_), captions_[c]);
+    else singles_[c].bare->close();
+}
+
+void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
+    // Side by side: the legend and the last of a picture are its own.
+    intersect::process::in_parallel(std::size_t{0}, singles_.size(), [this](std::size_t c) { finish_single(c); });
+    for (std::size_t s = 0; s < sheets_.size(); ++s) {
+        const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
+        auto legend = sheet_legend(s, false);
+        if (!legend.empty()) legend.front().label += end.remark;
+        sheets_[s]->finish(legend, end.order);
     }
-    sheet_->finish(sheet_legend(false));
 }
 
 }  // namespace lostbits::output::pixel

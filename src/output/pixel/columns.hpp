@@ -16,9 +16,9 @@
 
 namespace lostbits::output::pixel {
 
-/// A place on a sheet.
+/// A place on one of the sheets.
 struct SheetPlace {
-    std::size_t across = 0, down = 0;
+    std::size_t across = 0, down = 0, sheet = 0;
 };
 
 /// What a column says once: its name, what its pixels are and what the picture of it says.
@@ -27,8 +27,9 @@ struct ColumnSpec {
     std::string title = {};
     std::vector<std::string> subtitle = {};  ///< below the scene's title
     std::shared_ptr<const Look> look;
-    std::vector<SheetPlace> places = {};  ///< on the sheet; empty: on none
+    std::vector<SheetPlace> places = {};  ///< on sheets; empty: on none
     bool bare = false;                    ///< its own picture has nothing around its pixels, which are not enlarged
+    std::string widest_caption = {};      ///< room below its own picture; see `HeatmapSpec`
 };
 
 /// Some scanlines of a column.
@@ -37,14 +38,32 @@ struct Strip {
     CategoryCounts counts;
 };
 
-/// The sheet of a scene's columns, and where their own pictures go.
+template <class Bits>
+void fields(Bits& bits, Strip& strip) {
+    auto& [colours, counts] = strip;
+    bits(colours, counts);
+}
+
+/// A sheet of columns.
+struct Sheet {
+    std::filesystem::path file;
+    image::SheetSpec spec;  ///< without its legend and the size of its cells, which follow
+    bool counted = false;   ///< its legend has room for counts
+};
+
+/// What is known of a sheet in the end.
+struct SheetEnd {
+    std::vector<std::size_t> order = {};  ///< of its cells across; see `ContactSheet::finish`
+    std::string remark = {};              ///< behind the first entry of its legend
+};
+
+/// The sheets of a scene's columns, and where their own pictures go.
 struct Pages {
     const scene::file::Scene& scene;
-    std::filesystem::path sheet;         ///< its file
+    std::vector<Sheet> sheets;
     std::filesystem::path singles = {};  ///< a folder; empty: no column has a picture of its own
-    image::SheetSpec spec = {};          ///< without its legend and the size of its cells, which follow
-    bool counted = false;                ///< its legend has room for counts
     intersect::process::StopToken stop = {};
+    bool opened = true;  ///< else no file is: strips are drawn and kept elsewhere
 };
 
 /// Writes what columns draw. Different columns may be served at the same time, each from top to bottom.
@@ -55,17 +74,25 @@ public:
 
     [[nodiscard]] const Look& look(std::size_t column) const { return *columns_[column].look; }
     /// Whether any file has it.
-    [[nodiscard]] bool shows(std::size_t column) const { return !singles_.empty() || !columns_[column].places.empty(); }
+    [[nodiscard]] bool shows(std::size_t column) const { return has_singles_ || !columns_[column].places.empty(); }
     [[nodiscard]] Strip strip(std::size_t column, std::size_t pixels) const;
     void put(std::size_t column, int y0, const Strip& strip);
-    /// Below a cell of the sheet.
-    void set_note(SheetPlace place, std::string note) { sheet_->set_note(place.across, place.down, std::move(note)); }
-    /// Gives all files their final names.
-    void finish();
+    /// Pixels of each category so far.
+    [[nodiscard]] const CategoryCounts& counts(std::size_t column) const { return counts_[column]; }
+    /// Below a cell of a sheet.
+    void set_note(SheetPlace place, std::string note) {
+        sheets_[place.sheet]->set_note(place.across, place.down, std::move(note));
+    }
+    /// Below a column's own picture, where it has room for it.
+    void set_caption(std::size_t column, std::string caption) { captions_[column] = std::move(caption); }
+    /// Gives all files their final names. `ends`: of each sheet, or none.
+    void finish(const std::vector<SheetEnd>& ends = {});
 
 private:
-    [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(bool all) const;
+    /// Of one of the sheets, where not `all` only what has a pixel.
+    [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet, bool all) const;
     void open_single(const Pages& pages, const ColumnSpec& column);
+    void finish_single(std::size_t column);
 
     struct Single {
         std::unique_ptr<image::HeatmapWriter> heatmap = {};
@@ -73,10 +100,12 @@ private:
     };
     std::size_t width_;
     std::uint64_t pixels_;
+    bool has_singles_;
     std::vector<ColumnSpec> columns_;
     std::vector<CategoryCounts> counts_;  ///< of each column
-    std::vector<Single> singles_;         ///< of each column; empty: none
-    std::optional<image::ContactSheet> sheet_;
+    std::vector<std::string> captions_;   ///< the same
+    std::vector<Single> singles_;         ///< the same; empty: none
+    std::vector<std::unique_ptr<image::ContactSheet>> sheets_;
 };
 
 /// A column that is drawn of bands.
@@ -105,19 +134,30 @@ public:
     ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
         : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
 
-    /// So many pixels of a row from line `y0` on. Different rows may come at the same time.
-    void take(std::size_t row, const Band& band, int y0, std::size_t pixels) {
-        for (std::size_t c = 0; c < columns_.size(); ++c) {
-            if (columns_[c].row != row || !writer_.shows(c)) continue;
-            Strip strip = writer_.strip(c, pixels);
-            columns_[c].draw(band, writer_.look(c), strip);
-            writer_.put(c, y0, strip);
+    /// What so many pixels of a row are, as each of its columns that a file has draws them.
+    [[nodiscard]] std::vector<Strip> draw(std::size_t row, const Band& band, std::size_t pixels) const {
+        std::vector<Strip> strips;
+        for (const std::size_t c : shown_of(row)) {
+            strips.push_back(writer_.strip(c, pixels));
+            columns_[c].draw(band, writer_.look(c), strips.back());
         }
+        return strips;
     }
-    void set_note(SheetPlace place, std::string note) { writer_.set_note(place, std::move(note)); }
-    void finish() { writer_.finish(); }
+    /// The same, from line `y0` on, into the files. Different rows may come at the same time.
+    void put(std::size_t row, int y0, const std::vector<Strip>& strips) {
+        std::size_t next = 0;
+        for (const std::size_t c : shown_of(row)) writer_.put(c, y0, strips.at(next++));
+    }
+    void take(std::size_t row, const Band& band, int y0, std::size_t pixels) { put(row, y0, draw(row, band, pixels)); }
+    [[nodiscard]] ColumnWriter& writer() { return writer_; }
 
 private:
+    [[nodiscard]] std::vector<std::size_t> shown_of(std::size_t row) const {
+        std::vector<std::size_t> shown;
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (columns_[c].row == row && writer_.shows(c)) shown.push_back(c);
+        return shown;
+    }
     static std::vector<ColumnSpec> specs_of(const std::vector<PixelColumn<Band>>& columns) {
         std::vector<ColumnSpec> specs;
         for (const PixelColumn<Band>& column : columns) specs.push_back(column.about);

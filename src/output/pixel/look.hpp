@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -41,6 +42,9 @@ struct Look {
     std::vector<Category> categories;
     std::optional<image::ColourScale> scale = {};
     std::string unit = {};  ///< over the bar of the scale
+    /// Makes the legend of counts in place of the categories, of no counts the widest one, in a picture of so many
+    /// pixels; none: see `legend`.
+    std::function<std::vector<image::LegendEntry>(const CategoryCounts*, std::uint64_t pixels)> own_legend = {};
 
     [[nodiscard]] image::Rgb8 colour(const PixelValue& pixel) const {
         if (!std::isnan(pixel.value)) return scale->map(pixel.value);

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "output/plot/line_plot_parts.hpp"
-#include "output/plot/plot_frame.hpp"
+#include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
 

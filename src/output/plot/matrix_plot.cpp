@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "output/plot/plot_frame.hpp"
+#include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "output/plot/plot_frame.hpp"
+#include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
 

@@ -6,7 +6,7 @@
 
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
-#include "output/plot/plot_frame.hpp"
+#include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
 

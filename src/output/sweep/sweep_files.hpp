@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "measure/sweep/sweep.hpp"
-#include "output/map/culprit_table.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::output::sweep {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "output/file/number_text.hpp"
+#include "output/image/exr_book.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/plane_plot.hpp"
@@ -53,8 +54,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
             {"class.not_a_number", share(Outcome::not_a_number)}};
 }
 
-void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-               const SweepGrid& plane, std::size_t r) {
+void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane, std::size_t r) {
     const TestedForm& row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
@@ -76,9 +76,9 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
             for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(r, column, line)));
         }
     }
-    const auto exr = backend.open_exr(path, spec);
-    exr->write_rows(0, spec.height, std::as_bytes(std::span(samples)));
-    exr->close();
+    image::ExrBook exr(path, {{"", spec}});
+    exr.write_rows(0, 0, spec.height, std::as_bytes(std::span(samples)));
+    exr.close();
 }
 
 }  // namespace
@@ -146,7 +146,7 @@ void write_plane(ImageBackend& backend, const std::filesystem::path& folder, con
                  const std::vector<SweepStep>& steps, std::size_t row) {
     const std::string stem = map::row_name(request.rows[row]);
     write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
-    write_exr(backend, folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
+    write_exr(folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
 }
 
 }  // namespace lostbits::output::sweep

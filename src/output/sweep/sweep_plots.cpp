@@ -10,7 +10,7 @@
 #include "measure/blame/culprits.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/culprit_table.hpp"
+#include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/plot/line_plot.hpp"

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -139,11 +140,11 @@ private:
 template <class R>
 class TableFile {
 public:
-    /// `title` says what a row is.
+    /// `title` says what a row is. Without a folder there is no file: see `take_lines`.
     TableFile(const std::filesystem::path& folder, const std::string& name, std::string title, Table<R> table)
         : table_(std::move(table)),
           about_{name, std::move(title), table_.columns()},
-          csv_(folder / name, about_.columns) {}
+          csv_(folder.empty() ? file::CsvWriter(about_.columns) : file::CsvWriter(folder / name, about_.columns)) {}
 
     void add(const R& row) { table_.add_row(csv_, row); }
     void add_all(const std::vector<R>& rows) {
@@ -151,6 +152,8 @@ public:
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
+    /// What was added since the last call, where there is no file.
+    [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void close() { csv_.close(); }
 
 private:
@@ -164,6 +167,21 @@ template <class... R>
 void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>&... files) {
     file::write_datapackage(folder / "datapackage.json", title, {files.about()...});
     (files.close(), ...);
+}
+/// The same of a summary, of a table for each of its rows, and of what others write there. The summary is closed last:
+/// a folder with one is a finished one.
+template <class R, class Each>
+void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
+                  const std::vector<std::unique_ptr<TableFile<Each>>>& each,
+                  const std::vector<file::DataResource>& also = {}) {
+    std::vector<file::DataResource> resources{summary.about()};
+    for (const auto& file : each) {
+        file->close();
+        resources.push_back(file->about());
+    }
+    resources.insert(resources.end(), also.begin(), also.end());
+    file::write_datapackage(folder / "datapackage.json", title, resources);
+    summary.close();
 }
 
 }  // namespace lostbits::output::table

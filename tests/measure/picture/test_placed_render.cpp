@@ -6,6 +6,7 @@
 namespace test_placed_render {
 
 using namespace lostbits;
+using namespace lostbits::measure::picture;
 using namespace lostbits::testing;
 
 TEST_CASE("spheres under matrices are painted as those whose numbers stand where they are, mirrored or not") {

@@ -12,6 +12,7 @@
 namespace test_render {
 
 using namespace lostbits;
+using namespace lostbits::measure::picture;
 using namespace lostbits::testing;
 using scene::file::Stage;
 
@@ -90,24 +91,24 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
             CAPTURE(name, i);
             const Plain plain = plain_pixel(s, i, rays);
             for (std::size_t stage = 0; stage < 4; ++stage) {
-                const measure::picture::TrueColour& c = run.truth[i].colours[stage];
+                const TrueColour& c = run.truth[i].colours[stage];
                 REQUIRE(c.certain);
                 for (int k = 0; k < 3; ++k) {
-                    const measure::picture::Tight& channel = c.channel[static_cast<std::size_t>(k)];
+                    const Tight& channel = c.channel[static_cast<std::size_t>(k)];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
                     const Real byte =
                         std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
                     REQUIRE(byte == static_cast<int>(c.byte[static_cast<std::size_t>(k)]));
                 }
             }
-            REQUIRE((run.truth[i].shadow == measure::picture::TrueShadow::shadowed) == plain.shadowed);
+            REQUIRE((run.truth[i].shadow == TrueShadow::shadowed) == plain.shadowed);
             shadows += plain.shadowed;
             beyond += plain.beyond && !plain.shadowed;
             highlights += plain.colour[3].x > plain.colour[2].x + Real(0.25);
         }
         CHECK(shadows > 300);
         CHECK((among || highlights > 5));
-        for (const measure::picture::RenderSummary& summary : run.summaries) {
+        for (const RenderSummary& summary : run.summaries) {
             CHECK(summary.unresolved() == 0);
             CHECK(summary.colour_error.quantile(1) < 1e-9);
             CHECK(summary.flips() == 0);
@@ -124,8 +125,7 @@ TEST_CASE("a stage that adds nothing leaves every pixel as it was, in every form
             CAPTURE(rows[r].form->info->name, rows[r].format.name);
             CHECK(same(run.pictures[r][simpler], run.pictures[r][fuller]));
         }
-        for (const measure::picture::TruePixel& p : run.truth)
-            REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
+        for (const TruePixel& p : run.truth) REQUIRE(p.colours[simpler].byte == p.colours[fuller].byte);
     };
     scene::file::Scene s = load("raycast-course.small", 32, 24);
     {
@@ -187,12 +187,11 @@ TEST_CASE("acne is the own sphere's alone: none where it is skipped, none in the
     const auto acne = [](const char* scene_name, const char* form, const char* format) {
         const scene::file::Scene s = load(scene_name, 64, 48);
         const Collected run({.scene = &s, .stages = {Stage::shadows}, .rows = rows_of({format}, form)});
-        const measure::picture::RenderSummary& r = run.summaries.front();
-        const auto lit = r.count(false, measure::picture::Shadow::both_lit) +
-                         r.count(false, measure::picture::Shadow::own_shadow) +
-                         r.count(false, measure::picture::Shadow::false_shadow);
+        const RenderSummary& r = run.summaries.front();
+        const auto lit = r.count(false, Shadow::both_lit) + r.count(false, Shadow::own_shadow) +
+                         r.count(false, Shadow::false_shadow);
         REQUIRE(lit > 500);
-        return static_cast<double>(r.count(false, measure::picture::Shadow::own_shadow)) / static_cast<double>(lit);
+        return static_cast<double>(r.count(false, Shadow::own_shadow)) / static_cast<double>(lit);
     };
     for (const char* format : {"f32", "f64"}) {
         CHECK(acne("raycast-acne.skipped", "sphere.unified", format) == 0);
@@ -209,7 +208,7 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
     s.inputs = scene::file::Inputs::own;
     const Collected run({.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});
-    const measure::picture::TruePixel& corner = run.truth.front();  // background 0.55
+    const TruePixel& corner = run.truth.front();  // background 0.55
     CHECK(abs(Real(corner.colours[0].channel[0].hi) + Real(corner.colours[0].channel[0].lo) - Real(55) / 100) <
           0x1p-70);
     CHECK(run.pictures[0][0][0].colour.x == static_cast<double>(0.55F));
@@ -221,9 +220,9 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(run.summaries[0].unresolved() == 0);
     const Collected hasty(
         {.scene = &s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
-    const measure::picture::RenderSummary& r = hasty.summaries[0];
-    CHECK(r.count(measure::picture::Seen::background) > 100);
-    CHECK(r.unresolved() > r.count(measure::picture::Seen::background));
+    const RenderSummary& r = hasty.summaries[0];
+    CHECK(r.count(Seen::background) > 100);
+    CHECK(r.unresolved() > r.count(Seen::background));
     CHECK(r.unresolved() < r.pixels);
     CHECK(r.colour_error.count() == r.pixels - r.unresolved());
     CHECK_FALSE(hasty.truth.front().colours[0].certain);

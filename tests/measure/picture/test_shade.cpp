@@ -13,6 +13,7 @@
 namespace test_shade {
 
 using namespace lostbits;
+using namespace lostbits::measure::picture;
 
 namespace {
 
@@ -21,9 +22,9 @@ Vec<T> vec(double x, double y, double z) {
     return Vec<T>(T(x), T(y), T(z));
 }
 
-const measure::picture::ShadeRule everything{.diffuse = true, .shadows = true, .phong = true, .half_diffuse = false};
+const ShadeRule everything{.diffuse = true, .shadows = true, .phong = true, .half_diffuse = false};
 
-measure::picture::Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
+Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
 
 const intersect::table::Intersector& form(std::string_view name) {
     for (const intersect::table::Intersector& i : intersect::table::intersectors())
@@ -37,7 +38,7 @@ bool contains(const Interval& b, const Real& x) {
 }
 
 template <class T>
-Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& rule, bool shadowed) {
+Vec<T> shade_random(std::mt19937_64& engine, const ShadeRule& rule, bool shadowed) {
     const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     const auto point = [&] {
         const double x = 4 * unit() - 2, y = 4 * unit() - 2,
@@ -47,10 +48,9 @@ Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& 
     const Vec<T> colour = point(), p = point(), light = point(), eye = point();
     const Sphere<T> sphere{point(), T(unit() + 0.5)};
     const T ka(unit()), kd(unit()), ks(unit());
-    const measure::picture::Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
-    return measure::picture::shade<T>(paint, rule, mask_t<T>(shadowed),
-                                      {measure::picture::normal_at<T>(p, sphere),
-                                       measure::picture::unit_of<T>(light - p), measure::picture::unit_of<T>(eye - p)});
+    const Paint<T> paint{colour, ka, kd, ks, 1 + static_cast<int>(engine() % 20), true};
+    return shade<T>(paint, rule, mask_t<T>(shadowed),
+                    {normal_at<T>(p, sphere), unit_of<T>(light - p), unit_of<T>(eye - p)});
 }
 
 }  // namespace
@@ -58,52 +58,49 @@ Vec<T> shade_random(std::mt19937_64& engine, const measure::picture::ShadeRule& 
 TEST_CASE("shade, by hand: n, l and v along z, and l at 60 degrees") {
     const auto n = vec<double>(0, 0, 1);
     // N·L = 1, H = (0, 0, 1): ka S + kd S + ks = 0.75 S + 0.75.
-    CHECK(measure::picture::shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
-    CHECK(measure::picture::shade<double>(shiny(), everything, true, {n, n, n}) ==
-          vec<double>(0.125, 0.0625, 0.25));  // ka S alone
-    measure::picture::ShadeRule half = everything;
+    CHECK(shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
+    CHECK(shade<double>(shiny(), everything, true, {n, n, n}) == vec<double>(0.125, 0.0625, 0.25));  // ka S alone
+    ShadeRule half = everything;
     half.half_diffuse = true;
-    CHECK(measure::picture::shade<double>(shiny(), half, true, {n, n, n}) ==
-          vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
-    CHECK(measure::picture::shade<double>(shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
-    measure::picture::ShadeRule diffuse{.diffuse = true};
-    CHECK(measure::picture::shade<double>(shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
-    CHECK(measure::picture::shade<double>(shiny(), measure::picture::ShadeRule{}, true, {n, n, n}) == shiny().colour);
+    CHECK(shade<double>(shiny(), half, true, {n, n, n}) == vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
+    CHECK(shade<double>(shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
+    ShadeRule diffuse{.diffuse = true};
+    CHECK(shade<double>(shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
+    CHECK(shade<double>(shiny(), ShadeRule{}, true, {n, n, n}) == shiny().colour);
     // N·L = ½ and L = V: H = L, (H·N)³ = ⅛.
     const auto l = vec<double>(std::sqrt(0.75), 0, 0.5);
-    const Vec<double> c = measure::picture::shade<double>(shiny(), everything, false, {n, l, l});
+    const Vec<double> c = shade<double>(shiny(), everything, false, {n, l, l});
     CHECK(c.x == Approx(0.5 * (0.25 + 0.25) + 0.75 / 8).epsilon(1e-15));
     // From behind no light at all, and none taken away.
-    CHECK(measure::picture::shade<double>(shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
-    measure::picture::Paint<double> matte = shiny();
+    CHECK(shade<double>(shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
+    Paint<double> matte = shiny();
     matte.shiny = false;
-    CHECK(measure::picture::shade<double>(matte, everything, false, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
+    CHECK(shade<double>(matte, everything, false, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
     // A NaN is not taken for darkness.
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(std::isnan(measure::picture::shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
+    CHECK(std::isnan(shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
 }
 
 TEST_CASE("whole powers are exact where the numbers are") {
     for (int n = 1; n <= 33; ++n) {
         double power = 1;
         for (int i = 0; i < n; ++i) power *= 3;  // 3^33 < 2^53
-        CHECK(measure::picture::whole_power<double>(3, n) == power);
+        CHECK(whole_power<double>(3, n) == power);
     }
-    CHECK(measure::picture::whole_power<double>(0.5, 1000) == 0x1p-1000);
+    CHECK(whole_power<double>(0.5, 1000) == 0x1p-1000);
 }
 
 TEST_CASE("a shadow ray starts at the point, an epsilon off, or ulps of the largest coordinate off") {
     using Offset = scene::file::ShadowRule::Offset;
     const auto p = vec<float>(3, -4, 0.5), n = vec<float>(1, 0, 0);
-    CHECK(measure::picture::shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
-    CHECK(measure::picture::shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
-    CHECK(measure::picture::shadow_origin<float>(p, n, Offset::ulp, 1, 2) ==
-          vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
+    CHECK(shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
+    CHECK(shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
+    CHECK(shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
 }
 
 TEST_CASE("enclosures of a shaded colour hold the colour in 256 bits") {
     for (int seed = 0; seed < 400; ++seed) {
-        measure::picture::ShadeRule rule = everything;
+        ShadeRule rule = everything;
         rule.half_diffuse = seed % 3 == 0;
         rule.phong = seed % 5 != 0;
         const auto with = [&]<class T>() {
@@ -126,21 +123,21 @@ TEST_CASE("enclosures of a shaded colour hold the colour in 256 bits") {
 }
 
 TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
-    CHECK(measure::picture::byte_of(0) == 0);
-    CHECK(measure::picture::byte_of(1) == 255);
-    CHECK(measure::picture::byte_of(0.5) == 128);  // 127.5
-    CHECK(measure::picture::byte_of(std::nextafter(0.5, 0)) == 127);
-    CHECK(measure::picture::byte_of(-1) == 0);
-    CHECK(measure::picture::byte_of(1e300) == 255);
-    CHECK(measure::picture::byte_of(HUGE_VAL) == 255);
-    CHECK(measure::picture::byte_of(std::nan("")) == 0);
+    CHECK(byte_of(0) == 0);
+    CHECK(byte_of(1) == 255);
+    CHECK(byte_of(0.5) == 128);  // 127.5
+    CHECK(byte_of(std::nextafter(0.5, 0)) == 127);
+    CHECK(byte_of(-1) == 0);
+    CHECK(byte_of(1e300) == 255);
+    CHECK(byte_of(HUGE_VAL) == 255);
+    CHECK(byte_of(std::nan("")) == 0);
 }
 
 TEST_CASE(
     "what blocks the light: between the point and the light, not behind either, and not the own sphere unless it "
     "counts") {
     const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
-    measure::picture::ShadowRays rays;
+    ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };
     ray({1, 0, 0}, {10, 0, 0}, 0);   // through the second
     ray({1, 0, 0}, {3, 0, 0}, 0);    // the light before it
@@ -156,23 +153,22 @@ TEST_CASE(
             if (!f.exists_in(format)) continue;
             CAPTURE(f.info->name, name);
             const measure::truth::FormatInputs among{.format = format, .solids = solids};
-            const auto skipped = measure::picture::find_blockers(f, format, rays, among, false);
-            CHECK(skipped == std::vector<std::uint8_t>{measure::picture::blocked_by_other, 0, 0,
-                                                       measure::picture::blocked_by_other, 0, 0, 0});
-            const auto held = measure::picture::find_blockers(f, format, rays, among, true);
-            CHECK((held[0] & measure::picture::blocked_by_other) != 0);
-            CHECK((held[3] & measure::picture::blocked_by_other) != 0);
+            const auto skipped = find_blockers(f, format, rays, among, false);
+            CHECK(skipped == std::vector<std::uint8_t>{blocked_by_other, 0, 0, blocked_by_other, 0, 0, 0});
+            const auto held = find_blockers(f, format, rays, among, true);
+            CHECK((held[0] & blocked_by_other) != 0);
+            CHECK((held[3] & blocked_by_other) != 0);
             CHECK(held[5] == 0);
         }
     }
     // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
     // the first root is 0 and no obstacle.
     const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .solids = solids};
-    const auto unified = measure::picture::find_blockers(form("sphere.unified"), in_f64.format, rays, in_f64, true);
-    const auto expanded = measure::picture::find_blockers(form("sphere.expanded"), in_f64.format, rays, in_f64, true);
-    CHECK(unified[6] == measure::picture::blocked_by_own);
-    CHECK(expanded[6] == measure::picture::blocked_by_nothing);
-    CHECK(unified[4] == measure::picture::blocked_by_nothing);
+    const auto unified = find_blockers(form("sphere.unified"), in_f64.format, rays, in_f64, true);
+    const auto expanded = find_blockers(form("sphere.expanded"), in_f64.format, rays, in_f64, true);
+    CHECK(unified[6] == blocked_by_own);
+    CHECK(expanded[6] == blocked_by_nothing);
+    CHECK(unified[4] == blocked_by_nothing);
 }
 
 }  // namespace test_shade

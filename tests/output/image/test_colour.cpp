@@ -1,5 +1,10 @@
+// Colours: scales and their ticks, and that classes are told apart by every eye. Between any two of one picture
+// CIEDE2000 is at least 25, for an ordinary eye, a deuteranope's and a protanope's.
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string>
 
 #include "catch.hpp"
 #include "measure/answer/outcome.hpp"
@@ -7,7 +12,9 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
+#include "output/map/metric_paint.hpp"
 #include "output/map/needed_files.hpp"
+#include "output/picture/render_pictures.hpp"
 
 namespace test_colour {
 
@@ -15,6 +22,7 @@ using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::map;
 using namespace lostbits::output::test;
+using lostbits::measure::answer::Outcome;
 
 namespace {
 
@@ -30,8 +38,8 @@ Vector oklab(const Vector& c) {
 
 double distance(const Vector& a, const Vector& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-std::vector<lostbits::output::image::Rgb8> grey_ramp() {
-    std::vector<lostbits::output::image::Rgb8> out;
+std::vector<Rgb8> grey_ramp() {
+    std::vector<Rgb8> out;
     for (int i = 0; i < 101; ++i) out.push_back(Rgb8{static_cast<std::uint8_t>(i), 0, 0});
     return out;
 }
@@ -41,7 +49,7 @@ std::vector<lostbits::output::image::Rgb8> grey_ramp() {
 TEST_CASE("the ramps rise from dark to light and are the published ones", "[colour]") {
     const auto viridis = backend().ramp("viridis", 256);
     REQUIRE(viridis.size() == 256);
-    const auto near = [](lostbits::output::image::Rgb8 a, lostbits::output::image::Rgb8 b) {
+    const auto near = [](Rgb8 a, Rgb8 b) {
         return std::abs(a.r - b.r) <= 2 && std::abs(a.g - b.g) <= 2 && std::abs(a.b - b.b) <= 2;
     };
     // matplotlib's ends and middle, in sRGB: a ramp left in linear light fails here.
@@ -59,53 +67,33 @@ TEST_CASE("the ramps rise from dark to light and are the published ones", "[colo
     CHECK_THROWS_AS(backend().ramp("jet", 3), lostbits::InputError);
 }
 
-TEST_CASE("no outcome looks like a value or like another outcome", "[colour]") {
+TEST_CASE("no outcome looks like a value, and what no width suffices for like neither", "[colour]") {
+    const auto drawn = std::span(outcome_colours).first(lostbits::measure::answer::outcomes_without_mesh).subspan(1);
     const auto ramp = backend().ramp("viridis", 256);
     // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
-    const auto check = [&](auto eye, double least) {
-        for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
-            const Vector mine = oklab(eye(linear(outcome_colours[i])));
-            for (const lostbits::output::image::Rgb8 value : ramp) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against " << int(value.r) << ' ' << int(value.g)
-                                                                 << ' ' << int(value.b));
-                CHECK(distance(mine, oklab(eye(linear(value)))) > least);
+    for (const auto& [eye, least] : {std::pair{&any_eye, 0.15}, {&deuteranope, 0.10}}) {
+        const auto check_apart = [&, eye = eye, least = least](Rgb8 one, std::span<const Rgb8> others) {
+            for (const Rgb8 other : others) {
+                INFO(int(one.r) << ' ' << int(one.g) << ' ' << int(one.b) << " against " << int(other.r) << ' '
+                                << int(other.g) << ' ' << int(other.b));
+                CHECK(distance(oklab(eye(linear(one))), oklab(eye(linear(other)))) > least);
             }
-            for (std::size_t j = 0; j < i; ++j) {
-                INFO(lostbits::measure::answer::outcome_names[i] << " against "
-                                                                 << lostbits::measure::answer::outcome_names[j]);
-                CHECK(distance(mine, oklab(eye(linear(outcome_colours[j])))) > least);
-            }
-        }
-    };
-    check([](const Vector& c) { return c; }, 0.15);
-    check(deuteranope, 0.10);
-    // In grey the drawn outcomes still differ.
-    for (std::size_t i = 1; i < lostbits::measure::answer::outcomes_without_mesh; ++i) {
-        for (std::size_t j = 1; j < i; ++j) {
-            INFO(lostbits::measure::answer::outcome_names[i] << " against "
-                                                             << lostbits::measure::answer::outcome_names[j]);
-            CHECK(std::abs(oklab(linear(outcome_colours[i]))[0] - oklab(linear(outcome_colours[j]))[0]) > 0.07);
-        }
+        };
+        for (const Rgb8 outcome : drawn) check_apart(outcome, ramp);
+        check_apart(beyond_colour, ramp);
+        check_apart(beyond_colour, outcome_colours);
     }
-}
-
-TEST_CASE("what no width suffices for looks like no value and like no outcome", "[colour]") {
-    const auto ramp = backend().ramp("viridis", 256);
-    const auto check = [&](auto eye, double least) {
-        const Vector mine = oklab(eye(linear(lostbits::output::map::beyond_colour)));
-        for (const lostbits::output::image::Rgb8 value : ramp) CHECK(distance(mine, oklab(eye(linear(value)))) > least);
-        for (const lostbits::output::image::Rgb8 outcome : outcome_colours)
-            CHECK(distance(mine, oklab(eye(linear(outcome)))) > least);
-    };
-    check([](const Vector& c) { return c; }, 0.15);
-    check(deuteranope, 0.10);
+    // In grey the drawn outcomes still differ.
+    for (const Rgb8& one : drawn)
+        for (const Rgb8& other : drawn)
+            CHECK((&one == &other || std::abs(oklab(linear(one))[0] - oklab(linear(other))[0]) > 0.07));
 }
 
 TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
     std::vector<Vector> seen;
-    for (const lostbits::output::image::Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
+    for (const Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
     for (std::size_t i = 0; i < 1000; ++i) {
-        const Vector mine = oklab(linear(lostbits::output::image::distinct_colour(i)));
+        const Vector mine = oklab(linear(distinct_colour(i)));
         // 0.02 is a just noticeable difference. Agreed hits have no colour of their own beside categories.
         const double least = i < 60 ? 0.06 : i < 200 ? 0.04 : 0.02;
         for (std::size_t j = 1; j < seen.size(); ++j) {
@@ -114,28 +102,27 @@ TEST_CASE("a thousand categories have a colour each, the first of them the clear
         }
         seen.push_back(mine);
     }
-    CHECK(lostbits::output::image::distinct_colour(1000) == distinct_colour(0));
+    CHECK(distinct_colour(1000) == distinct_colour(0));
 }
 
 TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     const double inf = std::numeric_limits<double>::infinity();
-    const lostbits::output::image::ColourScale scale("grey", grey_ramp(), 0, 24);
-    CHECK(scale.map(0) == lostbits::output::image::Rgb8{0, 0, 0});
+    const ColourScale scale("grey", grey_ramp(), 0, 24);
+    CHECK(scale.map(0) == Rgb8{0, 0, 0});
     CHECK(scale.map(12) == Rgb8{50, 0, 0});
     CHECK(scale.map(-1) == Rgb8{0, 0, 0});
     CHECK(scale.map(inf) == Rgb8{100, 0, 0});
     CHECK(scale.map(-inf) == Rgb8{0, 0, 0});
     CHECK_THROWS_AS(scale.map(std::nan("")), std::invalid_argument);
-    const lostbits::output::image::ColourScale log("grey", grey_ramp(), 1, 16, Spacing::log2);
+    const ColourScale log("grey", grey_ramp(), 1, 16, Spacing::log2);
     CHECK(log.map(4) == Rgb8{50, 0, 0});
     CHECK(log.map(0) == Rgb8{0, 0, 0});
     CHECK(log.map(-3) == Rgb8{0, 0, 0});
-    const lostbits::output::image::ColourScale wide("grey", grey_ramp(), -1.7e308, 1.7e308);
+    const ColourScale wide("grey", grey_ramp(), -1.7e308, 1.7e308);
     CHECK(wide.map(0) == Rgb8{50, 0, 0});
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::image::ColourScale("grey", grey_ramp(), 0, 1, Spacing::log2),
-                    std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 1, 1), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, inf), std::invalid_argument);
+    CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), 0, 1, Spacing::log2), std::invalid_argument);
     CHECK_THROWS_AS(ColourScale("grey", {Rgb8{}}, 0, 1), std::invalid_argument);
     const ColourScale root("grey", grey_ramp(), 0, 16, Spacing::root);
     CHECK(root.map(4) == Rgb8{50, 0, 0});
@@ -147,7 +134,7 @@ TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
 }
 
 TEST_CASE("ticks are round, within the range and few", "[colour]") {
-    const auto labels = [](const lostbits::output::image::ColourScale& scale, int most) {
+    const auto labels = [](const ColourScale& scale, int most) {
         std::string out;
         for (const auto& tick : scale.ticks(most)) {
             CHECK(tick.position >= 0);
@@ -183,10 +170,92 @@ TEST_CASE("ticks are round, within the range and few", "[colour]") {
 
 TEST_CASE("linear light goes there and back", "[colour]") {
     for (int i = 0; i < 256; ++i) {
-        CHECK(lostbits::output::image::srgb_byte(lostbits::output::image::linear_light(static_cast<std::uint8_t>(i))) ==
-              i);
+        CHECK(srgb_byte(linear_light(static_cast<std::uint8_t>(i))) == i);
     }
-    CHECK(lostbits::output::image::srgb_byte(0x8000) == 188);
+    CHECK(srgb_byte(0x8000) == 188);
+}
+
+namespace {
+
+constexpr double least = 25;
+
+struct Eye {
+    const char* name;
+    Vector (*see)(const Vector&);
+};
+const std::array eyes{Eye{"any", any_eye}, Eye{"deuteranope", deuteranope}, Eye{"protanope", protanope}};
+
+double apart(const Eye& eye, Rgb8 a, Rgb8 b) {
+    return ciede2000(cielab(eye.see(linear(a))), cielab(eye.see(linear(b))));
+}
+
+void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
+    for (const Eye& eye : eyes) {
+        for (std::size_t i = 0; i < classes.size(); ++i) {
+            for (std::size_t j = 0; j < i; ++j) {
+                INFO(what << ", " << eye.name << ": class " << i << " against " << j);
+                CHECK(apart(eye, classes[i], classes[j]) >= least);
+            }
+        }
+    }
+}
+
+/// Of those that a legend lists.
+std::vector<Rgb8> colours_of(const std::vector<pixel::Category>& categories) {
+    std::vector<Rgb8> colours;
+    for (const pixel::Category& category : categories)
+        if (!category.name.empty()) colours.push_back(category.colour);
+    return colours;
+}
+
+}  // namespace
+
+TEST_CASE("CIEDE2000 is that of its authors' test data", "[colour]") {
+    // Sharma, Wu and Dalal 2005, table 1: pairs 1, 4, 7, 9, 17, 20, 25 and 33.
+    struct Pair {
+        Vector one, other;
+        double apart;
+    };
+    for (const auto& [one, other, apart] :
+         {Pair{{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 2.0425},
+          Pair{{50, -1.3802, -84.2814}, {50, 0, -82.7485}, 1.0000}, Pair{{50, 0, 0}, {50, -1, 2}, 2.3669},
+          Pair{{50, 2.49, -0.001}, {50, -2.49, 0.0009}, 7.1792}, Pair{{50, 2.5, 0}, {73, 25, -18}, 27.1492},
+          Pair{{50, 2.5, 0}, {58, 24, 15}, 19.4535},
+          Pair{{60.2574, -34.0099, 36.2677}, {60.4626, -34.1751, 39.4387}, 1.2644},
+          Pair{{6.7747, -0.2908, -2.4247}, {5.8714, -0.0985, -2.2286}, 0.6377}}) {
+        CHECK(std::fabs(ciede2000(one, other) - apart) < 6e-5);
+        CHECK(std::fabs(ciede2000(other, one) - apart) < 6e-5);
+    }
+}
+
+TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
+    const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcomes_without_mesh;
+    check_apart("outcomes", {outcome_colours.begin(), meshes});
+    // No colours are left that are as far from all of the ramp and from each other for all eyes.
+    for (const Eye& eye : eyes) {
+        const double near = eye.name == eyes.front().name ? 20 : 10;
+        for (auto colour = meshes; colour != outcome_colours.end(); ++colour) {
+            for (auto other = outcome_colours.begin(); other != colour; ++other)
+                CHECK(apart(eye, *colour, *other) >= near);
+            for (const Rgb8 value : backend().ramp("viridis", 64)) CHECK(apart(eye, *colour, value) >= near);
+        }
+    }
+    check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
+    check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
+    check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
+    auto seen = colours_of(picture::seen_categories());
+    seen.push_back(outcome_colours.front());
+    check_apart("what is seen", seen);
+    check_apart("shadows", colours_of(picture::shadow_categories()));
+}
+
+TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
+    const auto& lost_bits = *lostbits::measure::metric::find_metric("lost_bits");
+    const auto legend = map::MetricPaint(lost_bits, lostbits::binary32, backend()).look(true).widest_legend(1);
+    REQUIRE(legend.size() == outcome_colours.size());
+    CHECK(legend[legend.size() - 2].label == "out of order");
+    CHECK(legend[legend.size() - 2].colour == outcome_colours.back());
+    CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
 }
 
 }  // namespace test_colour

@@ -21,12 +21,12 @@ using namespace lostbits::output::test;
 namespace {
 
 constexpr int width = 37, height = 41;  // no multiple of the 16 lines of a block
-constexpr auto f32 = output::image::Channel::Type::f32, u32 = output::image::Channel::Type::u32;
+constexpr auto f32 = Channel::Type::f32, u32 = Channel::Type::u32;
 
 /// Three parts of different channels, in no order that a sort would give; the last belongs to a later run.
-std::vector<output::image::ExrPart> three_parts() {
-    const auto part = [](const char* name, std::vector<output::image::Channel> channels, int run) {
-        return output::image::ExrPart{
+std::vector<ExrPart> three_parts() {
+    const auto part = [](const char* name, std::vector<Channel> channels, int run) {
+        return ExrPart{
             name, {width, height, std::move(channels), {{"lostbits:form", name}, {"lostbits:command", "map x"}}}, run};
     };
     return {part("sphere.b.f32", {{"t.hi", f32}, {"class.object", u32}, {"R", f32}, {"a.z", f32}}, 0),
@@ -36,7 +36,7 @@ std::vector<output::image::ExrPart> three_parts() {
 
 /// The samples of a part: special values first, then smooth or random ones by the line, for blocks that get smaller
 /// and blocks that do not.
-std::vector<std::uint32_t> samples_of(const output::image::ExrPart& part) {
+std::vector<std::uint32_t> samples_of(const ExrPart& part) {
     constexpr std::uint32_t special[] = {0x00000000, 0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00001,
                                          0x7F800001, 0x00000001, 0x807FFFFF, 0x3F800000, 0xFFFFFFFF, 0x7F7FFFFF};
     std::mt19937 random(static_cast<unsigned>(part.name.size()));
@@ -50,8 +50,7 @@ std::vector<std::uint32_t> samples_of(const output::image::ExrPart& part) {
     return out;
 }
 
-void serve(output::image::ExrBook& book, const std::vector<output::image::ExrPart>& parts, std::size_t p, int y,
-           int rows) {
+void serve(ExrBook& book, const std::vector<ExrPart>& parts, std::size_t p, int y, int rows) {
     auto samples = samples_of(parts[p]);
     const std::size_t line = width * parts[p].spec.channels.size();
     samples.resize(std::max(samples.size(), static_cast<std::size_t>(y + rows) * line));  // rows beyond the last, too
@@ -60,9 +59,27 @@ void serve(output::image::ExrBook& book, const std::vector<output::image::ExrPar
                                                              static_cast<std::size_t>(rows) * line)));
 }
 
-std::uint32_t bits_at(const output::image::ExrChannel& channel, std::size_t i) {
+std::uint32_t bits_at(const ExrChannel& channel, std::size_t i) {
     if (const auto* f = std::get_if<std::vector<float>>(&channel.samples)) return std::bit_cast<std::uint32_t>((*f)[i]);
     return std::get<std::vector<std::uint32_t>>(channel.samples)[i];
+}
+
+void check_part(const ExrPart& part, const ExrImage& image) {
+    const auto samples = samples_of(part);
+    const auto& channels = part.spec.channels;
+    REQUIRE((image.width == width && image.height == height && image.channels.size() == channels.size()));
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        INFO(part.name << " " << channels[c].name);
+        const ExrChannel* channel = image.find(channels[c].name);
+        REQUIRE(channel != nullptr);
+        CHECK((channel->samples.index() == 1) == (channels[c].type == u32));
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(width * height); ++i)
+            wrong += bits_at(*channel, i) != samples[i * channels.size() + c];
+        CHECK(wrong == 0);
+    }
+    for (const auto& attribute : part.spec.attributes) CHECK(std::ranges::count(image.attributes, attribute) == 1);
+    CHECK(image.find("no.such") == nullptr);
 }
 
 }  // namespace
@@ -70,58 +87,51 @@ std::uint32_t bits_at(const output::image::ExrChannel& channel, std::size_t i) {
 TEST_CASE("each part reads back under its name, bit for bit", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
-    output::image::ExrBook book(folder / "a.exr", parts);
+    ExrBook book(folder / "a.exr", parts);
     for (const std::size_t p : {2, 0, 1}) serve(book, parts, p, 0, height);
     CHECK_FALSE(fs::exists(folder / "a.exr"));
     book.close();
     CHECK(backend().exr_parts(folder / "a.exr") == std::vector<std::string>{"sphere.b.f32", "sphere.a.f64", "truth"});
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        const output::image::ExrImage image = backend().read_exr(folder / "a.exr", p);
-        const auto samples = samples_of(parts[p]);
-        const auto& channels = parts[p].spec.channels;
-        REQUIRE((image.width == width && image.height == height && image.channels.size() == channels.size()));
-        for (std::size_t c = 0; c < channels.size(); ++c) {
-            INFO(parts[p].name << " " << channels[c].name);
-            const output::image::ExrChannel* channel = image.find(channels[c].name);
-            REQUIRE(channel != nullptr);
-            CHECK((channel->samples.index() == 1) == (channels[c].type == u32));
-            std::size_t wrong = 0;
-            for (std::size_t i = 0; i < static_cast<std::size_t>(width * height); ++i)
-                wrong += bits_at(*channel, i) != samples[i * channels.size() + c];
-            CHECK(wrong == 0);
-        }
-        for (const auto& attribute : parts[p].spec.attributes)
-            CHECK(std::ranges::count(image.attributes, attribute) == 1);
-    }
+    for (std::size_t p = 0; p < parts.size(); ++p) check_part(parts[p], backend().read_exr(folder / "a.exr", p));
     CHECK_THROWS_AS(backend().read_exr(folder / "a.exr", 3), InputError);
+}
+
+TEST_CASE("a book of one part without a name is a file without parts", "[exr]") {
+    const Scratch folder;
+    auto parts = three_parts();
+    for (auto& part : parts) {
+        part.name.clear();
+        ExrBook book(folder / "a.exr", {part});
+        serve(book, {part}, 0, 0, 15);
+        serve(book, {part}, 0, 15, height - 15);
+        book.close();
+        CHECK(backend().exr_parts(folder / "a.exr") == std::vector<std::string>{""});
+        check_part(part, backend().read_exr(folder / "a.exr"));
+    }
 }
 
 TEST_CASE("a book's bytes are the same whichever part is served first, and by how many threads", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
-    {
-        output::image::ExrBook book(folder / "a.exr", parts);
+    const auto write = [&](const char* name, const auto& serve_all) {
+        ExrBook book(folder / name, parts);
+        serve_all(book);
+        book.close();
+    };
+    write("a.exr", [&](ExrBook& book) {
         for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
-        book.close();
-    }
-    {
-        output::image::ExrBook book(folder / "b.exr", parts);
-        for (int y = 0; y < height; y += 3) {
+    });
+    write("b.exr", [&](ExrBook& book) {
+        for (int y = 0; y < height; y += 3)
             for (const std::size_t p : {2, 1, 0}) serve(book, parts, p, y, std::min(3, height - y));
-        }
-        book.close();
-    }
-    {
-        output::image::ExrBook book(folder / "c.exr", parts);
-        std::vector<std::thread> threads;
-        for (const std::size_t p : {0, 1, 2}) {
+    });
+    write("c.exr", [&](ExrBook& book) {
+        std::vector<std::jthread> threads;
+        for (const std::size_t p : {0, 1, 2})
             threads.emplace_back([&, p] {
                 for (int y = 0; y < height; ++y) serve(book, parts, p, y, 1);
             });
-        }
-        for (auto& thread : threads) thread.join();
-        book.close();
-    }
+    });
     CHECK(contents(folder / "a.exr").size() > 1000);
     CHECK(contents(folder / "a.exr") == contents(folder / "b.exr"));
     CHECK(contents(folder / "a.exr") == contents(folder / "c.exr"));
@@ -131,7 +141,7 @@ TEST_CASE("a book appears only when closed, and refuses what no reader would tak
     const Scratch folder;
     const auto parts = three_parts();
     {
-        output::image::ExrBook book(folder / "a.exr", parts);
+        ExrBook book(folder / "a.exr", parts);
         CHECK_THROWS_AS(serve(book, parts, 0, 1, 1), std::logic_error);
         CHECK_THROWS_AS(book.write_rows(0, 0, 1, {}), std::logic_error);
         for (const std::size_t p : {0, 1}) serve(book, parts, p, 0, height);
@@ -143,14 +153,15 @@ TEST_CASE("a book appears only when closed, and refuses what no reader would tak
     const auto refused = [&](auto change) {
         auto changed = three_parts();
         change(changed);
-        CHECK_THROWS_AS(output::image::ExrBook(folder / "a.exr", changed), std::logic_error);
+        CHECK_THROWS_AS(ExrBook(folder / "a.exr", changed), std::logic_error);
     };
     refused([](auto& p) { p.clear(); });
     refused([](auto& p) { p[1].name = p[0].name; });
+    refused([](auto& p) { p[1].name.clear(); });
     refused([](auto& p) { p[1].spec.channels.clear(); });
     refused([](auto& p) { p[0].spec.channels[1].name = "t.hi"; });
     refused([](auto& p) { p[2].spec.height = 1; });
-    CHECK_THROWS_AS(output::image::ExrBook(folder.path(), parts), EnvironmentError);
+    CHECK_THROWS_AS(ExrBook(folder.path(), parts), EnvironmentError);
     CHECK(folder.entries() == 0);
 }
 
@@ -159,16 +170,16 @@ TEST_CASE("a full disk stops a book, every part is told so, and nothing is left"
     const auto parts = three_parts();
     const auto attempt = [&](rlim_t limit_bytes) {
         return in_child([&] {
-            lostbits::output::file::ignore_file_size_signal();
+            file::ignore_file_size_signal();
             const rlimit limit{limit_bytes, limit_bytes};
             ::setrlimit(RLIMIT_FSIZE, &limit);
-            std::vector<output::image::ExrPart> many;  // more bytes than the file's buffer holds
+            std::vector<ExrPart> many;  // more bytes than the file's buffer holds
             for (int p = 0; p < 200; ++p) {
                 many.push_back(parts[0]);
                 many.back().name += std::to_string(p);
             }
             int told = 0;
-            output::image::ExrBook book(folder / "a.exr", many);
+            ExrBook book(folder / "a.exr", many);
             const auto is_told = [&](std::size_t p, int y) {
                 try {
                     serve(book, many, p, y, std::min(16, height - y));
@@ -196,7 +207,7 @@ TEST_CASE("other programs read every part of a book", "[exr]") {
     REQUIRE(std::system("oiiotool --version >/dev/null 2>&1") == 0);
     const Scratch folder;
     const auto parts = three_parts();
-    output::image::ExrBook book(folder / "a.exr", parts);
+    ExrBook book(folder / "a.exr", parts);
     for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
     book.close();
     const std::string out = (folder / "info").string();

@@ -12,11 +12,11 @@ using namespace lostbits::output;
 using namespace lostbits::output::image;
 
 TEST_CASE("a thumbnail averages in linear light, exactly and in any order of rows", "[thumbnail]") {
-    std::vector<lostbits::output::image::Rgb8> board;
+    std::vector<Rgb8> board;
     for (int y = 0; y < 320; ++y) {
         for (int x = 0; x < 640; ++x) board.push_back((x + y) % 2 == 0 ? Rgb8{255, 255, 255} : Rgb8{});
     }
-    lostbits::output::image::Thumbnail grey(640, 320);
+    Thumbnail grey(640, 320);
     grey.add_rows(0, board);
     CHECK(grey.width() == 160);
     CHECK(grey.height() == 80);
@@ -39,13 +39,12 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
                 };
                 const double w = part(x, x + 1, i * 333.0 / 160, (i + 1) * 333.0 / 160) *
                                  part(y, y + 1, j * 211.0 / down.height(), (j + 1) * 211.0 / down.height());
-                sum += w * lostbits::output::image::linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
+                sum += w * linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
                 weight += w;
             }
         }
-        const lostbits::output::image::Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
-        CHECK(std::abs(got.r -
-                       lostbits::output::image::srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
+        const Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
+        CHECK(std::abs(got.r - srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
         CHECK(got.b == 7);
     }
 }
@@ -81,9 +80,8 @@ TEST_CASE("a thumbnail of categories has no colour that the field has not", "[th
 
 TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     const auto size = [](int w, int h) {
-        lostbits::output::image::Thumbnail t(w, h);
-        t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(
-                          static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
+        Thumbnail t(w, h);
+        t.add_rows(0, std::vector<Rgb8>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));
         CHECK(std::ranges::all_of(t.pixels(), [](Rgb8 p) { return p == Rgb8{9, 8, 7}; }));
         return std::pair(t.width(), t.height());
     };
@@ -93,10 +91,10 @@ TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
     CHECK(size(1, 5000) == std::pair(1, 160));
     CHECK(size(161, 160) == std::pair(160, 159));
     CHECK(size(256, 1024) == std::pair(40, 160));
-    lostbits::output::image::Thumbnail t(10, 10);
-    CHECK_THROWS_AS(t.add_rows(0, std::vector<lostbits::output::image::Rgb8>(11)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(9, std::vector<lostbits::output::image::Rgb8>(20)), std::logic_error);
-    CHECK_THROWS_AS(t.add_rows(-1, std::vector<lostbits::output::image::Rgb8>(10)), std::logic_error);
+    Thumbnail t(10, 10);
+    CHECK_THROWS_AS(t.add_rows(0, std::vector<Rgb8>(11)), std::logic_error);
+    CHECK_THROWS_AS(t.add_rows(9, std::vector<Rgb8>(20)), std::logic_error);
+    CHECK_THROWS_AS(t.add_rows(-1, std::vector<Rgb8>(10)), std::logic_error);
     CHECK_THROWS_AS(t.pixels(), std::logic_error);
 }
 

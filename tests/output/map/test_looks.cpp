@@ -24,17 +24,18 @@ namespace {
 /// A level line.
 plot::Series level(const std::string& label, double y) { return {label, {1, 2, 4}, {y, y, y}, {}, {}}; }
 
+plot::Series with_look(int k, std::size_t look) {
+    plot::Series one = level(std::to_string(k), k);
+    one.look = look;
+    return one;
+}
+
 }  // namespace
 
 TEST_CASE("a line keeps the look that is its own, and no two lines look alike", "[looks]") {
     using Look = std::tuple<int, int, int, int, std::vector<double>>;
     const auto look_of = [](const plot::PlotLine& line) {
         return Look{line.colour.r, line.colour.g, line.colour.b, line.marker, {line.dashes.begin(), line.dashes.end()}};
-    };
-    const auto with_look = [](int k, std::size_t look) {
-        plot::Series one = level(std::to_string(k), k);
-        one.look = look;
-        return one;
     };
     // Beside whatever stands before it, after it, or asks for nothing.
     const Look alone = look_of(plot::plot_lines(std::vector{with_look(1, 19)})[0]);
@@ -47,9 +48,8 @@ TEST_CASE("a line keeps the look that is its own, and no two lines look alike", 
     for (const int asked : {0, 1, 5, 1000}) {
         std::vector<plot::Series> many;
         for (int k = 0; k < 240; ++k) {
-            plot::Series one = level(std::to_string(k), k);
-            if (asked > 0 && k % 3 == 0) one.look = static_cast<std::size_t>(k % asked);
-            many.push_back(std::move(one));
+            many.push_back(level(std::to_string(k), k));
+            if (asked > 0 && k % 3 == 0) many.back().look = static_cast<std::size_t>(k % asked);
         }
         std::set<Look> seen;
         for (const plot::PlotLine& line : plot::plot_lines(many)) seen.insert(look_of(line));
@@ -59,11 +59,6 @@ TEST_CASE("a line keeps the look that is its own, and no two lines look alike", 
 }
 
 TEST_CASE("while there are colours for all, no two lines that ask for a look share one", "[looks]") {
-    const auto with_look = [](int k, std::size_t look) {
-        plot::Series one = level(std::to_string(k), k);
-        one.look = look;
-        return one;
-    };
     // Three of one colour, and one that keeps its own.
     const auto lines =
         plot::plot_lines(std::vector{with_look(1, 3), with_look(2, 11), with_look(3, 0), with_look(4, 19)});
@@ -107,7 +102,7 @@ TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[l
         if (metric.by_run) continue;  // its operations have a test of their own
         CAPTURE(metric.name);
         std::set<std::tuple<int, int, int>> colours;
-        const auto entries = map::MetricPaint(metric, binary32, backend()).widest(1, true);
+        const auto entries = map::MetricPaint(metric, binary32, backend()).look(true).widest_legend(1);
         for (const image::LegendEntry& entry : entries) {
             CAPTURE(entry.label);
             CHECK(colours.insert({entry.colour.r, entry.colour.g, entry.colour.b}).second);

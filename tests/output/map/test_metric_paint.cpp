@@ -10,8 +10,8 @@
 #include "measure/rows.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/helpers.hpp"
+#include "output/map/map_pictures.hpp"
 #include "output/map/metric_paint.hpp"
-#include "output/map/sheet_words.hpp"
 
 namespace test_metric_paint {
 
@@ -35,6 +35,26 @@ FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std
     for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_object}) s.true_hits += s.count(o);
     for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
     return s;
+}
+
+/// So many pixels of an outcome and a value.
+struct Pixels {
+    Outcome outcome;
+    double value;
+    std::uint64_t count;
+};
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+/// Of a picture of these pixels.
+std::vector<image::LegendEntry> legend_of(const MetricPaint& paint, std::initializer_list<Pixels> all) {
+    const pixel::Look look = paint.look(true);
+    pixel::CategoryCounts counts(look.categories.size());
+    std::uint64_t pixels = 0;
+    for (const auto& [outcome, value, count] : all) {
+        counts[paint.pixel(outcome, value).category] += count;
+        pixels += count;
+    }
+    return look.legend(counts, pixels);
 }
 
 bool has_word(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
@@ -109,13 +129,14 @@ TEST_CASE("how far two forms are apart has a unit, a count, and a legend for whe
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
     CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both hit");
-    const auto legend = paint.legend(paint.counts(s, 0), 1000);
+    const auto legend = legend_of(
+        paint, {{Outcome::agree_hit, 0, 200}, {Outcome::agree_hit, 3, 100}, {Outcome::agree_miss, none, 700}});
     REQUIRE(legend.size() == 1);
     CHECK(has_word(legend.front().label, "not both hit"));
     CHECK(legend.front().count == "700 (70.0%)");
-    CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()));
+    CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, none));
     CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
-    CHECK(paint.widest(1000, false).size() == 1);
+    CHECK(paint.look(false).widest_legend(1000).size() == 1);
     CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
 }
@@ -127,7 +148,6 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
         all.push_back(made.find(name));
     for (const Metric& m : lostbits::measure::metric::metrics())
         if (!m.by_run) all.push_back(&m);
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (const Metric* m : all) {
         REQUIRE(m != nullptr);
         CAPTURE(m->name);
@@ -137,7 +157,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
             const image::Rgb8 drawn = paint.colour(static_cast<Outcome>(o), none);
             CHECK(std::ranges::find(image::outcome_colours, drawn) != image::outcome_colours.end());
         }
-        const auto legend = paint.widest(1, true);
+        const auto legend = paint.look(true).widest_legend(1);
         for (std::size_t c = 0; c < m->categories.size(); ++c) {
             const image::Rgb8 drawn = paint.colour(Outcome::agree_hit, static_cast<double>(c));
             CHECK(std::ranges::count(legend, drawn, &image::LegendEntry::colour) == 1);
@@ -145,7 +165,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
         // Of a row whose only ray is a hit without a value.
         FormSummary s({m});
         s.rays = s.true_hits = s.outcomes[0] = 1;
-        CHECK(paint.legend(paint.counts(s, 0), 1).size() <= 1);
+        CHECK(legend_of(paint, {{Outcome::agree_hit, none, 1}}).size() <= 1);
         CHECK((paint.glance(s, 0) + paint.caption(s, 0) + paint.note() + paint.widest_caption(1)).size() > 1);
     }
 }
@@ -161,7 +181,10 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};
     CHECK(paint.glance(s, 0) == "75% of 200 culprits:\nb*b - c");
-    const auto legend = paint.legend(paint.counts(s, 0), 1000);
+    const auto legend = legend_of(paint, {{Outcome::agree_hit, 0, 100},
+                                          {Outcome::agree_hit, 1, 150},
+                                          {Outcome::agree_hit, 2, 50},
+                                          {Outcome::agree_miss, none, 700}});
     CHECK(paint.caption(s, 0) == "75% of 200 culprits: b*b - c");
     REQUIRE(legend.size() == 4);
     CHECK(legend[0].count == "150 (75.0%)");
@@ -195,11 +218,10 @@ TEST_CASE("nothing is written as 0", "[metric_paint]") {
 
 TEST_CASE("a hit without a value has its outcome's colour, and the legend names it", "[metric_paint]") {
     const MetricPaint paint(*find_metric("lost_bits"), binary32, backend());
-    CHECK(paint.colour(Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()) == image::outcome_colours[0]);
-    FormSummary s = summary_of(3, {{Outcome::agree_hit, 600}, {Outcome::agree_miss, 400}});
-    CHECK(paint.legend(paint.counts(s, 0), 1000).size() == 1);
-    s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] += 7;
-    const auto legend = paint.legend(paint.counts(s, 0), 1007);
+    CHECK(paint.colour(Outcome::agree_hit, none) == image::outcome_colours[0]);
+    CHECK(legend_of(paint, {{Outcome::agree_hit, 3, 600}, {Outcome::agree_miss, none, 400}}).size() == 1);
+    const auto legend = legend_of(
+        paint, {{Outcome::agree_hit, 3, 600}, {Outcome::agree_miss, none, 400}, {Outcome::agree_hit, none, 7}});
     REQUIRE(legend.size() == 2);
     CHECK(legend.back().count == "7 (0.7%)");
     CHECK(legend.back().label == "correct hit without a value");

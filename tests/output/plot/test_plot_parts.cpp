@@ -22,7 +22,7 @@ namespace {
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<std::string> labels(const lostbits::output::plot::AxisRange& range, int most) {
+std::vector<std::string> labels(const AxisRange& range, int most) {
     std::vector<std::string> out;
     for (const auto& tick : range.ticks(most)) {
         if (!tick.label.empty()) out.push_back(tick.label);
@@ -35,7 +35,7 @@ std::vector<std::string> labels(const lostbits::output::plot::AxisRange& range, 
 TEST_CASE("ticks are round values at their places", "[plot]") {
     using Scale = AxisSpec::Scale;
     using Labels = std::vector<std::string>;
-    CHECK(labels(lostbits::output::plot::AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
+    CHECK(labels(AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
           Labels{"2^0", "2^4", "2^8", "2^12", "2^16", "2^20", "2^24", "2^28"});
     CHECK(labels(AxisRange({"", Scale::log2, {}, {}}, {0.125, 4.0}), 8) ==
           Labels{"2^-3", "2^-2", "2^-1", "2^0", "2^1", "2^2"});
@@ -49,7 +49,7 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
     CHECK(labels(AxisRange({"", Scale::linear, 0.0, 53.0}, {}), 8) == Labels{"0", "10", "20", "30", "40", "50"});
     CHECK(labels(AxisRange({"", Scale::linear, 1000000.0, 1000000.5}, {}), 5) ==
           Labels{"1000000", "1000000.1", "1000000.2", "1000000.3", "1000000.4", "1000000.5"});
-    const lostbits::output::plot::AxisRange range({"", Scale::log2, 1.0, std::exp2(30)}, {});
+    const AxisRange range({"", Scale::log2, 1.0, std::exp2(30)}, {});
     CHECK(range.position(std::exp2(15)) == 0.5);
     CHECK(range.ticks(8)[1].position == Approx(4.0 / 30));
     CHECK(range.position(inf) == 1);
@@ -87,7 +87,7 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
         {tiny}, {1, std::nextafter(1, 2)}, {tiny, huge}, {0, 1e-9}, {1e-20},  {5, 5.0001},   {0, 1, no_value}};
     for (const auto scale : {Scale::linear, Scale::log2, Scale::log10}) {
         for (const auto& values : data) {
-            const lostbits::output::plot::AxisRange range({"", scale, {}, {}}, values);
+            const AxisRange range({"", scale, {}, {}}, values);
             const auto text = labels(range, 6);
             INFO(static_cast<int>(scale) << ": " << (values.empty() ? 0 : values[0]));
             CHECK(text.size() >= 2);
@@ -99,9 +99,9 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
             }
         }
     }
-    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::log2, 0.0, {}}, {}), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, 2.0, 2.0}, {}), std::invalid_argument);
-    CHECK_THROWS_AS(lostbits::output::plot::AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(AxisRange({"", Scale::log2, 0.0, {}}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(AxisRange({"", Scale::linear, 2.0, 2.0}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
 }
 
 TEST_CASE("things stay in order and apart, each as near to its wish as the others allow", "[plot]") {
@@ -125,21 +125,21 @@ bool is_half(Rgb8 p) { return p.r == p.g && p.g == p.b && std::abs(p.r - 128) <=
 }  // namespace
 
 TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
-    lostbits::output::image::Canvas canvas(20, 9, {255, 255, 255});
-    lostbits::output::image::Stroke stroke(test::backend(), {0, 0, 20, 9});
-    const std::vector<lostbits::output::image::Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
+    Canvas canvas(20, 9, {255, 255, 255});
+    Stroke stroke(test::backend(), {0, 0, 20, 9});
+    const std::vector<Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
     stroke.polyline(line, 2);
     stroke.paint(canvas, {});
     for (int x = 0; x < 20; ++x) {
         const auto column = static_cast<std::size_t>(x);
-        CHECK(canvas.row(4)[column] == lostbits::output::image::Rgb8{});
+        CHECK(canvas.row(4)[column] == Rgb8{});
         CHECK(is_half(canvas.row(3)[column]));
         CHECK(is_half(canvas.row(5)[column]));
         CHECK(canvas.row(2)[column] == Rgb8{255, 255, 255});
         CHECK(canvas.row(3)[column] == canvas.row(3)[0]);  // at the joint as elsewhere
     }
     // Painting forgets: a second coat of nothing changes nothing.
-    const std::vector<lostbits::output::image::Rgb8> before(canvas.pixels().begin(), canvas.pixels().end());
+    const std::vector<Rgb8> before(canvas.pixels().begin(), canvas.pixels().end());
     stroke.paint(canvas, {255, 0, 0});
     CHECK(std::ranges::equal(before, canvas.pixels()));
 

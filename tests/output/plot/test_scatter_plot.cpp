@@ -18,9 +18,9 @@ using namespace lostbits::output::test;
 
 namespace {
 
-constexpr lostbits::output::image::Rgb8 first{0, 114, 178}, second{213, 94, 0}, grey{186, 186, 188};
+constexpr Rgb8 first{0, 114, 178}, second{213, 94, 0}, grey{186, 186, 188};
 
-lostbits::output::plot::ScatterPlotSpec small() {
+ScatterPlotSpec small() {
     ScatterPlotSpec spec;
     spec.title = "A trade";
     spec.x = {"time", AxisSpec::Scale::log2, {}, {}};
@@ -34,13 +34,13 @@ lostbits::output::plot::ScatterPlotSpec small() {
     return spec;
 }
 
-lostbits::output::image::PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
+PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
     write_scatter_plot(backend(), folder / "s.png", spec);
     return backend().read_png(folder / "s.png");
 }
 
 /// The leftmost column that has at least so many pixels of a colour, above the legend.
-int column_of(const lostbits::output::image::PngImage& image, lostbits::output::image::Rgb8 colour, int least) {
+int column_of(const PngImage& image, Rgb8 colour, int least) {
     for (int x = 0; x < image.width; ++x) {
         int n = 0;
         for (int y = 0; y < image.height - 60; ++y) n += pixel_at(image, x, y) == colour;
@@ -56,18 +56,18 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
     const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     std::size_t placed = 0, wished = 0;
     for (int round = 0; round < 200; ++round) {
-        std::vector<lostbits::output::plot::LabelWish> wishes;
-        std::vector<lostbits::output::plot::Box2> taken, avoided;
+        std::vector<LabelWish> wishes;
+        std::vector<Box2> taken, avoided;
         for (int i = 0; i < 12; ++i) {
             // Half of them crowded into a corner.
             const double reach = i % 2 == 0 ? 600 : 60;
-            const lostbits::output::image::Point at{20 + reach * unit(), 20 + reach * unit()};
+            const Point at{20 + reach * unit(), 20 + reach * unit()};
             wishes.push_back({at, 40 + 60 * unit(), 14});
             taken.push_back({at.x - 5, at.y - 5, 10, 10});
             avoided.push_back({600 * unit(), 600 * unit(), 10, 10});
         }
-        const lostbits::output::plot::Box2 room{0, 0, 640, 640};
-        const auto places = lostbits::output::plot::place_labels(wishes, {room, taken, avoided});
+        const Box2 room{0, 0, 640, 640};
+        const auto places = place_labels(wishes, {room, taken, avoided});
         REQUIRE(places.size() == wishes.size());
         wished += wishes.size();
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -75,7 +75,7 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
             ++placed;
             CHECK(places[i]->width == wishes[i].width);
             CHECK(room.contains(*places[i]));
-            for (const lostbits::output::plot::Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
+            for (const Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
             for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((places[j] && places[i]->overlaps(*places[j])));
         }
     }
@@ -83,20 +83,20 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
 }
 
 TEST_CASE("a label lies beside its point, where it covers least, and nowhere when there is no room", "[scatter_plot]") {
-    const lostbits::output::plot::Box2 room{0, 0, 300, 100};
-    const lostbits::output::plot::LabelWish wish{{150, 50}, 50, 14};
-    const auto free = lostbits::output::plot::place_labels({&wish, 1}, {room, {}, {}});
+    const Box2 room{0, 0, 300, 100};
+    const LabelWish wish{{150, 50}, 50, 14};
+    const auto free = place_labels({&wish, 1}, {room, {}, {}});
     REQUIRE(free[0].has_value());
-    const lostbits::output::image::Point near = free[0]->nearest(wish.at);
+    const Point near = free[0]->nearest(wish.at);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
-    const lostbits::output::plot::Box2 right{151, 0, 149, 100};
+    const Box2 right{151, 0, 149, 100};
     const auto left = place_labels({&wish, 1}, {room, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
     // A grey point everywhere within 60 pixels: the name goes where there is none, far as it is.
-    std::vector<lostbits::output::plot::Box2> points;
+    std::vector<Box2> points;
     for (int x = 60; x < 240; x += 8) points.push_back({static_cast<double>(x), 0, 8, 100});
-    const lostbits::output::plot::LabelWish narrow{{150, 50}, 20, 14};
+    const LabelWish narrow{{150, 50}, 20, 14};
     const auto far = place_labels({&narrow, 1}, {room, {}, points});
     REQUIRE(far[0].has_value());
     for (const auto& point : points) CHECK_FALSE(far[0]->overlaps(point));
@@ -115,7 +115,7 @@ TEST_CASE("a scatter plot shows points, names and front where they belong", "[sc
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    lostbits::output::plot::write_scatter_plot(backend(), folder / "again.png", small());
+    write_scatter_plot(backend(), folder / "again.png", small());
     CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();

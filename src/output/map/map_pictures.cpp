@@ -1,0 +1,256 @@
+#include "output/map/map_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "output/blame/explain_command.hpp"
+#include "output/map/map_files.hpp"
+#include "output/map/row_names.hpp"
+
+namespace lostbits::output::map {
+
+using measure::answer::Outcome;
+using measure::evaluate::BandResult;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
+using measure::metric::Metric;
+
+namespace {
+
+std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
+    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
+}
+
+/// `contribution.c`: a metric's name where no colon may be.
+std::string file_word(const Metric& metric) {
+    std::string word(metric.name);
+    std::ranges::replace(word, ':', '.');
+    return word;
+}
+
+std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFilesOptions& options) {
+    std::vector<MapSheet> sheets;
+    for (const Metric* m : options.drawn) {
+        const auto draws = [m](const TestedForm& row) {
+            return MetricPaint(*m, row.format.shape, image::image_backend()).applies_to(row);
+        };
+        const auto first = std::ranges::find_if(request.rows, draws);
+        if (first == request.rows.end()) continue;
+        const auto same = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_with(*m); });
+        if (same != sheets.end()) same->metrics.push_back(m);
+        else sheets.push_back({MetricPaint(*m, first->format.shape, image::image_backend(), options.range), {m}});
+    }
+    return sheets;
+}
+
+}  // namespace
+
+MapPictures::MapPictures(const EvaluationRequest& request, const MapFilesOptions& options)
+    : request_(request),
+      options_(options),
+      lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
+      excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))),
+      sheets_(sheets_of(request, options)),
+      files_{pages(), add_columns()} {}
+
+pixel::Pages MapPictures::pages() {
+    std::vector<pixel::Sheet> pages;
+    for (MapSheet& sheet : sheets_) pages.push_back(page_of(sheet));
+    return {.scene = *request_.scene,
+            .sheets = std::move(pages),
+            .singles = options_.singles ? options_.folder : "",
+            .stop = request_.limit.stop,
+            .opened = !options_.keep};
+}
+
+pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
+    std::vector<image::ColourScale> scales;  // one a line
+    for (const TestedForm& row : request_.rows) {
+        if (!sheet.paint.applies_to(row)) continue;
+        static_cast<void>(find_or_add(sheet.forms, short_name(*row.form->info)));
+        for (const Metric* m : sheet.metrics) {
+            if (find_or_add(sheet.lines, sheet.line_name(row, *m)) < scales.size() || !sheet.paint.scale()) continue;
+            scales.push_back(metric_scale(*m, row.format.shape, image::image_backend(), options_.range));
+        }
+    }
+    const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
+    const bool alone = !options_.sheet_alone.empty();
+    const bool several = alone ? scales.size() > 1 : std::ranges::any_of(scales, differs);
+    if (!scales.empty() && !several) scales.resize(1, scales.front());
+    const std::string name =
+        &sheet == sheets_.data() ? "contact.png" : fmt::format("contact.{}.png", file_word(*sheet.metrics.front()));
+    const scene::file::Scene& scene = *request_.scene;
+    const auto said_of = options_.listed ? std::span<const TestedForm>() : request_.rows;
+    return {alone ? options_.sheet_alone : options_.folder / name,
+            {.title = scene.title,
+             .subtitle = sheet_subtitle(scene, options_.named, said_of, sheet.paint, several),
+             .forms = sheet.forms,
+             .formats = sheet.lines,
+             .scales = std::move(scales),
+             .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
+             .legend = {},
+             .categories = !sheet.paint.scale(),
+             .note_lines = cell_note_lines}};
+}
+
+/// Row by row, in the order of what is drawn.
+std::vector<MapPictures::Column> MapPictures::add_columns() {
+    std::vector<Column> columns;
+    for (std::size_t r = 0; r < request_.rows.size(); ++r) {
+        const TestedForm& row = request_.rows[r];
+        for (const Metric* m : options_.drawn) {
+            const auto paint =
+                std::make_shared<const MetricPaint>(*m, row.format.shape, image::image_backend(), options_.range);
+            if (!paint->applies_to(row)) continue;
+            const auto sheet = std::ranges::find_if(
+                sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
+            const pixel::SheetPlace place{find_or_add(sheet->forms, short_name(*row.form->info)),
+                                          find_or_add(sheet->lines, sheet->line_name(row, *m)),
+                                          static_cast<std::size_t>(sheet - sheets_.begin())};
+            drawings_.push_back({r, index_of(request_.metrics, m), paint, place});
+            columns.push_back(column_of(drawings_.back()));
+        }
+    }
+    return columns;
+}
+
+MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
+    const scene::file::Scene& scene = *request_.scene;
+    const TestedForm& row = request_.rows[drawing.row];
+    const Metric& m = drawing.paint->metric();
+    pixel::ColumnSpec spec{
+        .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_word(m)) + ".png",
+        .title = fmt::format("{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
+                             m.over == measure::metric::Over::pairs ? fmt::format(" {}", row.against->info->name) : ""),
+        .subtitle = {title_of(*row.form->info), drawing.paint->note()},
+        .look = std::make_shared<const pixel::Look>(look_of(drawing)),
+        .places = {drawing.place},
+        .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
+                          worst_words(drawing, {.x = scene.width, .y = scene.height})};
+    if (std::string note = input_note(scene, std::span(&row, 1)); !note.empty() && !options_.listed)
+        spec.subtitle.push_back(std::move(note));
+    const auto pixel_of = [paint = drawing.paint, metric = drawing.metric](const BandResult& band, std::size_t i) {
+        return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
+    };
+    if (!is_enveloped(m)) return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(pixel_of)};
+    const auto paler_of = [pixel_of, look = spec.look, lost = lost_, excess = excess_](const BandResult& band,
+                                                                                       std::size_t i) {
+        const pixel::PixelValue pixel = pixel_of(band, i);
+        // NaN, where a metric does not exist, is inside nothing.
+        if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
+        return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
+    };
+    return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(paler_of)};
+}
+
+pixel::Look MapPictures::look_of(const Drawing& drawing) const {
+    pixel::Look look = drawing.paint->look(request_.scene->mesh != nullptr);
+    look.unit = drawing.paint->metric().unit;
+    if (!options_.sheet_alone.empty()) look.categories[drawing.paint->place_of(Outcome::agree_hit)].name.clear();
+    if (is_enveloped(drawing.paint->metric()))
+        look.categories.push_back({paler_means, paler(look.scale->map(look.scale->hi() / 2))});
+    return look;
+}
+
+bool MapPictures::is_enveloped(const Metric& drawn) const {
+    return options_.envelope && &drawn == measure::metric::find_metric("lost_bits");
+}
+
+/// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`; a form that is
+/// compiled elsewhere leaves nothing to explain.
+std::string MapPictures::worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
+    if (!drawing.paint->names_worst()) return "";
+    const TestedForm& row = request_.rows[drawing.row];
+    const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
+    if (!row.form->record) return place;
+    return place + ": " +
+           blame::explain_command(blame::name_of_pixel(options_.named, static_cast<int>(worst.x), worst.y), row);
+}
+
+pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
+    std::vector<SheetCell> cells;
+    bool nothing_hit = options_.sheet_alone.empty();
+    for (const Drawing& d : drawings_) {
+        if (d.place.sheet != sheet) continue;
+        const FormSummary& summary = summaries[d.row];
+        cells.push_back({d.place.across, &summary});
+        nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
+    }
+    return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : ""};
+}
+
+void MapPictures::finish(const std::vector<FormSummary>& summaries) {
+    for (std::size_t c = 0; c < drawings_.size(); ++c) {
+        const Drawing& d = drawings_[c];
+        const measure::evaluate::WorstRay* const worst = summaries[d.row].worst_ray();
+        files_.writer().set_caption(
+            c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_words(d, *worst) : ""));
+        files_.writer().set_note(d.place, cell_note(*d.paint, summaries[d.row], d.metric));
+    }
+    std::vector<pixel::SheetEnd> ends;
+    for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(end_of(s, summaries));
+    files_.writer().finish(ends);
+}
+
+std::string input_note(const scene::file::Scene& scene, std::span<const measure::evaluate::TestedForm> rows) {
+    if (scene.inputs == scene::file::Inputs::own)
+        return "each format rounds the ideal scene itself: errors include what that costs (metric input_error)";
+    std::vector<std::string> narrow;
+    for (const measure::evaluate::TestedForm& row : rows) {
+        if (!holds_shared_inputs(row.format.shape)) static_cast<void>(find_or_add(narrow, row.format.name));
+    }
+    if (narrow.empty()) return "";
+    std::string names = narrow.front();
+    for (std::size_t i = 1; i < narrow.size(); ++i) names += (i + 1 == narrow.size() ? " and " : ", ") + narrow[i];
+    return fmt::format("in {} the inputs are rounded too: errors include what that costs (metric input_error)", names);
+}
+
+std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
+                                        std::span<const measure::evaluate::TestedForm> rows, const MetricPaint& paint,
+                                        bool several) {
+    std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
+                                               paint.metric().by_run ? "" : "; percentages are of all of them"),
+                                   paint.note(several), paint.quantile_note(),
+                                   rows.empty() ? "" : input_note(scene, rows)};
+    if (!rows.empty())
+        lines.push_back(fmt::format("forms: fewest wrong decisions in {} first, then the least p99 of lost bits there",
+                                    rows.front().format.name));
+    if (paint.names_worst())
+        lines.push_back(fmt::format(
+            "worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} says how its answer came about",
+            named, blame::where_forms_are_from()));
+    std::erase(lines, "");
+    return lines;
+}
+
+std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary, std::size_t m) {
+    const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
+    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
+}
+
+std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {
+    constexpr double none = std::numeric_limits<double>::infinity();  // of too few hits: behind all others
+    std::vector<std::optional<std::pair<std::uint64_t, double>>> worth(forms);
+    for (const auto& [form, summary] : cells) {
+        if (worth[form]) continue;
+        const double p99 = lost < summary->metrics.size() && summary->agreement().is_enough()
+                               ? summary->metrics[lost].quantile(0.99)
+                               : none;
+        worth[form].emplace(summary->wrong_count(), std::isnan(p99) ? none : p99);
+    }
+    std::vector<std::size_t> order(forms);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t form) {
+        return worth[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), none});
+    });
+    return order;
+}
+
+}  // namespace lostbits::output::map
