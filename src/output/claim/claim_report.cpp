@@ -19,7 +19,6 @@
 #include "output/offset/offset_pictures.hpp"
 #include "output/picture/render_pictures.hpp"
 #include "output/sweep/case_files.hpp"
-#include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
 namespace lostbits::output::claim {
@@ -215,7 +214,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
         for (std::size_t r = 0; r < rows.size(); ++r) {
             const std::string file =
                 fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
-            sweep::write_plane_picture(image::image_backend(), folder / "pictures" / file, request, steps, r);
+            sweep::write_plane_picture(folder / "pictures" / file, request, steps, r);
             text += picture_link(fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
         }
         return text;

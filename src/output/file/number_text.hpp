@@ -17,6 +17,14 @@ namespace lostbits::output::file {
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
 
+/// Numbers as `text` writes each, with `between` between two of them.
+template <class Numbers>
+[[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view between) {
+    std::string list;
+    for (const double x : numbers) (list += list.empty() ? "" : between) += text(x);
+    return list;
+}
+
 /// What `decimal` or `hex` wrote, whatever the locale says of commas; nothing for any other text, and for a number that
 /// no double holds.
 [[nodiscard]] std::optional<double> number_in(std::string_view text);

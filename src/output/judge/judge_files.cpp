@@ -9,7 +9,7 @@
 #include "output/judge/ray_rows.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/sweep/case_text.hpp"
+#include "output/sweep/worst_files.hpp"
 
 namespace lostbits::output::judge {
 

@@ -11,7 +11,7 @@
 #include "output/plot/form_look.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/speed/trade_plot.hpp"
-#include "output/sweep/too_far.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 namespace lostbits::output::page {
 

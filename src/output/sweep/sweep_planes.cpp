@@ -1,18 +1,17 @@
-#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/plane_plot.hpp"
-#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
-using image::ImageBackend;
 using measure::answer::Outcome;
 using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
@@ -20,12 +19,6 @@ using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;
 
 namespace {
-
-std::string joined(const std::vector<double>& values) {
-    std::string text;
-    for (const double v : values) text += (text.empty() ? "" : " ") + file::decimal(v);
-    return text;
-}
 
 struct Layer {
     const char* name;
@@ -53,8 +46,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
             {"class.not_a_number", share(Outcome::not_a_number)}};
 }
 
-void write_exr(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
-               const SweepGrid& plane, std::size_t r) {
+void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane, std::size_t r) {
     const TestedForm& row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
@@ -67,16 +59,16 @@ void write_exr(ImageBackend& backend, const std::filesystem::path& path, const S
                        {"lostbits:form", std::string(row.form->info->name)},
                        {"lostbits:format", row.format.name},
                        {"lostbits:x", axes[0].name},
-                       {"lostbits:x_values", joined(plane.x)},
+                       {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
-                       {"lostbits:y_values", joined({plane.y.rbegin(), plane.y.rend()})}};
+                       {"lostbits:y_values", file::listed(std::views::reverse(plane.y), file::decimal, " ")}};
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(r, column, line)));
         }
     }
-    const auto exr = backend.open_exr(path, spec);
+    const auto exr = image::image_backend().open_exr(path, spec);
     exr->write_rows(0, spec.height, std::as_bytes(std::span(samples)));
     exr->close();
 }
@@ -98,8 +90,9 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
     return steps_[i * y.size() + j].rows[row];
 }
 
-void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
                          const std::vector<SweepStep>& steps, std::size_t row) {
+    image::ImageBackend& backend = image::image_backend();
     const auto& axes = request.sweep->axes;
     const TestedForm& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
@@ -142,11 +135,11 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     plot::write_plane_plot(backend, path, spec);
 }
 
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
-                 const std::vector<SweepStep>& steps, std::size_t row) {
+void write_plane(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                 std::size_t row) {
     const std::string stem = map::row_name(request.rows[row]);
-    write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
-    write_exr(backend, folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
+    write_plane_picture(folder / (stem + ".png"), request, steps, row);
+    write_exr(folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
 }
 
 }  // namespace lostbits::output::sweep

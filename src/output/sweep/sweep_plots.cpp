@@ -13,9 +13,6 @@
 #include "output/map/culprit_table.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
-#include "output/plot/line_plot.hpp"
-#include "output/sweep/sweep_planes.hpp"
-#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -320,8 +317,7 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
 void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep) {
     const SweepRequest& request = sweep.request;
     if (request.sweep->axes.size() == 2) {
-        for (std::size_t row = 0; row < request.rows.size(); ++row)
-            write_plane(image::image_backend(), folder, request, sweep.steps, row);
+        for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(folder, request, sweep.steps, row);
         return;
     }
     for (const Format& format : formats_of(sweep)) {

@@ -2,7 +2,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "output/sweep/too_far.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 namespace test_too_far {
 
