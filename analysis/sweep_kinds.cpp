@@ -8,7 +8,6 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
 #include "measure/edges/nearest.hpp"
-#include "output/file/estimate.hpp"
 #include "output/shard/fields.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/worst_files.hpp"

@@ -1,10 +1,8 @@
-#include "output/choice/obstacle_text.hpp"
+#include "output/choice/choice_text.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include "output/choice/other_tables.hpp"
 
 namespace lostbits::output::choice {
 
@@ -88,6 +86,12 @@ std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
 }
 
 }  // namespace
+
+std::string name_of_inputs(const FloatFormat& format) {
+    if (format == binary32) return "binary32";
+    if (format == binary64) return "binary64";
+    return fmt::format("p{}", format.precision);
+}
 
 std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;

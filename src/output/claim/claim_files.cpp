@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <optional>
 
 #include "output/blame/explain_command.hpp"
 #include "output/claim/subject_words.hpp"
-#include "output/file/number_text.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/file/json.hpp"
 #include "output/table/table.hpp"
 #include "shapes/number_names.hpp"
 
@@ -220,16 +220,15 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
 
 void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
                        const std::vector<ClaimResult>& results) {
-    const auto number = [](double x) {
-        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
-    };
-    auto array = nlohmann::ordered_json::array();
+    using Json = file::OrderedJson;
+    using file::json_number;
+    auto array = Json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
-        auto further = nlohmann::ordered_json::array();
-        for (const double x : results[i].further) further.push_back(number(x));
+        auto further = Json::array();
+        for (const double x : results[i].further) further.push_back(json_number(x));
         const auto& b = results[i].bounds;
-        const auto bounds = b ? nlohmann::ordered_json{number(b->low), number(b->high)} : nlohmann::ordered_json();
+        const auto bounds = b ? Json{json_number(b->low), json_number(b->high)} : Json();
         array.push_back({{"id", c.id},
                          {"statement", c.statement},
                          {"source", c.source},
@@ -242,8 +241,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"format", c.format},
                          {"quantity", quantity(c)},
                          {"criterion", c.criterion ? c.criterion->text : ""},
-                         {"expected", {number(c.low), number(c.high)}},
-                         {"measured", number(results[i].measured)},
+                         {"expected", {json_number(c.low), json_number(c.high)}},
+                         {"measured", json_number(results[i].measured)},
                          {"samples", results[i].samples},
                          {"p99_bounds", bounds},
                          {"floats", results[i].floats},
@@ -257,9 +256,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"witness_explain", explain_witness(c, results[i])},
                          {"reproduce", words_of(c).command}});
     }
-    file::AtomicFile file(path);
-    file.write(array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    file.commit();
+    file::write_file(path, file::json_text(array));
 }
 
 }  // namespace lostbits::output::claim

@@ -1,7 +1,6 @@
 #include "output/claim/claim_history.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include "output/claim/claim_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
+#include "output/file/json.hpp"
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/exr_parts.hpp"
@@ -134,29 +134,24 @@ ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
 }
 
 std::string baseline_text(const ClaimBaseline& baseline) {
-    const auto number = [](double x) {
-        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
-    };
-    auto claims = nlohmann::ordered_json::array();
+    auto claims = file::OrderedJson::array();
     for (const MeasuredClaim& c : baseline.claims)
         claims.push_back({{"id", c.id},
                           {"quantity", c.quantity},
                           {"state", c.state},
-                          {"measured", number(c.measured)},
+                          {"measured", file::json_number(c.measured)},
                           {"measured_hex", file::hex(c.measured)},
                           {"expected_hex", {file::hex(c.low), file::hex(c.high)}}});
-    const nlohmann::ordered_json all{{"schema", baseline_schema},
-                                     {"program", baseline.program},
-                                     {"compiler", baseline.compiler},
-                                     {"command", baseline.command},
-                                     {"claims", claims}};
-    return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    const file::OrderedJson all{{"schema", baseline_schema},
+                                {"program", baseline.program},
+                                {"compiler", baseline.compiler},
+                                {"command", baseline.command},
+                                {"claims", claims}};
+    return file::json_text(all);
 }
 
 void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
-    file::AtomicFile out(path);
-    out.write(baseline_text(baseline));
-    out.commit();
+    file::write_file(path, baseline_text(baseline));
 }
 
 ClaimBaseline read_baseline(const std::filesystem::path& path) {
@@ -241,9 +236,7 @@ void write_moves(const std::filesystem::path& path, const ClaimBaseline& before,
             fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
                         file::markdown_text((move.now ? *move.now : *move.before).quantity), before_text(move),
                         now_text(move), change_text(move), interval_text(move), file::markdown_text(state_text(move)));
-    file::AtomicFile out(path);
-    out.write(text);
-    out.commit();
+    file::write_file(path, text);
 }
 
 }  // namespace lostbits::output::claim

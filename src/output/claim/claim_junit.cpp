@@ -75,9 +75,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
     pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
     std::ostringstream text;
     document.save(text, "  ");
-    file::AtomicFile file(path);
-    file.write(text.str());
-    file.commit();
+    file::write_file(path, text.str());
 }
 
 }  // namespace lostbits::output::claim

@@ -187,9 +187,7 @@ void TradeFiles::write_standings(const TradeResult& result) {
 void TradeFiles::finish(const TradeResult& result) {
     write_times(result);
     write_standings(result);
-    file::AtomicFile words(folder_ / "trade.txt");
-    words.write(trade_in_words(request_, result));
-    words.commit();
+    file::write_file(folder_ / "trade.txt", trade_in_words(request_, result));
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
                                        : fmt::format("Speed against accuracy of the {} forms",

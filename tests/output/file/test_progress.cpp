@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "output/file/estimate.hpp"
 #include "output/file/progress.hpp"
 
 namespace test_progress {
