@@ -1,5 +1,4 @@
-#include "output/claim/subject_words.hpp"
-
+// How texts speak of what a claim is measured on.
 #include <fmt/format.h>
 
 #include "measure/claim/claim_columns.hpp"
