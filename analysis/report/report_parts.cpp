@@ -14,7 +14,6 @@
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/speed/trade_files.hpp"
-#include "output/speed/trade_plot.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/case_file.hpp"
