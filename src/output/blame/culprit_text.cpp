@@ -1,5 +1,4 @@
-#include "output/blame/culprit_text.hpp"
-
+// The culprit of an explained ray in words.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "measure/blame/ties.hpp"
-#include "output/blame/operation_words.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {

@@ -1,9 +1,7 @@
 #include <cmath>
 
 #include "measure/blame/tape_text.hpp"
-#include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/verdict_text.hpp"
 #include "output/file/json.hpp"
 
 namespace lostbits::output::blame {

@@ -1,5 +1,4 @@
-#include "output/blame/verdict_text.hpp"
-
+// What an explained ray comes to: the answer, whose the loss is, which operation, and what does better.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,10 +8,8 @@
 
 #include "measure/blame/neighbours.hpp"
 #include "measure/stability/root.hpp"
-#include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 #include "shapes/number_names.hpp"
 
@@ -39,29 +36,15 @@ std::string decision_sentence(const Explanation& x) {
 
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
+    const double t = x.standing.t, true_t = x.true_t.value_or(0);
     if (!x.tells_t()) return decision_sentence(x);
-    switch (x.standing.outcome) {
-        case Outcome::agree_miss: return fmt::format("{} misses, and so does the exact ray: a correct miss.", form);
-        case Outcome::false_hit:
-            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form,
-                               file::decimal(x.standing.t));
-        case Outcome::false_miss:
-            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form,
-                               file::decimal(x.true_t.value_or(0)));
-        case Outcome::not_a_number: return fmt::format("{} reports a hit at NaN.", form);
-        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        case Outcome::wrong_object:
-            return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
-                               file::decimal(x.standing.t), file::decimal(x.true_t.value_or(0)));
-        case Outcome::crack:
-        case Outcome::double_hit:
-        case Outcome::wrong_neighbour:
-        case Outcome::out_of_order:  // of a whole mesh; what is explained is an answer of one solid
-        case Outcome::agree_hit: break;
-    }
-    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}",
-                       file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)),
-                       x.standing.ulps, x.standing.lost, x.format.shape.precision,
+    if (x.standing.outcome == Outcome::wrong_object)
+        return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
+                           file::decimal(t), file::decimal(true_t));
+    const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
+    if (!decided.empty()) return decided;
+    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
+                       file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost, x.format.shape.precision,
                        is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
 }
 
@@ -228,6 +211,19 @@ std::string better_sentence(const Explanation& x) {
 }
 
 }  // namespace
+
+std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t) {
+    switch (outcome) {
+        case Outcome::agree_miss: return form + " misses, and so does the exact ray: a correct miss.";
+        case Outcome::false_hit:
+            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, file::decimal(t));
+        case Outcome::false_miss:
+            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, file::decimal(true_t));
+        case Outcome::not_a_number: return form + " reports a hit at NaN.";
+        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
+        default: return "";  // outcomes of a whole mesh: what is explained is an answer of one solid
+    }
+}
 
 bool is_wrong_root(const Explanation& x) {
     const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "measure/claim/claim_columns.hpp"
-#include "output/blame/march_text.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/consistency/consistency_pictures.hpp"
 #include "output/file/escape.hpp"
 #include "output/map/map_files.hpp"
