@@ -75,8 +75,7 @@ public:
             if (named.size() < most) named.push_back(words_.text().operand(i));
         }
         if (equals_.size() > most) named.push_back(fmt::format("{} more", equals_.size() - most));
-        std::string text = "; " + named.front();
-        for (std::size_t k = 1; k < named.size(); ++k) text += (k + 1 == named.size() ? " and " : ", ") + named[k];
+        std::string text = "; " + file::enumerated(named);
         const bool before = std::ranges::all_of(equals_, [&](NodeId i) {
             return measure::blame::is_computed_from(x_.tape, x_.attribution, x_.attribution.culprit, i);
         });

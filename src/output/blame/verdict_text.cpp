@@ -23,15 +23,13 @@ namespace {
 
 /// Of a form that answers yes or no.
 std::string decision_sentence(const Explanation& x) {
-    const std::string_view form = x.form->info->name;
-    const std::string truly = x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses";
-    switch (x.standing.outcome) {
-        case Outcome::agree_hit: return fmt::format("{} answers yes, and the ray {}: a correct hit.", form, truly);
-        case Outcome::agree_miss: return fmt::format("{} answers no, and the ray {}: a correct miss.", form, truly);
-        case Outcome::false_hit: return fmt::format("{} answers yes, but the ray {}: a false hit.", form, truly);
-        case Outcome::false_miss: return fmt::format("{} answers no, but the ray {}: a false miss.", form, truly);
-        default: return "The true answer for this ray could not be proved.";
-    }
+    const Outcome o = x.standing.outcome;
+    const bool yes = o == Outcome::agree_hit || o == Outcome::false_hit;
+    const bool right = o == Outcome::agree_hit || o == Outcome::agree_miss;
+    if (!right && !yes && o != Outcome::false_miss) return "The true answer for this ray could not be proved.";
+    return fmt::format("{} answers {}, {} the ray {}: a {} {}.", x.form->info->name, yes ? "yes" : "no",
+                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses",
+                       right ? "correct" : "false", yes ? "hit" : "miss");
 }
 
 std::string outcome_sentence(const Explanation& x) {

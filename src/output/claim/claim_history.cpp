@@ -35,8 +35,6 @@ bool is_same(const MeasuredClaim& a, const MeasuredClaim& b) {
     return a.state == b.state && a.quantity == b.quantity && same_number(a.measured, b.measured);
 }
 
-std::string number_text(double x) { return std::isnan(x) ? "-" : file::decimal(x); }
-
 /// `+0.38 %`; empty where there is no ratio.
 std::string change_text(const ClaimMove& move) {
     if (!move.before || !move.now) return "";
@@ -58,8 +56,9 @@ std::string interval_text(const ClaimMove& move) {
     return fmt::format("[{}, {}]", file::decimal(claim.low), file::decimal(claim.high));
 }
 
-std::string before_text(const ClaimMove& move) { return move.before ? number_text(move.before->measured) : ""; }
-std::string now_text(const ClaimMove& move) { return move.now ? number_text(move.now->measured) : ""; }
+std::string measured_text(const std::optional<MeasuredClaim>& claim) {
+    return !claim ? "" : std::isnan(claim->measured) ? "-" : file::decimal(claim->measured);
+}
 
 std::string summary_text(const ClaimMoves& moves) {
     const std::size_t n = moves.moves.size();
@@ -73,43 +72,37 @@ std::string summary_text(const ClaimMoves& moves) {
 
 constexpr const char* remedy = "name a file that `lostbits check --save` wrote";
 
-/// What is wrong with a file.
-class Refusal {
-public:
-    explicit Refusal(std::string path) : path_(std::move(path)) {}
-    [[noreturn]] void operator()(const std::string& what) const {
-        throw InputError(path_ + ": " + file::terminal_line(what) + "; " + remedy);
-    }
-
-private:
-    std::string path_;
-};
+/// Says what is wrong with a file.
+InputError wrong(const std::filesystem::path& path, const std::string& what) {
+    return InputError(path.string() + ": " + file::terminal_line(what) + "; " + remedy);
+}
 
 /// Of a hexadecimal float, or `inf`, `-inf` and `nan`.
-double number_in(const nlohmann::json& hex, const Refusal& refuse) {
+double number_in(const nlohmann::json& hex, const std::filesystem::path& path) {
     const auto& text = hex.get_ref<const std::string&>();
     const auto x = file::number_in(text);
-    if (!x) refuse("\"" + text + "\" is not a number that a double holds");
+    if (!x) throw wrong(path, "\"" + text + "\" is not a number that a double holds");
     return *x;
 }
 
-MeasuredClaim claim_in(const nlohmann::json& json, const Refusal& refuse) {
+MeasuredClaim claim_in(const nlohmann::json& json, const std::filesystem::path& path) {
     MeasuredClaim claim{.id = json.at("id").get<std::string>(),
                         .quantity = json.at("quantity").get<std::string>(),
                         .state = json.at("state").get<std::string>(),
-                        .measured = number_in(json.at("measured_hex"), refuse),
-                        .low = number_in(json.at("expected_hex").at(0), refuse),
-                        .high = number_in(json.at("expected_hex").at(1), refuse)};
+                        .measured = number_in(json.at("measured_hex"), path),
+                        .low = number_in(json.at("expected_hex").at(0), path),
+                        .high = number_in(json.at("expected_hex").at(1), path)};
     using Became = measure::claim::ClaimResult::State;
     const auto is_it = [&claim](Became s) { return claim.state == state_name(s); };
     if (std::ranges::none_of(std::array{Became::agrees, Became::disagrees, Became::broken, Became::skipped}, is_it))
-        refuse("has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
+        throw wrong(path,
+                    "has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
     const auto& decimal = json.at("measured");
     const bool same = decimal.is_string() ? decimal.get<std::string>() == file::decimal(claim.measured)
                                           : same_number(decimal.get<double>(), claim.measured);
     if (!same)
-        refuse("says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
-               file::decimal(claim.measured) + ": someone has changed one of them");
+        throw wrong(path, "says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
+                              file::decimal(claim.measured) + ": someone has changed one of them");
     return claim;
 }
 
@@ -155,22 +148,22 @@ void write_baseline(const std::filesystem::path& path, const ClaimBaseline& base
 }
 
 ClaimBaseline read_baseline(const std::filesystem::path& path) {
-    const Refusal refuse(path.string());
     const std::string text = file::read_file(path);
     ClaimBaseline run;
     try {
         const auto all = nlohmann::json::parse(text);
         const std::string schema = all.value("schema", "");
         if (schema != baseline_schema)
-            refuse(fmt::format("has {}, where {} is read", schema.empty() ? "no schema" : "the schema " + schema,
-                               baseline_schema));
+            throw wrong(path, fmt::format("has {}, where {} is read",
+                                          schema.empty() ? "no schema" : "the schema " + schema, baseline_schema));
         run.program = all.at("program").get<std::string>();
         run.compiler = all.at("compiler").get<std::string>();
         run.command = all.at("command").get<std::string>();
         std::set<std::string> ids;
         for (const auto& claim : all.at("claims")) {
-            run.claims.push_back(claim_in(claim, refuse));
-            if (!ids.insert(run.claims.back().id).second) refuse("has the claim " + run.claims.back().id + " twice");
+            run.claims.push_back(claim_in(claim, path));
+            if (!ids.insert(run.claims.back().id).second)
+                throw wrong(path, "has the claim " + run.claims.back().id + " twice");
         }
     } catch (const nlohmann::json::parse_error& error) {
         const std::string_view before = std::string_view(text).substr(0, std::max<std::size_t>(error.byte, 1) - 1);
@@ -178,7 +171,7 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
         throw InputError(fmt::format("{}:{}:{}: is not JSON from here on; {}", path.string(),
                                      1 + std::ranges::count(before, '\n'), before.size() - line_begin + 1, remedy));
     } catch (const nlohmann::json::exception&) {
-        refuse("cannot be read as a baseline: a key is missing, or is of another type");
+        throw wrong(path, "cannot be read as a baseline: a key is missing, or is of another type");
     }
     return run;
 }
@@ -187,7 +180,7 @@ std::string ClaimMove::words() const {
     if (!before) return "not there before";
     if (!now) return "there before, not now";
     const std::string change = change_text(*this);
-    return fmt::format("{} before, {} now{}, {}", before_text(*this), now_text(*this),
+    return fmt::format("{} before, {} now{}, {}", measured_text(before), measured_text(now),
                        change.empty() ? "" : " (" + change + ")", state_text(*this));
 }
 
@@ -215,8 +208,8 @@ std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, co
     constexpr const char* row = "  {:<44} {:>14} {:>14} {:>12}  {:<26} {}\n";
     text += fmt::format(row, "claim", "before", "now", "change", "interval", "state");
     for (const ClaimMove& move : moves.moves)
-        text += fmt::format(row, file::terminal_line(move.id()), before_text(move), now_text(move), change_text(move),
-                            interval_text(move), file::terminal_line(state_text(move)));
+        text += fmt::format(row, file::terminal_line(move.id()), measured_text(move.before), measured_text(move.now),
+                            change_text(move), interval_text(move), file::terminal_line(state_text(move)));
     return text;
 }
 
@@ -232,10 +225,10 @@ void write_moves(const std::filesystem::path& path, const ClaimBaseline& before,
     if (!moves.moves.empty())
         text += "\n| claim | quantity | before | now | change | interval | state |\n|---|---|---:|---:|---:|---|---|\n";
     for (const ClaimMove& move : moves.moves)
-        text +=
-            fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
-                        file::markdown_text((move.now ? *move.now : *move.before).quantity), before_text(move),
-                        now_text(move), change_text(move), interval_text(move), file::markdown_text(state_text(move)));
+        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
+                            file::markdown_text((move.now ? *move.now : *move.before).quantity),
+                            measured_text(move.before), measured_text(move.now), change_text(move), interval_text(move),
+                            file::markdown_text(state_text(move)));
     file::write_file(path, text);
 }
 

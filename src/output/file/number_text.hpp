@@ -1,9 +1,10 @@
-// Numbers as text that reads back to the same bits.
+// Numbers as text that reads back to the same bits, and lists.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lostbits::output::file {
 
@@ -24,6 +25,9 @@ template <class Numbers>
     for (const double x : numbers) (list += list.empty() ? "" : between) += text(x);
     return list;
 }
+
+/// `a, b and c`
+[[nodiscard]] std::string enumerated(const std::vector<std::string>& words);
 
 /// What `decimal` or `hex` wrote, whatever the locale says of commas; nothing for any other text, and for a number that
 /// no double holds.

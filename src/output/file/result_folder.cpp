@@ -16,7 +16,6 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/csv.hpp"
-#include "output/file/result_list.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::file {

@@ -1,10 +1,9 @@
-#include "output/file/result_list.hpp"
-
 #include <algorithm>
 #include <fstream>
 
 #include "output/file/csv.hpp"
 #include "output/file/json.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::output::file {
 
