@@ -1,5 +1,3 @@
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -49,7 +47,7 @@ void remove_at_signal() {
 
 }  // namespace
 
-TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
+TEST_CASE("a file has its final name only after commit, and one writer", "[atomic_file]") {
     const Scratch folder;
     AtomicFile file(folder / "a.csv");
     REQUIRE(folder.entries() == 1);
@@ -57,6 +55,7 @@ TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
     file.write("two\n");
     REQUIRE_FALSE(fs::exists(folder / "a.csv"));
     REQUIRE(fs::directory_iterator(folder.path())->path().filename().string().starts_with(".a.csv.partial-"));
+    REQUIRE_THROWS_AS(AtomicFile(folder / "a.csv"), std::logic_error);
     file.commit();
     REQUIRE(contents(folder / "a.csv") == "one,two\n");
     REQUIRE(folder.entries() == 1);
@@ -160,34 +159,6 @@ TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     write_file(folder / "link", "new");
     REQUIRE(fs::is_symlink(folder / "link"));
     REQUIRE(contents(folder / "real/target") == "new");
-}
-
-TEST_CASE("what a dead process of the same id left is replaced, a second live writer is refused", "[atomic_file]") {
-    const Scratch folder;
-    { std::ofstream(folder / (".a.partial-" + std::to_string(::getpid()))) << "stale and longer than the new text"; }
-    AtomicFile file(folder / "a");
-    file.write("new");
-    REQUIRE_THROWS_AS(AtomicFile(folder / "a"), std::logic_error);
-    file.commit();
-    REQUIRE(contents(folder / "a") == "new");
-    REQUIRE(folder.entries() == 1);
-}
-
-TEST_CASE("a half-written file of another process stays, unless nobody holds it", "[atomic_file]") {
-    const Scratch folder;
-    const fs::path living = folder / ".a.partial-1", dead = folder / ".a.partial-2", others = folder / ".ab.partial-1";
-    for (const fs::path& each : {living, dead, others}) std::ofstream(each) << "half";
-    const int fd = ::open(living.c_str(), O_RDWR | O_CLOEXEC);
-    REQUIRE(::flock(fd, LOCK_EX) == 0);
-    AtomicFile file(folder / "a");
-    file.write("new");
-    CHECK(contents(living) == "half");
-    CHECK_FALSE(fs::exists(dead));
-    CHECK(fs::exists(others));
-    file.commit();
-    CHECK(contents(folder / "a") == "new");
-    CHECK(contents(living) == "half");
-    ::close(fd);
 }
 
 TEST_CASE("nobody takes a file that is being written for abandoned, up to its last moment", "[atomic_file]") {
@@ -304,15 +275,6 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
         Interrupted);
     CHECK(contains(unfinished(), "the run that wrote there was stopped; UNFINISHED.txt says which"));
     CHECK_FALSE(fs::exists(folder / "a.csv"));
-    // One that is killed.
-    CHECK(in_child([&] {
-              ResultFolder mine(folder.path(), first, {});
-              write("a.csv");
-              ::raise(SIGKILL);
-              return 0;
-          }) == 101);
-    CHECK(contains(unfinished(), "was stopped"));
-    CHECK(contains(contents(folder / "UNFINISHED.txt"), "lostbits map a"));
     {
         ResultFolder mine(folder.path(), second, {});
         CHECK(contains(unfinished(), "was stopped"));
