@@ -15,9 +15,10 @@ namespace lostbits::output::claim {
 
 using measure::claim::ClaimResult;
 using scene::claim::Claim;
-using State = ClaimResult::State;
 
 namespace {
+
+using State = ClaimResult::State;
 
 std::string verdict_name(const Claim& c) { return std::string(name_of(c.verdict)); }
 

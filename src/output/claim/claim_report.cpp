@@ -15,7 +15,6 @@ namespace lostbits::output::claim {
 using measure::claim::ClaimRequest;
 using measure::claim::ClaimResult;
 using scene::claim::Claim;
-using State = ClaimResult::State;
 
 std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
     std::vector<ClaimSubject> subjects;
@@ -31,6 +30,8 @@ std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& cl
 }
 
 namespace {
+
+using State = ClaimResult::State;
 
 /// The pictures of `lostbits report`, which tests/browser/screenshots.js takes, as far as the folder has them.
 std::string screenshots_in(const std::filesystem::path& folder) {

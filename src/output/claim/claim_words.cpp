@@ -15,7 +15,6 @@ using blame::shell_word;
 using measure::claim::ClaimResult;
 using measure::metric::Metric;
 using scene::claim::Claim;
-using State = ClaimResult::State;
 
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";
@@ -70,6 +69,8 @@ std::string evidence_text(const Claim& c, const ClaimResult& r) {
 std::string says_text(const Claim& c) { return c.criterion ? "the sentence says " + c.criterion->text : ""; }
 
 namespace {
+
+using State = ClaimResult::State;
 
 /// Whether the verdict still follows from the criterion, for every draw; nothing where there is no criterion.
 std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
