@@ -119,9 +119,7 @@ Mending mended(const ChoiceRequest& request, const measure::mend::Workshop& work
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = bench.candidates[k];
         const auto file = folder / candidate.file;
-        output::file::AtomicFile header(file);
-        header.write(bench.written[k].header);
-        header.commit();
+        output::file::write_file(file, bench.written[k].header);
         candidate.file = file.string();
         all.made.push_back({std::move(formulas[k]), bench.written[k].from.format});
     }

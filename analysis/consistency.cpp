@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/consistency/consistency_files.hpp"
-#include "output/file/estimate.hpp"
+#include "output/file/progress.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::analysis {

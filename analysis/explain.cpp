@@ -16,7 +16,6 @@
 #include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
-#include "output/blame/explain_programs.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/blame/ranges_text.hpp"
 #include "output/file/escape.hpp"

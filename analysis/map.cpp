@@ -17,7 +17,7 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/blame/explain_command.hpp"
-#include "output/file/estimate.hpp"
+#include "output/file/progress.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"

@@ -95,9 +95,7 @@ void write_page(const std::filesystem::path& path, const MendResult& result, con
     report.program = "lostbits " LOSTBITS_VERSION;
     report.mends.push_back(report::mend_part(result));
     if (report.mends.front().timed) report.processor = measure::speed::processor_name();
-    output::file::AtomicFile file(path);
-    file.write(output::page::page(report));
-    file.commit();
+    output::file::write_file(path, output::page::page(report));
 }
 
 /// The name of the form, and of its struct or function, is that of the file.

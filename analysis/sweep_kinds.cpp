@@ -8,11 +8,8 @@
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
 #include "measure/edges/nearest.hpp"
-#include "output/edges/nearest_files.hpp"
-#include "output/file/estimate.hpp"
 #include "output/shard/fields.hpp"
 #include "output/sweep/exhaustive_files.hpp"
-#include "output/sweep/exhaustive_text.hpp"
 #include "output/sweep/worst_files.hpp"
 #include "scene/rays/made_rows.hpp"
 
@@ -206,7 +203,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
         chosen.division().result_of("sweep " + search.id, [&request] { return measure::edges::find_nearest(request); });
     progress.finish();
     if (!found) return;
-    const output::edges::NearestFiles files{request, *found, selection::name_of_scene(search.scene, data)};
+    const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, data)};
     files.write(folder);
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "worst.csv").string());

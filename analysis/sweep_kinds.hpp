@@ -14,7 +14,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/sweep/exhaustive.hpp"
-#include "output/file/estimate.hpp"
+#include "output/file/progress.hpp"
 #include "output/shard/state_file.hpp"
 
 namespace lostbits::analysis {

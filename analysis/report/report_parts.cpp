@@ -13,9 +13,7 @@
 #include "output/page/picture.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/speed/trade_files.hpp"
-#include "output/speed/trade_plot.hpp"
 #include "output/sweep/case_files.hpp"
-#include "output/sweep/sweep_planes.hpp"
 #include "output/sweep/sweep_plots.hpp"
 #include "scene/sweep/case_file.hpp"
 
@@ -128,9 +126,8 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.pictures.push_back(output::page::picture(alt, [&](const auto& to) {
-                output::sweep::write_plane_picture(output::image::image_backend(), to, request, steps, r);
-            }));
+            part.pictures.push_back(output::page::picture(
+                alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }));
         }
         return part;
     }

@@ -8,7 +8,7 @@
 #include "analysis/selection/select.hpp"
 #include "measure/choice/room.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/mend/mend_rows.hpp"
+#include "output/mend/mend_files.hpp"
 #include "output/page/picture.hpp"
 
 namespace lostbits::analysis::report {

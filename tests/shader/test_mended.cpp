@@ -15,7 +15,7 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
-#include "output/mend/shader_code.hpp"
+#include "output/mend/form_code.hpp"
 #include "scene/file/scene.hpp"
 
 namespace test_mended {

@@ -1,5 +1,4 @@
-#include "output/blame/culprit_text.hpp"
-
+// The culprit of an explained ray in words.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "measure/blame/ties.hpp"
-#include "output/blame/operation_words.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -76,8 +75,7 @@ public:
             if (named.size() < most) named.push_back(words_.text().operand(i));
         }
         if (equals_.size() > most) named.push_back(fmt::format("{} more", equals_.size() - most));
-        std::string text = "; " + named.front();
-        for (std::size_t k = 1; k < named.size(); ++k) text += (k + 1 == named.size() ? " and " : ", ") + named[k];
+        std::string text = "; " + file::enumerated(named);
         const bool before = std::ranges::all_of(equals_, [&](NodeId i) {
             return measure::blame::is_computed_from(x_.tape, x_.attribution, x_.attribution.culprit, i);
         });

@@ -5,7 +5,7 @@
 #include "measure/blame/operations.hpp"
 #include "measure/blame/tape_text.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_programs.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/blame/tape_slice.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"

@@ -12,17 +12,6 @@
 
 namespace lostbits::output::blame {
 
-namespace {
-
-template <class Numbers>
-std::string hex_list(const Numbers& numbers) {
-    std::string text;
-    for (const double x : numbers) text += (text.empty() ? "" : ",") + file::hex(x);
-    return text;
-}
-
-}  // namespace
-
 std::string shell_word(std::string_view word) {
     const auto plain = [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -42,14 +31,15 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
     if (one == nullptr) return "";
     std::string text;
     for (const Solid<double>& solid : one->solids) {
-        text += fmt::format("--{}={}", lostbits::name_of(solid.shape), hex_list(solid.used()));
+        text += fmt::format("--{}={}", lostbits::name_of(solid.shape), file::listed(solid.used(), file::hex, ","));
         if (const auto& placed = solid.placed)
-            text += fmt::format("@{}{}", placed->is_inverse ? "/" : "", hex_list(std::span(placed->matrix)));
+            text += fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::listed(placed->matrix, file::hex, ","));
         text += ' ';
     }
     const Ray<double> ray = one->rays[0];
-    text += "--ray=" + hex_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
-                                           ray.direction.z});
+    text += "--ray=" + file::listed(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x,
+                                               ray.direction.y, ray.direction.z},
+                                    file::hex, ",");
     const Range<double> range = one->rays.range(0);
     if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
     if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);

@@ -1,11 +1,8 @@
 #include <cmath>
 
 #include "measure/blame/tape_text.hpp"
-#include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/json_number.hpp"
-#include "output/blame/verdict_text.hpp"
-#include "output/file/number_text.hpp"
+#include "output/file/json.hpp"
 
 namespace lostbits::output::blame {
 
@@ -13,11 +10,12 @@ using measure::blame::TapeText;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = file::OrderedJson;
+using file::json_number;
 
 /// Of a number for which NaN stands for there being none: null then.
-Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : number(x); }
-Json exact(double x) { return {{"decimal", number(x)}, {"hex", file::hex(x)}}; }
+Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
+Json exact(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
 Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeId i) {
@@ -38,23 +36,23 @@ Json operation(const measure::blame::Explanation& x, const TapeText& text, NodeI
     }
     j["precision"] = x.tape.format_of(i).precision;
     j["computed"] = exact(n.value);
-    j["exact"] = number(e.exact);
-    j["error"] = number(e.error);
+    j["exact"] = json_number(e.exact);
+    j["error"] = json_number(e.error);
     j["cancelled_bits"] = e.cancelled;
     if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
-    j["local_error_bits"] = number(e.local_bits);
-    j["rounding"] = number(e.rounding);
+    j["local_error_bits"] = json_number(e.local_bits);
+    j["rounding"] = json_number(e.rounding);
     j["live"] = e.live;
-    j["adjoint"] = number(e.adjoint);
-    j["derivative"] = number(e.derivative);
-    j["contribution"] = number(e.contribution);
+    j["adjoint"] = json_number(e.adjoint);
+    j["derivative"] = json_number(e.derivative);
+    j["contribution"] = json_number(e.contribution);
     return j;
 }
 
 Json standing(const measure::blame::Standing& s) {
     return {{"form", std::string(s.form->info->name)},
             {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
-            {"t", number(s.t)},
+            {"t", json_number(s.t)},
             {"ulp_error", if_any(s.ulps)},
             {"lost_bits", if_any(s.lost)},
             {"lost_bits_around", if_any(s.around)}};
@@ -73,7 +71,8 @@ std::string explain_json(const measure::blame::Explanation& x) {
            {"solids", x.solids}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
     j["inputs_rounded"] = x.rounded_inputs;
-    j["given_direction"] = x.given ? Json({number(x.given->x), number(x.given->y), number(x.given->z)}) : Json(nullptr);
+    j["given_direction"] =
+        x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
     j["t"] = exact(x.standing.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
@@ -88,13 +87,13 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["sentence"] = culprit_sentence(x);
     j["culprit"] = node_or_null(text, a.culprit);
     const auto counterfactual = [](const measure::blame::Counterfactual& c) {
-        return Json{{"hit", c.hit}, {"error", c.hit ? number(c.error) : Json(nullptr)}};
+        return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
     j["culprit_alone_exact"] = x.culprit_alone ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
     j["culprit_alone_rounded"] = x.culprit_alone ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
-    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : number(v); };
+    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
     j["attribution"] = {{"subject", node_or_null(text, a.subject)},
                         {"exact_hit", a.exact_hit},
                         {"cut_short", a.cut_short},
@@ -108,7 +107,7 @@ std::string explain_json(const measure::blame::Explanation& x) {
     j["lost_bits_around"] = if_any(x.standing.around);
     j["better"] = Json::array();
     for (const measure::blame::Standing& s : x.better) j["better"].push_back(standing(s));
-    return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return file::json_text(j);
 }
 
 }  // namespace lostbits::output::blame

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "output/blame/march_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {

@@ -1,11 +1,10 @@
-#include "output/blame/march_text.hpp"
-
+// A march as a table that a person reads.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "measure/truth/lost_bits.hpp"
-#include "output/blame/operation_words.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {
@@ -18,34 +17,21 @@ namespace {
 std::string answer_line(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray, const MarchLog& log) {
     const measure::truth::Truth& truth = ray.truth(*form.info);
-    const bool hit = log.hit.hit;
-    switch (measure::answer::classify(truth.decision, hit, log.hit.t)) {
-        case Outcome::agree_miss: return "The form misses, and so does the exact ray: a correct miss.";
-        case Outcome::false_hit:
-            return fmt::format("The form reports a hit at {}, but the ray misses: a false hit.",
-                               file::decimal(log.hit.t));
-        case Outcome::false_miss:
-            return fmt::format("The form reports a miss, but the ray hits at {}: a false miss.",
-                               file::decimal(ray.rounded_truth(*form.info, binary64)));
-        case Outcome::not_a_number: return "The form reports a hit at NaN.";
-        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        case Outcome::wrong_object:
-        case Outcome::crack:
-        case Outcome::double_hit:
-        case Outcome::wrong_neighbour:
-        case Outcome::out_of_order:
-        case Outcome::agree_hit: break;
-    }
+    const bool truly = truth.decision == measure::truth::Truth::Decision::hit;
+    const double true_t = truly ? ray.rounded_truth(*form.info, binary64) : 0;
+    const Outcome outcome = measure::answer::classify(truth.decision, log.hit.hit, log.hit.t);
+    const std::string decided = decision_text("The form", outcome, log.hit.t, true_t);
+    if (!decided.empty()) return decided;
     const measure::truth::Certified& t = ray.true_t(*form.info);
     const double ulps = measure::truth::ulp_error(log.hit.t, t, format.shape);
     return fmt::format(
         "The form reports a hit at {} ({}), and the true one is at {}: {:.4g} ulp off, {:.1f} of {} bits lost.",
-        file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(ray.rounded_truth(*form.info, binary64)), ulps,
+        file::decimal(log.hit.t), file::hex(log.hit.t), file::decimal(true_t), ulps,
         measure::truth::lost_bits(ulps, format.shape.precision), format.shape.precision);
 }
 
-}  // namespace
-
+/// What became of a sample: `hit`, `step by d`, `no step: t + d = t`, `miss: t > max_dist`, `miss: all n samples are
+/// used` (behind `no step: t + d = t; ` where the march stands still: `Stop::stagnated`).
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
     if (step + 1 < log.steps.size())
         return log.steps[step].stands ? "no step: t + d = t"
@@ -59,6 +45,8 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
     }
     return fmt::format("miss: all {} samples are used", constants.max_steps);
 }
+
+}  // namespace
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
     const auto& [log, c] = march;

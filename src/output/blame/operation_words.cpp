@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "measure/blame/operation_error.hpp"
-#include "output/blame/verdict_text.hpp"
+#include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "measure/blame/tape_text.hpp"
-#include "output/blame/json_number.hpp"
+#include "output/file/json.hpp"
 
 namespace lostbits::output::blame {
 using measure::apriori::InputBox;
@@ -16,7 +16,8 @@ using measure::blame::TapeText;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = file::OrderedJson;
+using file::json_number;
 
 constexpr std::size_t operations_shown = 8;
 
@@ -71,10 +72,10 @@ std::string operations_block(const RangesBound& r) {
 Json seen_json(const SeenErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
-            {"error", number(seen.error)},
-            {"share_of_bound", number(seen.share)},
+            {"error", json_number(seen.error)},
+            {"share_of_bound", json_number(seen.share)},
             {"running_hits", seen.running_hits},
-            {"running", number(seen.running)},
+            {"running", json_number(seen.running)},
             {"running_wider", seen.wider}};
 }
 
@@ -105,16 +106,17 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
     Json ranges = Json::array(), quantiles = Json::array(), operations = Json::array();
     for (const InputBox& box : r.ranges) {
         Json one = Json::object();
-        for (std::size_t k = 0; k < r.names.size(); ++k) one[r.names[k]] = {number(box[k].low), number(box[k].high)};
+        for (std::size_t k = 0; k < r.names.size(); ++k)
+            one[r.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
         ranges.push_back(one);
     }
     for (const auto& [share, error, ulps] : r.quantiles)
-        quantiles.push_back({{"share", share}, {"error", number(error)}, {"ulps", number(ulps)}});
+        quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
     const TapeText words(r.tape, r.names, TapeText::Style::plain);
     for (const NodeId i : by_share(r))
         operations.push_back({{"name", words.name(i)},
                               {"expression", words.expression(i)},
-                              {"ulps", number(r.shares[static_cast<std::size_t>(i)])}});
+                              {"ulps", json_number(r.shares[static_cast<std::size_t>(i)])}});
     const Json all{{"form", std::string(request.form->info->name)},
                    {"format", request.format.name},
                    {request.is_of_step() ? "sweep" : "scene", request.id()},
@@ -124,11 +126,11 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
                    {"unsettled", r.unknown},
                    {"undecided", r.undecided + r.unknown},
                    {"quantiles", quantiles},
-                   {"largest", {{"error", number(r.largest)}, {"ulps", number(r.largest_ulps)}}},
+                   {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
                    {request.is_of_step() ? "rays_of_step" : "rays_of_scene", seen_json(r.given)},
                    {"rays_drawn", seen_json(r.drawn)},
                    {"operations", operations}};
-    return all.dump(2) + "\n";
+    return file::json_text(all);
 }
 
 }  // namespace lostbits::output::blame

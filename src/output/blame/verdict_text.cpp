@@ -1,5 +1,4 @@
-#include "output/blame/verdict_text.hpp"
-
+// What an explained ray comes to: the answer, whose the loss is, which operation, and what does better.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,10 +8,8 @@
 
 #include "measure/blame/neighbours.hpp"
 #include "measure/stability/root.hpp"
-#include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
-#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 #include "shapes/number_names.hpp"
 
@@ -26,42 +23,26 @@ namespace {
 
 /// Of a form that answers yes or no.
 std::string decision_sentence(const Explanation& x) {
-    const std::string_view form = x.form->info->name;
-    const std::string truly = x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses";
-    switch (x.standing.outcome) {
-        case Outcome::agree_hit: return fmt::format("{} answers yes, and the ray {}: a correct hit.", form, truly);
-        case Outcome::agree_miss: return fmt::format("{} answers no, and the ray {}: a correct miss.", form, truly);
-        case Outcome::false_hit: return fmt::format("{} answers yes, but the ray {}: a false hit.", form, truly);
-        case Outcome::false_miss: return fmt::format("{} answers no, but the ray {}: a false miss.", form, truly);
-        default: return "The true answer for this ray could not be proved.";
-    }
+    const Outcome o = x.standing.outcome;
+    const bool yes = o == Outcome::agree_hit || o == Outcome::false_hit;
+    const bool right = o == Outcome::agree_hit || o == Outcome::agree_miss;
+    if (!right && !yes && o != Outcome::false_miss) return "The true answer for this ray could not be proved.";
+    return fmt::format("{} answers {}, {} the ray {}: a {} {}.", x.form->info->name, yes ? "yes" : "no",
+                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", file::decimal(*x.true_t)) : "misses",
+                       right ? "correct" : "false", yes ? "hit" : "miss");
 }
 
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
+    const double t = x.standing.t, true_t = x.true_t.value_or(0);
     if (!x.tells_t()) return decision_sentence(x);
-    switch (x.standing.outcome) {
-        case Outcome::agree_miss: return fmt::format("{} misses, and so does the exact ray: a correct miss.", form);
-        case Outcome::false_hit:
-            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form,
-                               file::decimal(x.standing.t));
-        case Outcome::false_miss:
-            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form,
-                               file::decimal(x.true_t.value_or(0)));
-        case Outcome::not_a_number: return fmt::format("{} reports a hit at NaN.", form);
-        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
-        case Outcome::wrong_object:
-            return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
-                               file::decimal(x.standing.t), file::decimal(x.true_t.value_or(0)));
-        case Outcome::crack:
-        case Outcome::double_hit:
-        case Outcome::wrong_neighbour:
-        case Outcome::out_of_order:  // of a whole mesh; what is explained is an answer of one solid
-        case Outcome::agree_hit: break;
-    }
-    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}",
-                       file::decimal(x.standing.t), file::hex(x.standing.t), file::decimal(x.true_t.value_or(0)),
-                       x.standing.ulps, x.standing.lost, x.format.shape.precision,
+    if (x.standing.outcome == Outcome::wrong_object)
+        return fmt::format("{} reports a hit at {}, on another solid than the ray meets first, at {}.", form,
+                           file::decimal(t), file::decimal(true_t));
+    const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
+    if (!decided.empty()) return decided;
+    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
+                       file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost, x.format.shape.precision,
                        is_wrong_root(x) ? " A wrong root: the line crosses the same solid there, too." : "");
 }
 
@@ -228,6 +209,19 @@ std::string better_sentence(const Explanation& x) {
 }
 
 }  // namespace
+
+std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t) {
+    switch (outcome) {
+        case Outcome::agree_miss: return form + " misses, and so does the exact ray: a correct miss.";
+        case Outcome::false_hit:
+            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, file::decimal(t));
+        case Outcome::false_miss:
+            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, file::decimal(true_t));
+        case Outcome::not_a_number: return form + " reports a hit at NaN.";
+        case Outcome::unresolved: return "The true answer for this ray could not be proved.";
+        default: return "";  // outcomes of a whole mesh: what is explained is an answer of one solid
+    }
+}
 
 bool is_wrong_root(const Explanation& x) {
     const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;

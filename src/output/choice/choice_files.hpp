@@ -4,10 +4,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "output/choice/choice_text.hpp"
-#include "output/choice/other_tables.hpp"
-#include "output/choice/requirement_files.hpp"
 #include "output/speed/kernel_rows.hpp"
 #include "output/table/table.hpp"
 
@@ -33,6 +33,31 @@ table::Table<measure::choice::Worth> worth_columns();
 
 /// The columns of room.csv.
 table::Table<measure::choice::Room> room_table();
+
+/// A strategy that is safe to one side or to both.
+struct SafeOffsetRow {
+    std::string_view side;
+    measure::offset::SafeStrategy safe;
+};
+
+/// A choice of inputs that come wider.
+struct InputRow {
+    const measure::choice::Obstacle* obstacle;
+    const measure::choice::InputTrial* trial;
+};
+
+struct RequirementRow {
+    std::string_view form, format;
+    file::Cell time_ns;
+    std::uint64_t met, required, pixels;
+};
+table::Table<RequirementRow> requirement_table();
+/// A row per form and format with a pixel to its name or a time, cheapest first; then one per format under `any`, and
+/// one for the pixels on which nothing meets the wish.
+std::vector<RequirementRow> requirement_rows(const Chosen& chosen, const measure::choice::Requirement& requirement);
+/// Left the cheapest that meets the wish, right the narrowest format in which any form does; pixel by pixel.
+void draw_requirement(const std::filesystem::path& path, const Chosen& chosen,
+                      const measure::choice::Requirement& requirement);
 
 /// Opened before the work, named when it is whole.
 class ChoiceFiles {

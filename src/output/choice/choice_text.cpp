@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "measure/choice/file_rays.hpp"
-#include "output/choice/obstacle_text.hpp"
-#include "output/choice/requirement_files.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::choice {
@@ -136,15 +134,8 @@ std::string room_in_words(const Room& room, const Chosen& chosen, int precision)
             rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
     }
     const std::string until = fmt::format("until {} {}", of_the_way(room.way, rays), so_far(room, rays));
-    switch (room.end) {
-        case End::fails: return fmt::format("holds {}; first broken by {}", until, broken_by(room, wish, precision));
-        case End::nothing_hit: return fmt::format("holds {}; beyond that no ray hits anything", until);
-        case End::other_scene:
-            return fmt::format("holds {}; beyond that {}, to which inputs are rounded, holds another scene", until,
-                               rays ? chosen.request.rays->format.name : "binary32");
-        case End::none: return fmt::format("holds {}, which is as far as was tried", until);
-    }
-    return "";
+    return "holds " + until +
+           end_in_words(room, chosen.request.rays, "; first broken by " + broken_by(room, wish, precision));
 }
 
 /// The cheapest place where the next ray may start.
@@ -228,6 +219,18 @@ std::string mended_in_words(const Chosen& chosen) {
 }
 
 }  // namespace
+
+std::string end_in_words(const Room& room, const measure::choice::FileRays* rays, const std::string& broken) {
+    switch (room.end) {
+        case End::fails: return broken;
+        case End::nothing_hit: return "; beyond that no ray hits anything";
+        case End::other_scene:
+            return fmt::format("; beyond that {}, to which inputs are rounded, holds another scene",
+                               rays ? rays->format.name : "binary32");
+        case End::none: break;
+    }
+    return ", which is as far as was tried";
+}
 
 std::string bits_beside(double kept, const Wish& wish) {
     std::string text;

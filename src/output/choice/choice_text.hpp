@@ -51,5 +51,14 @@ std::string off_beside(double off, const measure::choice::Wish& wish);
 std::string in_words(const measure::choice::Wish& wish);
 /// The answer, several lines; every time is of this run.
 std::string in_words(const Chosen& chosen);
+/// What formats the pixels need, and the least that switching between forms could cost; two or three lines.
+std::string in_words(const Chosen& chosen, const measure::choice::Requirement& requirement);
+/// What stands in the way, in lines with two blanks in front; `near` comes nearest to the wish.
+std::string obstacle_in_words(const Chosen& chosen, const measure::choice::Candidate& near);
+/// `; beyond that no ray hits anything`: why a room ends there. `broken` is said where the wish fails.
+std::string end_in_words(const measure::choice::Room& room, const measure::choice::FileRays* rays,
+                         const std::string& broken);
+/// `binary32`, `binary64`, `p31`: a format of inputs.
+std::string name_of_inputs(const FloatFormat& format);
 
 }  // namespace lostbits::output::choice

@@ -1,10 +1,10 @@
-#include "output/choice/obstacle_text.hpp"
+#include "output/choice/choice_text.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "output/choice/other_tables.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::choice {
 
@@ -31,19 +31,12 @@ std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
 /// `the centres and the radii`.
 std::string inputs_in_words(const InputTrial& trial, std::string_view places) {
     std::vector<std::string> names;
-    for (const Input input : measure::choice::input_kinds) {
-        if (!trial.has(input)) continue;
-        switch (input) {
-            case Input::origin: names.emplace_back("the ray origins"); break;
-            case Input::direction: names.emplace_back("the directions"); break;
-            case Input::place: names.push_back(fmt::format("the {}", places)); break;
-            case Input::radius: names.emplace_back("the radii"); break;
-        }
-    }
-    std::string words;
-    for (std::size_t k = 0; k < names.size(); ++k)
-        words += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
-    return words;
+    for (const auto& [input, name] : {std::pair(Input::origin, std::string("ray origins")),
+                                      {Input::direction, "directions"},
+                                      {Input::place, std::string(places)},
+                                      {Input::radius, "radii"}})
+        if (trial.has(input)) names.push_back("the " + name);
+    return file::enumerated(names);
 }
 
 /// Which inputs would have to come in which format.
@@ -88,6 +81,12 @@ std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
 }
 
 }  // namespace
+
+std::string name_of_inputs(const FloatFormat& format) {
+    if (format == binary32) return "binary32";
+    if (format == binary64) return "binary64";
+    return fmt::format("p{}", format.precision);
+}
 
 std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;

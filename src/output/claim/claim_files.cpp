@@ -1,145 +1,26 @@
 #include "output/claim/claim_files.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <optional>
+#include <pugixml.hpp>
 
-#include "output/blame/explain_command.hpp"
-#include "output/claim/subject_words.hpp"
-#include "output/file/number_text.hpp"
+#include <sstream>
+
+#include "output/file/atomic_file.hpp"
+#include "output/file/escape.hpp"
+#include "output/file/json.hpp"
 #include "output/table/table.hpp"
-#include "shapes/number_names.hpp"
 
 namespace lostbits::output::claim {
 
-using blame::shell_word;
 using measure::claim::ClaimResult;
-using measure::metric::Metric;
+using scene::claim::Claim;
 
 namespace {
 
-using scene::claim::Claim;
 using State = ClaimResult::State;
 
 std::string verdict_name(const Claim& c) { return std::string(name_of(c.verdict)); }
-
-}  // namespace
-
-std::string witness_text(const ClaimResult& r) {
-    if (r.witness.x < 0) return "";
-    const auto& w = r.witness;
-    std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
-                                   file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
-                                   file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
-    for (std::size_t i = 0; i < w.solid.used().size(); ++i)
-        text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
-    return text + " t " + file::hex(w.t);
-}
-
-std::string explain_witness(const Claim& c, const ClaimResult& r) {
-    if (r.witness.x < 0) return "";
-    const std::string name =
-        r.witness.given ? blame::name_of_ray(r.witness.given.get())
-        : c.on<scene::claim::SceneSubject>()
-            ? blame::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
-            : "";
-    if (name.empty()) return "";
-    measure::evaluate::TestedForm row = measure::claim::claim_row(c);
-    row.judged = r.witness.judged;
-    return blame::explain_command(name, row);
-}
-
-std::string quantity(const Claim& c) {
-    if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
-    return c.onset.empty() ? c.metric
-                           : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
-}
-
-std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt::format("all {} floats", r.floats); }
-
-std::string evidence_text(const Claim& c, const ClaimResult& r) {
-    using Evidence = Claim::Evidence;
-    const bool found = c.verdict == Claim::Verdict::refuted;
-    if (c.verdict == Claim::Verdict::qualified) return c.condition;
-    if (r.evaluations > 0)
-        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse one found",
-                           r.evaluations, file::decimal(r.measured));
-    switch (c.evidence) {
-        case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
-        case Evidence::exhaustive: return r.floats > 0 ? "" : "all that it speaks of was measured";
-        case Evidence::search: return found ? "by the worst that a search found" : "of the worst that a search found";
-        case Evidence::counterexample: return "by a counterexample";
-        case Evidence::sample: return "of what was measured, a sample";
-        case Evidence::none: break;
-    }
-    return "";
-}
-
-std::string says_text(const Claim& c) { return c.criterion ? "the sentence says " + c.criterion->text : ""; }
-
-namespace {
-
-/// Whether the verdict still follows from the criterion, for every draw; nothing where there is no criterion.
-std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
-    if (!c.criterion || r.state != State::disagrees) return std::nullopt;
-    const auto s = r.spread();
-    return c.criterion->is_met_by(c.low, c.high) ? c.criterion->is_met_by(s.low, s.high)
-                                                 : c.criterion->is_failed_by(s.low, s.high);
-}
-
-std::string fate_of_verdict(const Claim& c, const ClaimResult& r) {
-    const auto still = stands(c, r);
-    if (!still) return "";
-    return fmt::format(
-        "; {}: {}", says_text(c),
-        *still ? "the number has moved, and the verdict stands" : "the verdict does not follow any more");
-}
-
-}  // namespace
-
-std::string changed_text(const Claim& c, const ClaimResult& r) {
-    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, does not";
-    return fmt::format("{}, but the number has changed", name_of(c.verdict));
-}
-
-namespace {
-
-std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
-    const std::string expected =
-        fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
-    if (r.state == State::broken && !r.further.empty())
-        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
-                           1 + r.further.size());
-    if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
-    if (r.evaluations > 0)
-        return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(r.measured),
-                           r.evaluations);
-    if (r.floats > 0)
-        return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
-    if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
-    const auto s = r.spread();
-    return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
-                       file::decimal(s.low), file::decimal(s.high), s.draws);
-}
-
-}  // namespace
-
-std::string explain(const Claim& c, const ClaimResult& r) {
-    return expected_and_measured(c, r) + fate_of_verdict(c, r);
-}
-
-const Metric* metric_of_column(const std::string& column) {
-    const Metric* best = nullptr;
-    for (const Metric& m : measure::metric::metrics()) {
-        if (column.starts_with(m.name) && (best == nullptr || m.name.size() > best->name.size())) best = &m;
-    }
-    return best;
-}
-
-namespace {
 
 struct ClaimRow {
     const Claim& claim;
@@ -220,16 +101,15 @@ void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim
 
 void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
                        const std::vector<ClaimResult>& results) {
-    const auto number = [](double x) {
-        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
-    };
-    auto array = nlohmann::ordered_json::array();
+    using Json = file::OrderedJson;
+    using file::json_number;
+    auto array = Json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
-        auto further = nlohmann::ordered_json::array();
-        for (const double x : results[i].further) further.push_back(number(x));
+        auto further = Json::array();
+        for (const double x : results[i].further) further.push_back(json_number(x));
         const auto& b = results[i].bounds;
-        const auto bounds = b ? nlohmann::ordered_json{number(b->low), number(b->high)} : nlohmann::ordered_json();
+        const auto bounds = b ? Json{json_number(b->low), json_number(b->high)} : Json();
         array.push_back({{"id", c.id},
                          {"statement", c.statement},
                          {"source", c.source},
@@ -242,8 +122,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"format", c.format},
                          {"quantity", quantity(c)},
                          {"criterion", c.criterion ? c.criterion->text : ""},
-                         {"expected", {number(c.low), number(c.high)}},
-                         {"measured", number(results[i].measured)},
+                         {"expected", {json_number(c.low), json_number(c.high)}},
+                         {"measured", json_number(results[i].measured)},
                          {"samples", results[i].samples},
                          {"p99_bounds", bounds},
                          {"floats", results[i].floats},
@@ -257,9 +137,68 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
                          {"witness_explain", explain_witness(c, results[i])},
                          {"reproduce", words_of(c).command}});
     }
-    file::AtomicFile file(path);
-    file.write(array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    file.commit();
+    file::write_file(path, file::json_text(array));
+}
+
+void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                 const std::vector<ClaimResult>& results, bool strict,
+                 const std::map<std::string, std::string>& moved) {
+    pugi::xml_document document;
+    auto suite = document.append_child("testsuites").append_child("testsuite");
+    suite.append_attribute("name") = "lostbits claims";
+    std::size_t failures = 0, errors = 0, skips = 0;
+    const auto tests = suite.append_attribute("tests"), failed = suite.append_attribute("failures"),
+               broken = suite.append_attribute("errors"), skipped = suite.append_attribute("skipped"),
+               time = suite.append_attribute("time");
+    double seconds = 0;
+    const CountsBySource counts = count_verdicts(claims, results);
+    auto properties = suite.append_child("properties");
+    for (const auto& [name, text] :
+         {std::pair{"from a source", counts.sourced.text()}, {"our own", counts.own.text()}}) {
+        auto property = properties.append_child("property");
+        property.append_attribute("name") = name;
+        property.append_attribute("value") = text.c_str();
+    }
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        const Claim& c = claims[i];
+        auto test = suite.append_child("testcase");
+        test.append_attribute("name") = file::xml_text(c.id).c_str();
+        test.append_attribute("classname") = file::xml_text(c.subject_name()).c_str();
+        test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
+        seconds += results[i].seconds;
+        if (const auto words = moved.find(c.id); words != moved.end()) {
+            auto property = test.append_child("properties").append_child("property");
+            property.append_attribute("name") = "moved";
+            property.append_attribute("value") = file::xml_text(words->second).c_str();
+        }
+        if (results[i].state == State::agrees) continue;
+        if (results[i].state == State::skipped) {
+            ++skips;
+            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].trouble).c_str();
+            continue;
+        }
+        const std::string what = file::xml_text(explain(c, results[i]));
+        const std::string more =
+            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
+                                       witness_text(results[i]), explain_witness(c, results[i]), words_of(c).command));
+        if (c.severity == Claim::Severity::warn && !strict) {
+            test.append_child("system-out").text().set(more.c_str());
+            continue;
+        }
+        const bool is_failure = results[i].state == State::disagrees;
+        ++(is_failure ? failures : errors);
+        auto node = test.append_child(is_failure ? "failure" : "error");
+        node.append_attribute("message") = what.c_str();
+        node.text().set(more.c_str());
+    }
+    pugi::xml_attribute(time).set_value(fmt::format("{:.6f}", seconds).c_str());
+    pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));
+    pugi::xml_attribute(failed).set_value(static_cast<unsigned long long>(failures));
+    pugi::xml_attribute(broken).set_value(static_cast<unsigned long long>(errors));
+    pugi::xml_attribute(skipped).set_value(static_cast<unsigned long long>(skips));
+    std::ostringstream text;
+    document.save(text, "  ");
+    file::write_file(path, text.str());
 }
 
 }  // namespace lostbits::output::claim

@@ -1,4 +1,4 @@
-// The reports of a check: JUnit XML, CSV and JSON.
+// The reports of a check: JUnit XML, CSV, JSON and a document with pictures; and the words of all of them.
 #pragma once
 
 #include <filesystem>
@@ -55,5 +55,49 @@ const measure::metric::Metric* metric_of_column(const std::string& column);
 std::string witness_text(const measure::claim::ClaimResult& result);
 /// The command that explains the witness, whose numbers it gives again; empty where there is none.
 std::string explain_witness(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+
+/// How texts speak of what a claim is measured on.
+struct SubjectWords {
+    std::string heading;  ///< of all claims about it: `near-benign, rendered`
+    std::string where;    ///< scene, sweep or table, and the place in it: `near-benign, rendered to stage phong`
+    std::string place;    ///< that place under the heading: `stage phong`
+    std::string command;  ///< what measures it again with every file
+};
+
+[[nodiscard]] SubjectWords words_of(const scene::claim::Claim& claim);
+
+/// How many sentences hold, and how many do not.
+struct VerdictCounts {
+    std::size_t held = 0, qualified = 0, refuted = 0, differing = 0, broken = 0, skipped = 0;
+    std::size_t with_criterion = 0;  ///< of the verdicts that are confirmed, those that follow from a criterion
+
+    void add(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+    [[nodiscard]] std::size_t confirmed() const { return held + qualified + refuted; }
+    /// `4 hold, 1 is qualified, 2 are refuted`; `none` where none is confirmed.
+    [[nodiscard]] std::string text() const;
+};
+
+/// Those of a source apart from our own.
+struct CountsBySource {
+    VerdictCounts all, sourced, own;
+    /// `from a source 1 holds, 1 is refuted; of our own 2 hold`, without that of which there is none
+    [[nodiscard]] std::string text() const;
+};
+[[nodiscard]] CountsBySource count_verdicts(const std::vector<scene::claim::Claim>& claims,
+                                            const std::vector<measure::claim::ClaimResult>& results);
+
+/// The claims about one scene, sweep or table.
+struct ClaimSubject {
+    std::string name;
+    std::vector<std::size_t> claims;  ///< their places
+};
+/// Each subject once, in the order of the first claim about it.
+[[nodiscard]] std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims);
+
+/// Writes `README.md`, `claims.csv` and `pictures/` into a folder; the same claims and results give the same bytes. A
+/// scene is shown as a contact sheet, a sweep as its plots, cases as their matrix: of the forms that are claimed about.
+void write_claim_report(const std::filesystem::path& folder, const std::vector<scene::claim::Claim>& claims,
+                        const std::vector<measure::claim::ClaimResult>& results,
+                        const measure::claim::ClaimRequest& run);
 
 }  // namespace lostbits::output::claim

@@ -1,7 +1,6 @@
 #include "output/claim/claim_history.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include "output/claim/claim_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
+#include "output/file/json.hpp"
 #include "output/file/number_text.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/image/exr_parts.hpp"
@@ -34,8 +34,6 @@ bool same_number(double x, double y) {
 bool is_same(const MeasuredClaim& a, const MeasuredClaim& b) {
     return a.state == b.state && a.quantity == b.quantity && same_number(a.measured, b.measured);
 }
-
-std::string number_text(double x) { return std::isnan(x) ? "-" : file::decimal(x); }
 
 /// `+0.38 %`; empty where there is no ratio.
 std::string change_text(const ClaimMove& move) {
@@ -58,8 +56,9 @@ std::string interval_text(const ClaimMove& move) {
     return fmt::format("[{}, {}]", file::decimal(claim.low), file::decimal(claim.high));
 }
 
-std::string before_text(const ClaimMove& move) { return move.before ? number_text(move.before->measured) : ""; }
-std::string now_text(const ClaimMove& move) { return move.now ? number_text(move.now->measured) : ""; }
+std::string measured_text(const std::optional<MeasuredClaim>& claim) {
+    return !claim ? "" : std::isnan(claim->measured) ? "-" : file::decimal(claim->measured);
+}
 
 std::string summary_text(const ClaimMoves& moves) {
     const std::size_t n = moves.moves.size();
@@ -73,43 +72,37 @@ std::string summary_text(const ClaimMoves& moves) {
 
 constexpr const char* remedy = "name a file that `lostbits check --save` wrote";
 
-/// What is wrong with a file.
-class Refusal {
-public:
-    explicit Refusal(std::string path) : path_(std::move(path)) {}
-    [[noreturn]] void operator()(const std::string& what) const {
-        throw InputError(path_ + ": " + file::terminal_line(what) + "; " + remedy);
-    }
-
-private:
-    std::string path_;
-};
+/// Says what is wrong with a file.
+InputError wrong(const std::filesystem::path& path, const std::string& what) {
+    return InputError(path.string() + ": " + file::terminal_line(what) + "; " + remedy);
+}
 
 /// Of a hexadecimal float, or `inf`, `-inf` and `nan`.
-double number_in(const nlohmann::json& hex, const Refusal& refuse) {
+double number_in(const nlohmann::json& hex, const std::filesystem::path& path) {
     const auto& text = hex.get_ref<const std::string&>();
     const auto x = file::number_in(text);
-    if (!x) refuse("\"" + text + "\" is not a number that a double holds");
+    if (!x) throw wrong(path, "\"" + text + "\" is not a number that a double holds");
     return *x;
 }
 
-MeasuredClaim claim_in(const nlohmann::json& json, const Refusal& refuse) {
+MeasuredClaim claim_in(const nlohmann::json& json, const std::filesystem::path& path) {
     MeasuredClaim claim{.id = json.at("id").get<std::string>(),
                         .quantity = json.at("quantity").get<std::string>(),
                         .state = json.at("state").get<std::string>(),
-                        .measured = number_in(json.at("measured_hex"), refuse),
-                        .low = number_in(json.at("expected_hex").at(0), refuse),
-                        .high = number_in(json.at("expected_hex").at(1), refuse)};
+                        .measured = number_in(json.at("measured_hex"), path),
+                        .low = number_in(json.at("expected_hex").at(0), path),
+                        .high = number_in(json.at("expected_hex").at(1), path)};
     using Became = measure::claim::ClaimResult::State;
     const auto is_it = [&claim](Became s) { return claim.state == state_name(s); };
     if (std::ranges::none_of(std::array{Became::agrees, Became::disagrees, Became::broken, Became::skipped}, is_it))
-        refuse("has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
+        throw wrong(path,
+                    "has the claim " + claim.id + " in the state \"" + claim.state + "\", which no claim is ever in");
     const auto& decimal = json.at("measured");
     const bool same = decimal.is_string() ? decimal.get<std::string>() == file::decimal(claim.measured)
                                           : same_number(decimal.get<double>(), claim.measured);
     if (!same)
-        refuse("says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
-               file::decimal(claim.measured) + ": someone has changed one of them");
+        throw wrong(path, "says of " + claim.id + " that it measured " + decimal.dump() + " and, in hexadecimal, " +
+                              file::decimal(claim.measured) + ": someone has changed one of them");
     return claim;
 }
 
@@ -134,48 +127,43 @@ ClaimBaseline baseline_of(const std::vector<scene::claim::Claim>& claims,
 }
 
 std::string baseline_text(const ClaimBaseline& baseline) {
-    const auto number = [](double x) {
-        return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(file::decimal(x));
-    };
-    auto claims = nlohmann::ordered_json::array();
+    auto claims = file::OrderedJson::array();
     for (const MeasuredClaim& c : baseline.claims)
         claims.push_back({{"id", c.id},
                           {"quantity", c.quantity},
                           {"state", c.state},
-                          {"measured", number(c.measured)},
+                          {"measured", file::json_number(c.measured)},
                           {"measured_hex", file::hex(c.measured)},
                           {"expected_hex", {file::hex(c.low), file::hex(c.high)}}});
-    const nlohmann::ordered_json all{{"schema", baseline_schema},
-                                     {"program", baseline.program},
-                                     {"compiler", baseline.compiler},
-                                     {"command", baseline.command},
-                                     {"claims", claims}};
-    return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    const file::OrderedJson all{{"schema", baseline_schema},
+                                {"program", baseline.program},
+                                {"compiler", baseline.compiler},
+                                {"command", baseline.command},
+                                {"claims", claims}};
+    return file::json_text(all);
 }
 
 void write_baseline(const std::filesystem::path& path, const ClaimBaseline& baseline) {
-    file::AtomicFile out(path);
-    out.write(baseline_text(baseline));
-    out.commit();
+    file::write_file(path, baseline_text(baseline));
 }
 
 ClaimBaseline read_baseline(const std::filesystem::path& path) {
-    const Refusal refuse(path.string());
     const std::string text = file::read_file(path);
     ClaimBaseline run;
     try {
         const auto all = nlohmann::json::parse(text);
         const std::string schema = all.value("schema", "");
         if (schema != baseline_schema)
-            refuse(fmt::format("has {}, where {} is read", schema.empty() ? "no schema" : "the schema " + schema,
-                               baseline_schema));
+            throw wrong(path, fmt::format("has {}, where {} is read",
+                                          schema.empty() ? "no schema" : "the schema " + schema, baseline_schema));
         run.program = all.at("program").get<std::string>();
         run.compiler = all.at("compiler").get<std::string>();
         run.command = all.at("command").get<std::string>();
         std::set<std::string> ids;
         for (const auto& claim : all.at("claims")) {
-            run.claims.push_back(claim_in(claim, refuse));
-            if (!ids.insert(run.claims.back().id).second) refuse("has the claim " + run.claims.back().id + " twice");
+            run.claims.push_back(claim_in(claim, path));
+            if (!ids.insert(run.claims.back().id).second)
+                throw wrong(path, "has the claim " + run.claims.back().id + " twice");
         }
     } catch (const nlohmann::json::parse_error& error) {
         const std::string_view before = std::string_view(text).substr(0, std::max<std::size_t>(error.byte, 1) - 1);
@@ -183,7 +171,7 @@ ClaimBaseline read_baseline(const std::filesystem::path& path) {
         throw InputError(fmt::format("{}:{}:{}: is not JSON from here on; {}", path.string(),
                                      1 + std::ranges::count(before, '\n'), before.size() - line_begin + 1, remedy));
     } catch (const nlohmann::json::exception&) {
-        refuse("cannot be read as a baseline: a key is missing, or is of another type");
+        throw wrong(path, "cannot be read as a baseline: a key is missing, or is of another type");
     }
     return run;
 }
@@ -192,7 +180,7 @@ std::string ClaimMove::words() const {
     if (!before) return "not there before";
     if (!now) return "there before, not now";
     const std::string change = change_text(*this);
-    return fmt::format("{} before, {} now{}, {}", before_text(*this), now_text(*this),
+    return fmt::format("{} before, {} now{}, {}", measured_text(before), measured_text(now),
                        change.empty() ? "" : " (" + change + ")", state_text(*this));
 }
 
@@ -220,8 +208,8 @@ std::string moves_text(const ClaimBaseline& before, const ClaimBaseline& now, co
     constexpr const char* row = "  {:<44} {:>14} {:>14} {:>12}  {:<26} {}\n";
     text += fmt::format(row, "claim", "before", "now", "change", "interval", "state");
     for (const ClaimMove& move : moves.moves)
-        text += fmt::format(row, file::terminal_line(move.id()), before_text(move), now_text(move), change_text(move),
-                            interval_text(move), file::terminal_line(state_text(move)));
+        text += fmt::format(row, file::terminal_line(move.id()), measured_text(move.before), measured_text(move.now),
+                            change_text(move), interval_text(move), file::terminal_line(state_text(move)));
     return text;
 }
 
@@ -237,13 +225,11 @@ void write_moves(const std::filesystem::path& path, const ClaimBaseline& before,
     if (!moves.moves.empty())
         text += "\n| claim | quantity | before | now | change | interval | state |\n|---|---|---:|---:|---:|---|---|\n";
     for (const ClaimMove& move : moves.moves)
-        text +=
-            fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
-                        file::markdown_text((move.now ? *move.now : *move.before).quantity), before_text(move),
-                        now_text(move), change_text(move), interval_text(move), file::markdown_text(state_text(move)));
-    file::AtomicFile out(path);
-    out.write(text);
-    out.commit();
+        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", file::markdown_text(move.id()),
+                            file::markdown_text((move.now ? *move.now : *move.before).quantity),
+                            measured_text(move.before), measured_text(move.now), change_text(move), interval_text(move),
+                            file::markdown_text(state_text(move)));
+    file::write_file(path, text);
 }
 
 }  // namespace lostbits::output::claim

@@ -1,5 +1,4 @@
-#include "output/claim/subject_words.hpp"
-
+// How texts speak of what a claim is measured on.
 #include <fmt/format.h>
 
 #include "measure/claim/claim_columns.hpp"
@@ -50,12 +49,6 @@ std::string checked(const Claim& c, const char* options, const char* more) {
                        more);
 }
 
-std::string numbers_text(const std::vector<double>& values) {
-    std::string text;
-    for (const double x : values) text += (text.empty() ? "" : ", ") + file::decimal(x);
-    return text;
-}
-
 KindWords words(const Claim& c, const SceneSubject& on) {
     if (!on.step) return {asked(c, "map", "", metric_option(c))};
     return {
@@ -65,7 +58,7 @@ KindWords words(const Claim& c, const SceneSubject& on) {
 
 KindWords words(const Claim& c, const SweepSubject& on) {
     KindWords w{asked(c, "sweep", "", metric_option(c))};
-    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = numbers_text(at->values);
+    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = file::listed(at->values, file::decimal, ", ");
     if (const auto* const one = on.part_if<SweepSubject::Case>()) w.part = ": " + (w.place = one->name);
     if (const auto* const every = on.part_if<SweepSubject::EveryFloat>()) {
         w.command = checked(c, "", " --measure");
@@ -118,7 +111,7 @@ KindWords words(const Claim& c, const MendSubject& on) {
 }
 
 KindWords words(const Claim& c, const TableSubject& on) {
-    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = numbers_text({on.at})};
+    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = file::decimal(on.at)};
 }
 
 KindWords words(const Claim& c, const TimingSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }

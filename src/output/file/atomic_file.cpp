@@ -252,6 +252,12 @@ void AtomicFile::commit() {
     slot_ = nullptr;
 }
 
+void write_file(const std::filesystem::path& path, std::string_view text) {
+    AtomicFile file(path);
+    file.write(text);
+    file.commit();
+}
+
 void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
     // For writing too: network file systems have locks on what is open for writing alone.
     const int fd = ::open(partial.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);

@@ -76,6 +76,9 @@ private:
     std::unique_ptr<std::byte[]> buffer_;
 };
 
+/// A whole file of that text.
+void write_file(const std::filesystem::path& path, std::string_view text);
+
 /// Removes a temporary file that no living AtomicFile writes, of this process or another: whoever writes one holds a
 /// lock on it (a process id says nothing, since two containers may both be process 1). Where the file system has no
 /// locks it stays.

@@ -1,6 +1,7 @@
 #include "output/file/csv.hpp"
 
 #include <algorithm>
+#include <boost/locale/utf.hpp>
 #include <charconv>
 #include <stdexcept>
 #include <unordered_set>
@@ -36,36 +37,20 @@ bool is_formula(std::string_view text) {
 
 }  // namespace
 
-std::size_t sequence_length(std::string_view s) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
-    const unsigned char lead = byte(0);
-    if (lead < 0x80) return 1;
-    const std::size_t n = lead >= 0xC2 && lead <= 0xDF   ? 2
-                          : (lead & 0xF0) == 0xE0        ? 3
-                          : lead >= 0xF0 && lead <= 0xF4 ? 4
-                                                         : 0;
-    if (n == 0 || s.size() < n) return 0;
-    for (std::size_t i = 1; i < n; ++i) {
-        if ((byte(i) & 0xC0) != 0x80) return 0;
-    }
-    if (lead == 0xE0 && byte(1) < 0xA0) return 0;
-    if (lead == 0xED && byte(1) > 0x9F) return 0;
-    if (lead == 0xF0 && byte(1) < 0x90) return 0;
-    if (lead == 0xF4 && byte(1) > 0x8F) return 0;
-    return n;
+Character first_character(std::string_view text) {
+    const char *const begin = text.data(), *at = begin;
+    const boost::locale::utf::code_point code = boost::locale::utf::utf_traits<char>::decode(at, begin + text.size());
+    // What is illegal or incomplete has a code beyond all characters.
+    return code > 0x10FFFF ? Character{0xFFFD, 0} : Character{code, static_cast<std::size_t>(at - begin)};
 }
 
 std::string valid_utf8(std::string_view text) {
     std::string out;
     out.reserve(text.size());
     while (!text.empty()) {
-        const std::size_t n = sequence_length(text);
-        if (n == 0) {
-            out += "\xEF\xBF\xBD";
-        } else {
-            out += text.substr(0, n);
-        }
-        text.remove_prefix(std::max<std::size_t>(n, 1));
+        const std::size_t size = first_character(text).size;
+        out += size == 0 ? "\xEF\xBF\xBD" : text.substr(0, size);
+        text.remove_prefix(std::max<std::size_t>(size, 1));
     }
     return out;
 }

@@ -113,9 +113,13 @@ private:
 /// `text` as one RFC 4180 field: quoted only when it holds a comma, a quote or a line break.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
-/// Bytes of the UTF-8 sequence at the head of a text that is not empty, or 0 when it is not one (overlong, surrogate,
-/// cut short).
-[[nodiscard]] std::size_t sequence_length(std::string_view text);
+/// The character at the head of a text that is not empty, and how many bytes it has: 0 where they are not UTF-8
+/// (overlong, surrogate, cut short).
+struct Character {
+    char32_t code;
+    std::size_t size;
+};
+[[nodiscard]] Character first_character(std::string_view text);
 
 /// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);

@@ -1,15 +1,15 @@
 #include "output/file/datapackage.hpp"
 
 #include <cctype>
-#include <nlohmann/json.hpp>
 
 #include "output/file/atomic_file.hpp"
+#include "output/file/json.hpp"
 #include "output/file/result_folder.hpp"
 
 namespace lostbits::output::file {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 /// Frictionless names are lower-case letters, digits, `.`, `_`, `-`, `/`.
 std::string slug(std::string_view text) {
@@ -62,9 +62,7 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
         for (const auto& [name, what] : maker->forms) package["lostbits"]["forms"][name] = valid_utf8(what);
     }
     package["resources"] = std::move(list);
-    AtomicFile file(path);
-    file.write(package.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    file.commit();
+    write_file(path, json_text(package));
 }
 
 }  // namespace lostbits::output::file

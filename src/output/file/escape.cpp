@@ -10,21 +10,6 @@
 namespace lostbits::output::file {
 namespace {
 
-/// The code point at the head of valid UTF-8, and how many bytes it has.
-struct Character {
-    char32_t code;
-    std::size_t size;
-};
-Character first_of(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    const unsigned char lead = byte(0);
-    if (lead < 0x80) return {lead, 1};
-    const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-    char32_t code = lead & (0x7FU >> size);
-    for (std::size_t i = 1; i < size; ++i) code = code << 6 | (byte(i) & 0x3FU);
-    return {code, size};
-}
-
 /// What a terminal obeys instead of showing it, or shows elsewhere: controls of both sets, line and paragraph
 /// separators, marks and embeddings of direction, and what has no width.
 bool is_obeyed(char32_t c) {
@@ -45,12 +30,11 @@ bool begins_command(std::string_view text, std::size_t at) {
 std::string shown(std::string_view text, bool one_line) {
     std::string out;
     for (std::size_t at = 0; at < text.size();) {
-        const std::size_t size = sequence_length(text.substr(at));
+        const auto [code, size] = first_character(text.substr(at));
         if (size == 0) {
             out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at++]));
             continue;
         }
-        const char32_t code = first_of(text.substr(at)).code;
         if (code == '\n' || code == '\t') out += !one_line ? std::string(1, text[at]) : code == '\n' ? "\\n" : "\\t";
         else if (is_obeyed(code) && size == 1) out += fmt::format("\\x{:02x}", static_cast<unsigned>(code));
         else if (is_obeyed(code)) out += fmt::format("\\u{{{:x}}}", static_cast<unsigned>(code));
@@ -82,15 +66,10 @@ bool is_unshowable(char32_t c) {
 
 /// On one line, of characters that every reader takes and shows where they stand.
 std::string plain_line(std::string_view text) {
-    std::string out;
-    const std::string valid = xml_text(text);
-    for (std::string_view rest = valid; !rest.empty();) {
-        const auto [code, size] = first_of(rest);
-        if (code == '\n' || code == '\t') out += ' ';
-        else out += rest.substr(0, size);
-        rest.remove_prefix(size);
-    }
-    return out;
+    std::string line = xml_text(text);
+    std::ranges::replace_if(
+        line, [](char c) { return c == '\n' || c == '\t'; }, ' ');
+    return line;
 }
 
 }  // namespace
@@ -102,7 +81,7 @@ std::string xml_text(std::string_view text) {
     std::string out;
     const std::string valid = valid_utf8(text);
     for (std::string_view rest = valid; !rest.empty();) {
-        const auto [code, size] = first_of(rest);
+        const auto [code, size] = first_character(rest);
         if (code == '\r') out += rest.substr(1).starts_with('\n') ? "" : "\n";
         else if (is_unshowable(code)) out += "\xEF\xBF\xBD";
         else out += rest.substr(0, size);

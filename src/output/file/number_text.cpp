@@ -29,6 +29,13 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
+std::string enumerated(const std::vector<std::string>& words) {
+    std::string text;
+    for (std::size_t k = 0; k < words.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
+    return text;
+}
+
 std::optional<double> number_in(std::string_view text) {
     const bool minus = text.starts_with('-');
     if (minus) text.remove_prefix(1);

@@ -1,9 +1,10 @@
-// Numbers as text that reads back to the same bits.
+// Numbers as text that reads back to the same bits, and lists.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lostbits::output::file {
 
@@ -16,6 +17,17 @@ namespace lostbits::output::file {
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
+
+/// Numbers as `text` writes each, with `between` between two of them.
+template <class Numbers>
+[[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view between) {
+    std::string list;
+    for (const double x : numbers) (list += list.empty() ? "" : between) += text(x);
+    return list;
+}
+
+/// `a, b and c`
+[[nodiscard]] std::string enumerated(const std::vector<std::string>& words);
 
 /// What `decimal` or `hex` wrote, whatever the locale says of commas; nothing for any other text, and for a number that
 /// no double holds.

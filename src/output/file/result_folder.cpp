@@ -16,7 +16,6 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/csv.hpp"
-#include "output/file/result_list.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::output::file {
@@ -261,9 +260,7 @@ void ResultFolder::write_list() {
     for (Made& other : others_) {
         for (const std::string& name : files_) other.files.erase(name);
     }
-    AtomicFile file(folder_ / list_name);
-    file.write(list_text({made_by_, files_}, others_));
-    file.commit();
+    write_file(folder_ / list_name, list_text({made_by_, files_}, others_));
 }
 
 ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {

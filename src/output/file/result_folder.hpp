@@ -88,6 +88,13 @@ private:
     int exceptions_ = 0;  // on their way when it was made
 };
 
+/// The list that a run leaves in its folder: what made which files.
+inline constexpr const char* list_name = "manifest.json";
+/// What the list of a folder names, the last run first; nothing where there is no list, or none of ours.
+[[nodiscard]] std::vector<ResultFolder::Made> made_in(const std::filesystem::path& folder);
+/// The contents of a list.
+[[nodiscard]] std::string list_text(const ResultFolder::Made& last, const std::vector<ResultFolder::Made>& others);
+
 /// Of AtomicFile: this file is about to get its final name.
 void note_result(const std::filesystem::path& path);
 

@@ -1,10 +1,9 @@
-#include "output/file/result_list.hpp"
-
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "output/file/csv.hpp"
+#include "output/file/json.hpp"
+#include "output/file/result_folder.hpp"
 
 namespace lostbits::output::file {
 
@@ -38,10 +37,10 @@ ResultFolder::Made made_of(const nlohmann::json& entry) {
     return made;
 }
 
-nlohmann::ordered_json json_of(const MadeBy& by, const std::set<std::string>& names) {
-    auto files = nlohmann::ordered_json::array();
+OrderedJson json_of(const MadeBy& by, const std::set<std::string>& names) {
+    auto files = OrderedJson::array();
     for (const std::string& each : names) files.push_back(valid_utf8(each));
-    nlohmann::ordered_json json{{"program", by.program}, {"command", valid_utf8(by.command)}};
+    OrderedJson json{{"program", by.program}, {"command", valid_utf8(by.command)}};
     for (const auto& [name, what] : by.forms) json["forms"][name] = valid_utf8(what);
     json["files"] = std::move(files);
     return json;
@@ -63,10 +62,10 @@ std::vector<ResultFolder::Made> made_in(const fs::path& folder) {
 }
 
 std::string list_text(const ResultFolder::Made& last, const std::vector<ResultFolder::Made>& others) {
-    nlohmann::ordered_json list{{"schema", schema}};
+    OrderedJson list{{"schema", schema}};
     list.update(json_of(last.by, last.files));
     for (const ResultFolder::Made& other : others) list["others"].push_back(json_of(other.by, other.files));
-    return list.dump(2) + "\n";
+    return json_text(list);
 }
 
 }  // namespace lostbits::output::file

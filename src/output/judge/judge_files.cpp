@@ -8,7 +8,7 @@
 #include "output/blame/explain_command.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
-#include "output/sweep/case_text.hpp"
+#include "output/sweep/worst_files.hpp"
 
 namespace lostbits::output::judge {
 

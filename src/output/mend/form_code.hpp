@@ -1,4 +1,5 @@
-// A tape as the C++ of a form: what a person changes in a function, and what the catalogue takes.
+// A tape as code: the C++ of a form, which a person changes in a function and the catalogue takes, or a function of
+// GLSL that `--shader` takes; with the source's names.
 #pragma once
 
 #include <string>
@@ -31,6 +32,11 @@ std::string type_name(const std::string& form);
 /// A header that holds the form, for the catalogue or for a library of lostbits_form.hpp. Under a matrix `intersect`
 /// takes that as well, twelve numbers as they are stored, row by row: no list of forms takes it.
 std::string form_header(const Tape& tape, const intersect::table::Intersector& like, const FormWords& words);
+
+/// A file of GLSL that holds the function `words.name`. Floats alone, and doubles where operations are wider in them;
+/// of two floats as one number, and of an fma, the operations are written out, since drivers' own round as they like.
+/// InputError for a form of doubles and for operations that GLSL has not.
+std::string shader_code(const Tape& tape, const intersect::table::Intersector& like, const FormWords& words);
 
 /// Lines that differ, as a diff has them: `- old`, `+ new`, in the order of the new text.
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after);

@@ -3,11 +3,43 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "output/mend/mend_rows.hpp"
+#include "output/mend/mend_text.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::mend {
+
+/// A row of mend.csv, and of what stands beside each other in the plot and in words: the form, what came of it, the
+/// catalogue.
+struct FormRow {
+    std::string_view kind;              ///< own, wider, all_wider, rewritten, catalogue
+    std::string name;                   ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
+    measure::evaluate::TestedForm row;  ///< of the catalogue its own, else the form's
+    std::size_t operations = 0;         ///< that round; 0 for the catalogue
+    std::size_t wide = 0;               ///< so many of them are done wider
+    const measure::mend::Worth* worth = nullptr;
+    const measure::mend::Worth* apart = nullptr;  ///< on rays on which nothing was searched; null where not asked
+    std::string rules = {};                       ///< that rewrote it
+    std::string wider = {};                       ///< what is done in a wider format is done in this
+    bool meets = false;                           ///< the wish
+    const measure::mend::Price* price = nullptr;  ///< null: it was not timed
+    bool front = false;  ///< it was timed, and nothing is at least as accurate and as fast, and better in one
+    bool told = true;    ///< of the catalogue only the most accurate and the front are, and not the form itself
+
+    [[nodiscard]] bool came_out() const { return kind == "wider" || kind == "rewritten"; }
+};
+
+/// The form, the set if there is one, all operations wider, each way of writing it, the catalogue.
+std::vector<FormRow> rows_of(const MendResult& result);
+
+/// `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`: what a row that came out changes.
+std::string change_in_words(const MendResult& result, const FormRow& row);
+
+/// Kept bits of all rows against their time in packs; where nothing was timed, against the operations done wider.
+void write_front_plot(const std::filesystem::path& path, const MendResult& result);
 
 /// A row of minimal.csv: one of the operations that are done wider.
 struct MinimalRow {
@@ -16,7 +48,6 @@ struct MinimalRow {
     const measure::mend::Worth* without;
     bool meets;
 };
-/// mend.csv, whose rows are those of `rows_of`, and minimal.csv.
 table::Table<FormRow> form_table();
 table::Table<MinimalRow> minimal_table();
 std::vector<MinimalRow> minimal_rows(const MendResult& result);

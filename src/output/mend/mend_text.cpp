@@ -10,12 +10,11 @@
 #include "measure/blame/tape_text.hpp"
 #include "output/choice/choice_text.hpp"
 #include "output/mend/form_code.hpp"
-#include "output/mend/mend_rows.hpp"
+#include "output/mend/mend_files.hpp"
 
 namespace lostbits::output::mend {
 
 using measure::blame::TapeText;
-using measure::choice::End;
 using measure::choice::Room;
 using measure::mend::Price;
 using measure::mend::Worth;
@@ -43,17 +42,10 @@ std::string room_in_words(const Room& room, const MendResult& r) {
     const auto& wish = r.request.wish;
     if (room.holds == 0)
         return fmt::format("{}: not even as it is, on a smaller picture: {}", way, in_words(room.broken, wish));
-    const std::string holds = fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, room.holds, room.value);
-    switch (room.end) {
-        case End::fails:
-            return fmt::format("{}; first broken at {:.4g}-fold: {}", holds, room.beyond, in_words(room.broken, wish));
-        case End::nothing_hit: return holds + "; beyond that no ray hits anything";
-        case End::other_scene:
-            return fmt::format("{}; beyond that {}, to which inputs are rounded, holds another scene", holds,
-                               r.request.rays ? r.request.rays->format.name : "binary32");
-        case End::none: break;
-    }
-    return holds + ", which is as far as was tried";
+    return fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, room.holds, room.value) +
+           choice::end_in_words(
+               room, r.request.rays,
+               fmt::format("; first broken at {:.4g}-fold: {}", room.beyond, in_words(room.broken, wish)));
 }
 
 std::string own_is_enough(const MendResult& r) {

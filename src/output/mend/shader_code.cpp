@@ -1,4 +1,4 @@
-#include "output/mend/shader_code.hpp"
+#include "output/mend/form_code.hpp"
 
 #include <fmt/format.h>
 

@@ -9,9 +9,6 @@
 #include <optional>
 
 #include "measure/claim/claim_columns.hpp"
-#include "output/claim/claim_files.hpp"
-#include "output/claim/claim_report.hpp"
-#include "output/claim/subject_words.hpp"
 #include "output/file/number_text.hpp"
 #include "output/page/assets.hpp"
 #include "output/page/sweep_data.hpp"

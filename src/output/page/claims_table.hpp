@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "output/claim/verdict_counts.hpp"
+#include "output/claim/claim_files.hpp"
 #include "output/page/page.hpp"
 
 namespace lostbits::output::page {

@@ -3,8 +3,7 @@
 #include "output/map/map_colour.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/sweep/case_files.hpp"
-#include "output/sweep/sweep_planes.hpp"
-#include "output/sweep/too_far.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 namespace lostbits::output::page {
 

@@ -10,8 +10,7 @@
 #include "output/page/text.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/speed/trade_files.hpp"
-#include "output/speed/trade_plot.hpp"
-#include "output/sweep/too_far.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 namespace lostbits::output::page {
 

@@ -6,7 +6,7 @@
 #include "measure/evaluate/summary_columns.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
-#include "output/mend/mend_rows.hpp"
+#include "output/mend/mend_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/page/page.hpp"
 #include "output/page/text.hpp"

@@ -54,4 +54,19 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::
 /// For each set of rays and number of bits: the cheapest that keeps them, or that none does.
 std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
+/// The titles of the axes of the picture, here and on the page.
+inline constexpr const char *time_title = "time per ray of the easy set, ns",
+                            *scene_time_title = "time per ray and solid on the scene, ns",
+                            *kept_title = "bits that 99 % of the hits keep";
+
+/// `one ray at a time`, `256-bit registers`
+std::string registers_of(const measure::speed::TradeKernel& kernel);
+
+/// What is drawn: markers by register width, colours by format; grey what is dominated, hollow what decides any ray
+/// wrongly. The stepped line joins what is not dominated; it is dashed between those that are sometimes wrong.
+plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result,
+                                 std::size_t set);
+void write_trade_plot(const std::filesystem::path& path, const measure::speed::TradeRequest& request,
+                      const measure::speed::TradeResult& result, std::size_t set);
+
 }  // namespace lostbits::output::speed

@@ -1,8 +1,14 @@
 #include "output/sweep/exhaustive_files.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
 #include "measure/truth/lost_bits.hpp"
-#include "output/sweep/exhaustive_plots.hpp"
-#include "output/sweep/exhaustive_text.hpp"
+#include "output/blame/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
@@ -31,7 +37,12 @@ struct FloatsRow {
         if (const auto& w = tally.worst)
             worst = {w->place, w->ulps, tally.at_most, answer_at(request, ray, row, w->place)};
     }
-    [[nodiscard]] std::string explain(std::uint32_t place) const { return explain_float(request, ray, row, place); }
+    /// The command that explains the form on the ray at a float.
+    [[nodiscard]] std::string explain(std::uint32_t place) const {
+        const scene::rays::RayGroup group = request.sweep->group_at(ray, float_at(place));
+        const std::string scene = request.sweep->mesh ? request.scene + " " : "";
+        return blame::explain_command(scene + blame::name_of_ray(&group), request.rows[row]);
+    }
 
     const ExhaustiveRequest& request;
     std::size_t ray, row;
@@ -52,6 +63,11 @@ struct FloatEventRow {
 };
 
 namespace {
+
+/// The 32 bits of a float: `0x40400000`.
+std::string float_bits(std::uint32_t place) {
+    return fmt::format("{:#010x}", std::bit_cast<std::uint32_t>(float_at(place)));
+}
 
 Cell hex_cell(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }
 
@@ -203,6 +219,73 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
 
 }  // namespace
 
+namespace {
+
+std::string_view failure(Outcome o) {
+    switch (o) {
+        case Outcome::false_hit: return "a false hit";
+        case Outcome::false_miss: return "a false miss";
+        case Outcome::wrong_object: return "a hit of another triangle";
+        case Outcome::crack: return "a crack";
+        case Outcome::double_hit: return "a double hit";
+        case Outcome::out_of_order: return "two triangles out of order";
+        default: return "a hit at a t that is not a number";
+    }
+}
+
+/// `1 float`, `2 floats`.
+std::string count_text(std::uint64_t n) { return fmt::format("{} float{}", n, n == 1 ? "" : "s"); }
+
+/// ` (12 crack, 3 double hit)`.
+std::string kinds_text(const FloatTally& tally) {
+    std::vector<std::string> kinds;
+    for (const Outcome o : measure::answer::wrong_decisions) {
+        if (tally.count(o) == 0) continue;
+        kinds.push_back(fmt::format("{} {}", tally.count(o), outcome_name(o)));
+        std::ranges::replace(kinds.back(), '_', ' ');
+    }
+    return fmt::format(" ({})", fmt::join(kinds, ", "));
+}
+
+/// `0x1.8p+1 (3)`; of a NaN its bits: `nan (0x7fc00000)`.
+std::string float_text(std::uint32_t place) {
+    const float x = float_at(place);
+    if (std::isnan(x)) return fmt::format("nan ({})", float_bits(place));
+    const std::string hex = file::hex(static_cast<double>(x)), decimal = file::decimal(x);
+    return std::isinf(x) ? hex : fmt::format("{} ({})", hex, decimal);
+}
+
+}  // namespace
+
+std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
+    const auto& sweep = *request.sweep;
+    const FloatTally& tally = f.tally;
+    std::string text =
+        fmt::format("all {} between {} and {} were tried: {}", count_text(tally.floats()), float_text(f.floats.first),
+                    float_text(f.floats.last), request.rows[f.row].form->info->name);
+    if (const auto judged = request.rows[f.row].judged)
+        text += fmt::format(", judged by the {} solid,", intersect::convention_name(judged));
+    if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
+    if (!tally.first_wrong) {
+        text += tally.count(Outcome::unresolved) == 0
+                    ? " decides rightly for every one of them"
+                    : fmt::format(" decides rightly for every one but {} whose truth is not proved",
+                                  tally.count(Outcome::unresolved));
+        return text;
+    }
+    const auto& wrong = *tally.first_wrong;
+    const auto good = f.before(wrong.place);
+    text += good ? fmt::format(" decides rightly for every float {} {}, and first fails at {}: {}",
+                               f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
+                               failure(wrong.outcome))
+                 : fmt::format(" fails at the first of them already: {}", failure(wrong.outcome));
+    text += fmt::format("; it decides wrongly for {} in all{}, the last at {}", count_text(tally.wrong()),
+                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
+    if (tally.padding)
+        text += fmt::format("; to miss none it needs {} u of padding more", file::decimal(tally.padding->u));
+    return text;
+}
+
 ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
@@ -243,7 +326,10 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         of.statement = statement(request_, f);
         statements_.add(of);
     }
-    write_exhaustive_plots(folder_, request_, state);
+    if (const auto plots = exhaustive_plots(request_, state)) {
+        plot::write_line_plot(image::image_backend(), folder_ / "lost_bits_max.png", plots->lost_bits);
+        plot::write_line_plot(image::image_backend(), folder_ / "wrong.png", plots->wrong);
+    }
     table::close_tables(folder_, request_.sweep->title, binades_, onsets_, statements_);
 }
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "measure/sweep/float_band.hpp"
+#include "output/plot/line_plot.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::sweep {
@@ -27,5 +30,23 @@ private:
     table::TableFile<FloatsRow> binades_, statements_;
     table::TableFile<FloatEventRow> onsets_;
 };
+
+/// One float of a whole binade: the least share of it but 0, which has a place of its own.
+inline constexpr double least_share = 0x1p-23;
+
+struct ExhaustivePlots {
+    plot::LinePlotSpec lost_bits;  ///< of the worst float of each binade
+    plot::LinePlotSpec wrong;      ///< the share of a binade's tried floats with a wrong decision
+};
+/// A line a form, ray and sign, level from the smallest float of a binade that was tried to the largest. Zeros,
+/// infinities and NaNs have no place on it and are in the tables alone. Nothing where all the others are of one binade
+/// of either sign.
+std::optional<ExhaustivePlots> exhaustive_plots(const measure::sweep::ExhaustiveRequest& request,
+                                                const measure::sweep::ExhaustiveState& state);
+
+/// `all 8388608 floats between 0x1p+0 (1) and … were tried: sphere.schoolbook decides rightly for every float up to …,
+/// and first fails at …: a false miss`. The number is what was counted.
+[[nodiscard]] std::string statement(const measure::sweep::ExhaustiveRequest& request,
+                                    const measure::sweep::RangeFinding& finding);
 
 }  // namespace lostbits::output::sweep

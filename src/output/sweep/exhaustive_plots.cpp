@@ -1,4 +1,4 @@
-#include "output/sweep/exhaustive_plots.hpp"
+#include "output/sweep/exhaustive_files.hpp"
 
 #include <fmt/format.h>
 
@@ -153,14 +153,6 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
             drawn.series(half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); }));
     }
     return ExhaustivePlots{std::move(lost), std::move(wrong)};
-}
-
-void write_exhaustive_plots(const std::filesystem::path& folder, const ExhaustiveRequest& request,
-                            const ExhaustiveState& state) {
-    const auto plots = exhaustive_plots(request, state);
-    if (!plots) return;
-    plot::write_line_plot(image::image_backend(), folder / "lost_bits_max.png", plots->lost_bits);
-    plot::write_line_plot(image::image_backend(), folder / "wrong.png", plots->wrong);
 }
 
 }  // namespace lostbits::output::sweep

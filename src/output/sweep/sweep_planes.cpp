@@ -1,19 +1,18 @@
-#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "output/file/number_text.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/plane_plot.hpp"
-#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
-using image::ImageBackend;
 using measure::answer::Outcome;
 using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
@@ -21,12 +20,6 @@ using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;
 
 namespace {
-
-std::string joined(const std::vector<double>& values) {
-    std::string text;
-    for (const double v : values) text += (text.empty() ? "" : " ") + file::decimal(v);
-    return text;
-}
 
 struct Layer {
     const char* name;
@@ -67,9 +60,9 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
                        {"lostbits:form", std::string(row.form->info->name)},
                        {"lostbits:format", row.format.name},
                        {"lostbits:x", axes[0].name},
-                       {"lostbits:x_values", joined(plane.x)},
+                       {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
-                       {"lostbits:y_values", joined({plane.y.rbegin(), plane.y.rend()})}};
+                       {"lostbits:y_values", file::listed(std::views::reverse(plane.y), file::decimal, " ")}};
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
@@ -98,8 +91,9 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
     return steps_[i * y.size() + j].rows[row];
 }
 
-void write_plane_picture(ImageBackend& backend, const std::filesystem::path& path, const SweepRequest& request,
+void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
                          const std::vector<SweepStep>& steps, std::size_t row) {
+    image::ImageBackend& backend = image::image_backend();
     const auto& axes = request.sweep->axes;
     const TestedForm& what = request.rows[row];
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
@@ -142,10 +136,10 @@ void write_plane_picture(ImageBackend& backend, const std::filesystem::path& pat
     plot::write_plane_plot(backend, path, spec);
 }
 
-void write_plane(ImageBackend& backend, const std::filesystem::path& folder, const SweepRequest& request,
-                 const std::vector<SweepStep>& steps, std::size_t row) {
+void write_plane(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                 std::size_t row) {
     const std::string stem = map::row_name(request.rows[row]);
-    write_plane_picture(backend, folder / (stem + ".png"), request, steps, row);
+    write_plane_picture(folder / (stem + ".png"), request, steps, row);
     write_exr(folder / (stem + ".exr"), request, SweepGrid(request, steps), row);
 }
 

@@ -13,9 +13,6 @@
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
-#include "output/plot/line_plot.hpp"
-#include "output/sweep/sweep_planes.hpp"
-#include "output/sweep/too_far.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -58,9 +55,9 @@ struct Quantity {
     std::string title;
     plot::AxisSpec axis;
     std::function<double(const FormSummary&)> value;
-    std::function<double(const FormSummary&)> envelope;  ///< empty: none
-    bool over_hits = false;                              ///< a quantile over agreed hits: withheld where they are few
-    std::string note = {};                               ///< ends the subtitle
+    std::function<double(const FormSummary&)> envelope = {};  ///< empty: none
+    bool over_hits = false;  ///< a quantile over agreed hits: withheld where they are few
+    std::string note = {};   ///< ends the subtitle
     bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
     std::string nothing = {};  ///< why there is nothing to draw; empty: there is
 };
@@ -138,11 +135,11 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
     const SweepRequest& request = sweep.request;
     const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
                       inherent = measure::metric::place_of(request.metrics, "inherent_bits");
-    Quantity quantity{fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                      {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
-                      [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
-                      {},
-                      true};
+    Quantity quantity{
+        .title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
+        .axis = {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.shape.precision)},
+        .value = [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
+        .over_hits = true};
     if (inherent < request.metrics.size())
         quantity.envelope = [inherent, q](const FormSummary& s) { return drawn_quantile(s, inherent, q); };
     write_lines(path, sweep, format, quantity, size);
@@ -158,8 +155,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     // Nothing but 0 is less than one ray of a step.
     Quantity quantity{wrong_title(outcome),
                       {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
-                      share,
-                      {}};
+                      share};
     const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
     const bool possible = outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
                               return std::ranges::any_of(step.rows, truly_misses);
@@ -239,26 +235,20 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
                       iterations = measure::metric::place_of(request.metrics, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const FormSummary& s) {
-        const auto n = s.categories[stop][static_cast<std::size_t>(intersect::Stop::max_steps)] +
-                       s.categories[stop][static_cast<std::size_t>(intersect::Stop::stagnated)];
-        return static_cast<double>(n) / static_cast<double>(s.rays);
+        const auto of = [&](intersect::Stop why) { return s.categories[stop][static_cast<std::size_t>(why)]; };
+        return static_cast<double>(of(intersect::Stop::max_steps) + of(intersect::Stop::stagnated)) /
+               static_cast<double>(s.rays);
     };
     write_lines(folder / fmt::format("unfinished.{}.png", format.name), sweep, format,
-                {"Marches that did not finish",
-                 {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
-                 unfinished,
-                 {},
-                 false,
-                 {},
-                 marches});
+                {.title = "Marches that did not finish",
+                 .axis = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
+                 .value = unfinished,
+                 .shows = marches});
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
-                {"Samples of the field, 99th percentile",
-                 {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
-                 [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
-                 {},
-                 false,
-                 {},
-                 marches});
+                {.title = "Samples of the field, 99th percentile",
+                 .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
+                 .value = [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
+                 .shows = marches});
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
         if (row.format == format && marches(row))
@@ -320,8 +310,7 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
 void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep) {
     const SweepRequest& request = sweep.request;
     if (request.sweep->axes.size() == 2) {
-        for (std::size_t row = 0; row < request.rows.size(); ++row)
-            write_plane(image::image_backend(), folder, request, sweep.steps, row);
+        for (std::size_t row = 0; row < request.rows.size(); ++row) write_plane(folder, request, sweep.steps, row);
         return;
     }
     for (const Format& format : formats_of(sweep)) {

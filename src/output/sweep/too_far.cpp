@@ -1,4 +1,4 @@
-#include "output/sweep/too_far.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
 

@@ -2,17 +2,77 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
 #include "output/blame/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/sweep/case_text.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
 
 using file::number_or_missing;
 using measure::answer::Outcome;
+using measure::edges::NearestRay;
+using measure::edges::sought;
 using measure::sweep::WorstFound;
 using measure::sweep::WorstRequest;
+
+namespace {
+
+std::string hex_list(std::span<const double> x) { return "[\"" + file::listed(x, file::hex, "\", \"") + "\"]"; }
+
+/// A TOML basic string: a title may hold quotes.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        else out += c;
+    }
+    return out + '"';
+}
+
+std::string solid_text(const Solid<double>& solid) {
+    std::string keys;
+    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+        keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
+        keys += key.count() == 3 ? hex_list(solid.used().subspan(k, 3))
+                                 : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
+    });
+    if (solid.placed)
+        keys += fmt::format(", {} = {}", solid.placed->is_inverse ? "inverse_matrix" : "matrix",
+                            hex_list(solid.placed->matrix));
+    return fmt::format("{{{} }}", keys);
+}
+
+}  // namespace
+
+std::string head_of_cases(const std::string& title, const std::string& source) {
+    return fmt::format("schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", quoted(title), quoted(source));
+}
+
+std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
+    std::string solids;
+    for (const ShapeRow& row : shape_rows) {
+        std::string of_shape;
+        for (const Solid<double>& solid : one.solids)
+            if (solid.shape == row.shape) of_shape += (of_shape.empty() ? "" : ", ") + solid_text(solid);
+        if (!of_shape.empty()) solids += fmt::format("{} = [{}]\n", row.plural, of_shape);
+    }
+    const Ray<double> ray = one.rays[0];
+    const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
+    const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
+    const Range<double> range = one.rays.range(0);
+    const std::string_view open = name_of(range.open);
+    return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n", quoted(name),
+                       open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open), solids, hex_list(origin),
+                       hex_list(direction),
+                       range.tmin == 0 ? "" : fmt::format(", tmin = \"{}\"", file::hex(range.tmin)),
+                       std::isinf(range.tmax) ? "" : fmt::format(", tmax = \"{}\"", file::hex(range.tmax)));
+}
 
 namespace {
 
@@ -92,6 +152,79 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     hard.write(text);
     hard.commit();
     table::close_tables(folder, search.title, csv);
+}
+
+namespace {
+
+std::string sought_name(std::size_t outcome) {
+    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(sought.at(outcome))]);
+}
+
+struct NearestRow {
+    measure::evaluate::TestedForm row;
+    std::string outcome;
+    std::uint64_t rays;
+    const std::optional<NearestRay>& nearest;
+    std::string explain;
+};
+
+table::Table<NearestRow> nearest_table() {
+    using R = NearestRow;
+    using N = NearestRay;
+    const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
+    table::Table<R> table;
+    table.add(table::subject_columns(), &R::row);
+    table.add({{"outcome", "string", "", "what was searched for: crack or double_hit", &R::outcome},
+               {"found", "boolean", "", "whether a ray with that outcome was found",
+                [](const R& r) { return r.nearest.has_value(); }}});
+    table.add<N>({{"distance_edges", "number", "1",
+                   "of the nearest one: from the eye to the point of the edge that it is aimed at, in lengths of the "
+                   "edge",
+                   &N::distance}},
+                 nearest);
+    table.add({"rays", "integer", "", "rays tried", &R::rays});
+    table.add<N>({{"face_a", "integer", "", "the place of the one triangle of the edge among the solids of the scene",
+                   [](const N& n) { return n.faces[0]; }},
+                  {"face_b", "integer", "", "the place of the other", [](const N& n) { return n.faces[1]; }},
+                  {"t", "number", "t", "the form's answer, in its own unit; missing where it misses",
+                   [](const N& n) { return number_or_missing(n.t); }},
+                  {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
+                 nearest);
+    table.add(table::ray_columns("of the nearest ray"),
+              [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });
+    return table.add({"explain", "string", "", "the command that explains it", &R::explain});
+}
+
+}  // namespace
+
+void NearestFiles::write(const std::filesystem::path& folder) const {
+    const auto explain = [this](std::size_t r, const NearestRay& nearest) {
+        const scene::rays::RayGroup one = scene::rays::group_of(nearest.ray);
+        return blame::explain_command(scene + " " + blame::name_of_ray(&one), request.rows[r]);
+    };
+    table::TableFile<NearestRow> csv(
+        folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
+    for (std::size_t r = 0; r < found.size(); ++r) {
+        for (std::size_t k = 0; k < sought.size(); ++k) {
+            const auto& nearest = found[r].nearest.at(k);
+            csv.add(
+                {request.rows[r], sought_name(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
+        }
+    }
+    table::close_tables(folder, request.search.title, csv);
+}
+
+std::string NearestFiles::sentence(std::size_t r) const {
+    std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
+    for (std::size_t k = 0; k < sought.size(); ++k) {
+        std::string what = sought_name(k);
+        std::ranges::replace(what, '_', ' ');
+        const auto& nearest = found[r].nearest.at(k);
+        text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
+                                      what, found[r].rays.at(k), nearest->distance)
+                        : fmt::format("{} no {} among {} rays", k > 0 ? "," : "", what, found[r].rays.at(k));
+    }
+    return text;
 }
 
 }  // namespace lostbits::output::sweep

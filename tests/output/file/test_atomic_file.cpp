@@ -1,10 +1,10 @@
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -37,16 +37,25 @@ std::string refusal(Work work) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+/// The process ends by 42 at SIGTERM, its partial files removed.
+void remove_at_signal() {
+    std::signal(SIGTERM, [](int) {
+        remove_partial_files();
+        ::_exit(42);
+    });
+}
+
 }  // namespace
 
-TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
+TEST_CASE("a file has its final name only after commit, and one writer", "[atomic_file]") {
     const Scratch folder;
-    output::file::AtomicFile file(folder / "a.csv");
+    AtomicFile file(folder / "a.csv");
     REQUIRE(folder.entries() == 1);
     file.write("one,");
     file.write("two\n");
     REQUIRE_FALSE(fs::exists(folder / "a.csv"));
     REQUIRE(fs::directory_iterator(folder.path())->path().filename().string().starts_with(".a.csv.partial-"));
+    REQUIRE_THROWS_AS(AtomicFile(folder / "a.csv"), std::logic_error);
     file.commit();
     REQUIRE(contents(folder / "a.csv") == "one,two\n");
     REQUIRE(folder.entries() == 1);
@@ -56,14 +65,10 @@ TEST_CASE("a file has its final name only after commit", "[atomic_file]") {
 
 TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
     const Scratch folder;
-    { output::file::AtomicFile(folder / "a").write("lost"); }
+    { AtomicFile(folder / "a").write("lost"); }
     REQUIRE(folder.entries() == 0);
-    {
-        output::file::AtomicFile file(folder / "a");
-        file.write("old");
-        file.commit();
-    }
-    { output::file::AtomicFile(folder / "a").write("new, cut short"); }
+    write_file(folder / "a", "old");
+    { AtomicFile(folder / "a").write("new, cut short"); }
     REQUIRE(contents(folder / "a") == "old");
     REQUIRE(folder.entries() == 1);
 }
@@ -71,7 +76,7 @@ TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
 TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_file]") {
     const Scratch folder;
     std::string expected(600000, 'x');
-    output::file::AtomicFile file(folder / "a");
+    AtomicFile file(folder / "a");
     file.write(expected);
     REQUIRE(file.tell() == 600000);
     for (const std::int64_t at : {0, 262143, 599998}) {
@@ -87,37 +92,28 @@ TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_
 
 TEST_CASE("missing folders are made, and what cannot be written is refused at once", "[atomic_file]") {
     const Scratch folder;
-    output::file::AtomicFile(folder / "x/y/z.csv").commit();
+    AtomicFile(folder / "x/y/z.csv").commit();
     REQUIRE(fs::exists(folder / "x/y/z.csv"));
 
-    const auto a_folder = refusal([&] { AtomicFile(folder / "x"); });
-    REQUIRE(contains(a_folder, (folder / "x").string() + ": cannot write: Is a directory; "));
-    const auto below_a_file = refusal([&] { AtomicFile(folder / "x/y/z.csv/w.csv"); });
-    REQUIRE(contains(below_a_file, "z.csv"));
-    REQUIRE(contains(below_a_file, "Not a directory"));
-    const auto deep_below_a_file = refusal([&] { AtomicFile(folder / "x/y/z.csv/deep/w.csv"); });
-    REQUIRE(contains(deep_below_a_file, "Not a directory"));
-    const auto long_name = refusal([&] { AtomicFile(folder / std::string(300, 'n')); });
-    REQUIRE(contains(long_name, "File name too long"));
+    for (const auto& [name, why] : {std::pair<std::string, std::string>("x", "x: cannot write: Is a directory; "),
+                                    {"x/y/z.csv/w.csv", "z.csv: cannot use as a folder: Not a directory"},
+                                    {"x/y/z.csv/deep/w.csv", "Not a directory"},
+                                    {std::string(300, 'n'), "File name too long"}})
+        CHECK(contains(refusal([&] { AtomicFile(folder / name); }), why));
     REQUIRE(folder.entries() == 1);
 }
 
 TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_file]") {
     const Scratch folder;
-    { output::file::AtomicFile(folder / "mine").commit(); }
+    { AtomicFile(folder / "mine").commit(); }
     ::chmod((folder / "mine").c_str(), 0444);
     ::chmod(folder.path().c_str(), 0555);
     const int answer = in_child([&] {
         if (::getuid() == 0 && ::setuid(65534) != 0) return 9;  // permissions do not bind root
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "a"); }),
-                      "a: cannot create: Permission denied; "))
-            return 1;
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "s/a"); }),
-                      "cannot create the folder: Permission"))
-            return 2;
-        if (!contains(refusal([&] { output::file::AtomicFile(folder / "mine"); }),
-                      "cannot overwrite: Permission denied"))
-            return 3;
+        for (const auto& [name, why] : {std::pair("a", "a: cannot create: Permission denied; "),
+                                        {"s/a", "cannot create the folder: Permission"},
+                                        {"mine", "cannot overwrite: Permission denied"}})
+            if (!contains(refusal([&] { AtomicFile(folder / name); }), why)) return 1;
         return 0;
     });
     ::chmod(folder.path().c_str(), 0755);
@@ -129,14 +125,10 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
     const Scratch folder;
     const auto fill = [&](std::size_t bytes) {
         return in_child([&] {
-            output::file::ignore_file_size_signal();
+            ignore_file_size_signal();
             const rlimit limit{100000, 100000};
             ::setrlimit(RLIMIT_FSIZE, &limit);
-            const std::string message = refusal([&] {
-                output::file::AtomicFile file(folder / "big");
-                file.write(std::string(bytes, 'x'));
-                file.commit();
-            });
+            const std::string message = refusal([&] { write_file(folder / "big", std::string(bytes, 'x')); });
             if (message.empty()) return 1;
             return message == (folder / "big").string() +
                                   ": cannot write: File too large; free space or choose another place"
@@ -153,56 +145,20 @@ TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
 }
 
 TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
-    const std::string message = refusal([] {
-        output::file::AtomicFile file("/dev/full");
-        file.write("x");
-        file.commit();
-    });
-    REQUIRE(message == "/dev/full: cannot write: No space left on device; free space or choose another place");
+    REQUIRE(refusal([] { write_file("/dev/full", "x"); }) ==
+            "/dev/full: cannot write: No space left on device; free space or choose another place");
     REQUIRE(fs::is_character_file("/dev/full"));
-    output::file::AtomicFile null("/dev/null");
-    null.write("x");
-    null.commit();
+    write_file("/dev/null", "x");
     REQUIRE(fs::is_character_file("/dev/null"));
 }
 
 TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     const Scratch folder;
-    { output::file::AtomicFile(folder / "real/target").commit(); }
+    { AtomicFile(folder / "real/target").commit(); }
     fs::create_symlink("real/target", folder / "link");
-    output::file::AtomicFile file(folder / "link");
-    file.write("new");
-    file.commit();
+    write_file(folder / "link", "new");
     REQUIRE(fs::is_symlink(folder / "link"));
     REQUIRE(contents(folder / "real/target") == "new");
-}
-
-TEST_CASE("what a dead process of the same id left is replaced, a second live writer is refused", "[atomic_file]") {
-    const Scratch folder;
-    { std::ofstream(folder / (".a.partial-" + std::to_string(::getpid()))) << "stale and longer than the new text"; }
-    output::file::AtomicFile file(folder / "a");
-    file.write("new");
-    REQUIRE_THROWS_AS(AtomicFile(folder / "a"), std::logic_error);
-    file.commit();
-    REQUIRE(contents(folder / "a") == "new");
-    REQUIRE(folder.entries() == 1);
-}
-
-TEST_CASE("a half-written file of another process stays, unless nobody holds it", "[atomic_file]") {
-    const Scratch folder;
-    const fs::path living = folder / ".a.partial-1", dead = folder / ".a.partial-2", others = folder / ".ab.partial-1";
-    for (const fs::path& each : {living, dead, others}) std::ofstream(each) << "half";
-    const int fd = ::open(living.c_str(), O_RDWR | O_CLOEXEC);
-    REQUIRE(::flock(fd, LOCK_EX) == 0);
-    output::file::AtomicFile file(folder / "a");
-    file.write("new");
-    CHECK(contents(living) == "half");
-    CHECK_FALSE(fs::exists(dead));
-    CHECK(fs::exists(others));
-    file.commit();
-    CHECK(contents(folder / "a") == "new");
-    CHECK(contents(living) == "half");
-    ::close(fd);
 }
 
 TEST_CASE("nobody takes a file that is being written for abandoned, up to its last moment", "[atomic_file]") {
@@ -213,15 +169,11 @@ TEST_CASE("nobody takes a file that is being written for abandoned, up to its la
             std::error_code gone;
             for (auto at = fs::directory_iterator(folder.path(), gone); at != fs::end(at); at.increment(gone)) {
                 if (at->path().filename().string().find(".partial-") != std::string::npos)
-                    output::file::remove_if_abandoned(at->path());
+                    remove_if_abandoned(at->path());
             }
         }
     });
-    for (int i = 0; i < 300; ++i) {
-        output::file::AtomicFile file(folder / "a");
-        file.write("new");
-        CHECK_NOTHROW(file.commit());
-    }
+    for (int i = 0; i < 300; ++i) CHECK_NOTHROW(write_file(folder / "a", "new"));
     done = true;
     remover.join();
     CHECK(contents(folder / "a") == "new");
@@ -237,21 +189,71 @@ TEST_CASE("as many files as the machine allows may be open, and a signal handler
         std::vector<std::unique_ptr<AtomicFile>> files;
         for (int i = 0; i < 5000; ++i) files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
         if (folder.entries() != 5000) return 1;
-        output::file::remove_partial_files();
+        remove_partial_files();
         return folder.entries() == 0 ? 2 : 1;
     });
     if (answer == 3) WARN("this machine lets a process have fewer than 5200 files open");
     else CHECK(answer == 2);
 }
 
+TEST_CASE("a signal handler removes the partial files and keeps the finished ones", "[atomic_file]") {
+    const Scratch folder;
+    const int answer = in_child([&] {
+        remove_at_signal();
+        write_file(folder / "finished", "");
+        std::vector<std::unique_ptr<AtomicFile>> files;
+        for (int i = 0; i < 200; ++i) files.push_back(std::make_unique<AtomicFile>(folder / std::to_string(i)));
+        if (folder.entries() != 201) return 1;
+        std::raise(SIGTERM);
+        return 2;
+    });
+    REQUIRE(answer == 42);
+    REQUIRE(folder.entries() == 1);
+    REQUIRE(fs::exists(folder / "finished"));
+}
+
+TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]") {
+    const Scratch folder;
+    const int answer = in_child([&] {
+        AtomicFile file(folder / "a");
+        file.write("x");
+        remove_partial_files();
+        try {
+            file.commit();
+        } catch (const Interrupted&) {
+            return 42;
+        }
+        return 1;
+    });
+    REQUIRE(answer == 42);
+    REQUIRE(folder.entries() == 0);
+}
+
+TEST_CASE("no thread makes a file behind the back of the signal handler", "[atomic_file]") {
+    const Scratch folder;
+    for (int k = 0; k < 50; ++k) {
+        const int answer = in_child([&] {
+            remove_at_signal();
+            std::atomic<int> made = 0;
+            const auto make_files = [&](char name) {
+                try {
+                    for (;; ++made) AtomicFile(folder / std::string(1, name)).write("x");
+                } catch (const Interrupted&) {}
+            };
+            std::thread first(make_files, 'a'), second(make_files, 'b');
+            while (made < 20) std::this_thread::yield();
+            std::raise(SIGTERM);
+            return 2;
+        });
+        REQUIRE(answer == 42);
+        REQUIRE(folder.entries() == 0);
+    }
+}
+
 TEST_CASE("a folder says that it is not finished from the first result to the last", "[result_folder]") {
     const Scratch folder;
     const auto unfinished = [&] { return ResultFolder::unfinished_in(folder.path()); };
-    const auto write = [&](const std::string& name) {
-        AtomicFile file(folder / name);
-        file.write(name);
-        file.commit();
-    };
+    const auto write = [&](const std::string& name) { write_file(folder / name, name); };
     const MadeBy first{"lostbits map a", "lostbits 0"}, second{"lostbits map b", "lostbits 0"};
     {
         ResultFolder mine(folder.path(), first, {});
@@ -273,15 +275,6 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
         Interrupted);
     CHECK(contains(unfinished(), "the run that wrote there was stopped; UNFINISHED.txt says which"));
     CHECK_FALSE(fs::exists(folder / "a.csv"));
-    // One that is killed.
-    CHECK(in_child([&] {
-              ResultFolder mine(folder.path(), first, {});
-              write("a.csv");
-              ::raise(SIGKILL);
-              return 0;
-          }) == 101);
-    CHECK(contains(unfinished(), "was stopped"));
-    CHECK(contains(contents(folder / "UNFINISHED.txt"), "lostbits map a"));
     {
         ResultFolder mine(folder.path(), second, {});
         CHECK(contains(unfinished(), "was stopped"));
@@ -297,7 +290,7 @@ TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
                 ::getrlimit(RLIMIT_NOFILE, &limit);
                 limit.rlim_cur = 64;
                 ::setrlimit(RLIMIT_NOFILE, &limit);
-                output::file::raise_open_file_limit();
+                raise_open_file_limit();
                 rlimit after{};
                 ::getrlimit(RLIMIT_NOFILE, &after);
                 return after.rlim_cur == limit.rlim_max && after.rlim_cur > 64 ? 0 : 1;

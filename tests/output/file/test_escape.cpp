@@ -47,62 +47,17 @@ std::vector<char32_t> code_points(const std::string& text) {
 
 /// Bytes, characters and pieces that some reader obeys, in random order.
 std::string random_text(std::mt19937& random) {
-    static const std::vector<std::string> pieces{"::error::",
-                                                 "::error file=x,line=1::",
-                                                 "##[error]",
-                                                 "\xC2\xA0",
-                                                 "%0A",
-                                                 "%25",
-                                                 "%",
-                                                 "\n",
-                                                 "\r\n",
-                                                 "\r",
-                                                 "\t",
-                                                 " ",
-                                                 "\x1b[31m",
-                                                 "\x1b]0;x\x07",
-                                                 "\xC2\x9B",
-                                                 "\xE2\x80\xAE",
-                                                 "\xEF\xBF\xBF",
-                                                 "\xEF\xBF\xBE",
-                                                 "\xFF",
-                                                 "\xC3",
-                                                 "\xED\xA0\x80",
-                                                 "<",
-                                                 "</td>",
-                                                 "<script>",
-                                                 "<!--",
-                                                 "-->",
-                                                 "]]>",
-                                                 "&",
-                                                 "&amp;",
-                                                 "&#1;",
-                                                 "\"",
-                                                 "'",
-                                                 "\\",
-                                                 "\\|",
-                                                 "|",
-                                                 "`",
-                                                 "``",
-                                                 "[x](y)",
-                                                 "![",
-                                                 "*",
-                                                 "*/",
-                                                 "/*",
-                                                 "?\?/",
-                                                 "=1+1",
-                                                 "@SUM(A1)",
-                                                 "-cmd|'/c'!A0",
-                                                 "+1",
-                                                 "-0x1p+3",
-                                                 ",",
-                                                 "\"\"",
-                                                 "$(id)",
-                                                 ";",
-                                                 "~",
-                                                 "a",
-                                                 "word",
-                                                 "0"};
+    static const std::vector<std::string> pieces = [] {
+        std::vector<std::string> all{"::error file=x,line=1::", "\xC2\xA0", "\n", "\r\n", "\r", "\t", " ", "\x1b[31m"};
+        for (const char* more : {"\x1b]0;x\x07", "\xC2\x9B", "\xE2\x80\xAE", "\xEF\xBF\xBF", "\xEF\xBF\xBE", "\xFF",
+                                 "\xC3", "\xED\xA0\x80", "?\?/"})
+            all.emplace_back(more);
+        std::istringstream words(
+            R"(::error:: ##[error] %0A %25 % < </td> <script> <!-- --> ]]> & &amp; &#1; " ' \ \| | `
+            `` [x](y) ![ * */ /* =1+1 @SUM(A1) -cmd|'/c'!A0 +1 -0x1p+3 , "" $(id) ; ~ a word 0)");
+        for (std::string each; words >> each;) all.push_back(each);
+        return all;
+    }();
     std::string text;
     for (int n = std::uniform_int_distribution<int>(0, 9)(random); n > 0; --n) {
         const int kind = std::uniform_int_distribution<int>(0, 9)(random);

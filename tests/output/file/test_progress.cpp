@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "output/file/estimate.hpp"
 #include "output/file/progress.hpp"
 
 namespace test_progress {
@@ -35,7 +34,7 @@ std::string written(Work work) {
 }  // namespace
 
 TEST_CASE("a line of progress says how far and how long", "[progress]") {
-    CHECK(lostbits::output::file::progress_line("map", 1, 4, 30, 80) ==
+    CHECK(progress_line("map", 1, 4, 30, 80) ==
           "map [##########..............................]  25%  30s elapsed, 1m30s left");
     CHECK(progress_line("map", 0, 4, 1, 36) == "map   0%  1s elapsed, ? left");
     CHECK(progress_line("map", 4, 4, 1, 80).find("100%") != std::string::npos);
@@ -46,30 +45,30 @@ TEST_CASE("a line of progress says how far and how long", "[progress]") {
 }
 
 TEST_CASE("durations", "[progress]") {
-    CHECK(lostbits::output::file::duration_text(7) == "7s");
+    CHECK(duration_text(7) == "7s");
     CHECK(duration_text(125) == "2m05s");
     CHECK(duration_text(3780) == "1h03m");
     CHECK(duration_text(-1) == "?");
 }
 
 TEST_CASE("nothing is drawn on a pipe, when quiet, or when told not to", "[progress]") {
-    const auto run = [](lostbits::output::file::Progress::Mode mode, bool quiet) {
+    const auto run = [](Progress::Mode mode, bool quiet) {
         return written([&](int fd) {
-            lostbits::output::file::Progress bar(2, "map", mode, quiet, fd);
+            Progress bar(2, "map", mode, quiet, fd);
             bar.advance();
             std::this_thread::sleep_for(std::chrono::milliseconds(210));
             bar.advance();
         });
     };
-    CHECK(run(lostbits::output::file::Progress::Mode::automatic, false).empty());
-    CHECK(run(lostbits::output::file::Progress::Mode::bar, true).empty());
-    CHECK(run(lostbits::output::file::Progress::Mode::none, false).empty());
-    CHECK_FALSE(run(lostbits::output::file::Progress::Mode::bar, false).empty());
+    CHECK(run(Progress::Mode::automatic, false).empty());
+    CHECK(run(Progress::Mode::bar, true).empty());
+    CHECK(run(Progress::Mode::none, false).empty());
+    CHECK_FALSE(run(Progress::Mode::bar, false).empty());
 }
 
 TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
     const std::string out = written([](int fd) {
-        lostbits::output::file::Progress bar(4000, "map", Progress::Mode::bar, false, fd);
+        Progress bar(4000, "map", Progress::Mode::bar, false, fd);
         bar.advance(0);
         bar.say("note");
         std::vector<std::thread> threads;

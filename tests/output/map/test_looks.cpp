@@ -10,7 +10,7 @@
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/plot/line_plot_parts.hpp"
-#include "output/speed/trade_plot.hpp"
+#include "output/speed/trade_files.hpp"
 
 namespace test_looks {
 

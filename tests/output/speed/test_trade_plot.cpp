@@ -1,7 +1,7 @@
 // What the pictures of speed against accuracy say of whose time and whose accuracy they show.
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "output/speed/trade_plot.hpp"
+#include "output/speed/trade_files.hpp"
 
 namespace lostbits::test {
 

@@ -1,5 +1,5 @@
 // Planes of sweeps with two axes: the EXR against the table, whichever way the axes run.
-#include "output/sweep/sweep_planes.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ struct Planes {
         output::sweep::SweepFiles files(request, folder.path());
         files.finish(steps, {});
         for (std::size_t r = 0; r < request.rows.size(); ++r)
-            output::sweep::write_plane(backend(), folder.path(), request, steps, r);
+            output::sweep::write_plane(folder.path(), request, steps, r);
     }
     Scratch folder;
     TextFile text;

@@ -49,18 +49,14 @@ TEST_CASE("a table writes what its columns say, and nothing for a part that is m
     file.add({"own", Part{std::numeric_limits<double>::infinity(), 12}, nullptr});
     file.add({"none", std::nullopt, nullptr});
     close_tables(folder / "", "Rows", file);
-    CHECK(contents(folder / "rows.csv") ==
+    const std::string rows = contents(folder / "rows.csv");
+    CHECK(rows ==
           "name,own_x,own_x_hex,own_count,shared_x,shared_x_hex,shared_count,small\n"
           "both,0.1,0x1.999999999999ap-4,3,0.75,0x1.8p-1,9,0.5\n"
           "shared,,,,0.75,0x1.8p-1,9,\n"
           "own,inf,inf,12,,,,\n"
           "none,,,,,,,\n");
-}
-
-TEST_CASE("the package has the columns of the file, with their types and units", "[table]") {
-    const Scratch folder;
-    TableFile<Row> file(folder / "", "rows.csv", "One row per row", row_table());
-    close_tables(folder / "", "Rows", file);
+    // The package has the same columns, with their types and units.
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     const auto& resource = package.at("resources").at(0);
     CHECK(resource.at("path") == "rows.csv");
@@ -68,7 +64,7 @@ TEST_CASE("the package has the columns of the file, with their types and units",
     std::string header;
     for (const auto& field : resource.at("schema").at("fields"))
         header += (header.empty() ? "" : ",") + field.at("name").get<std::string>();
-    CHECK(header + "\n" == contents(folder / "rows.csv"));
+    CHECK(rows.starts_with(header + "\n"));
     const auto& exact = resource.at("schema").at("fields").at(2);
     CHECK(exact.at("type") == "string");
     CHECK(exact.at("unit") == "ulp");

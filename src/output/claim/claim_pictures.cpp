@@ -1,0 +1,239 @@
+#include "output/claim/claim_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "measure/claim/claim_columns.hpp"
+#include "output/blame/explain_text.hpp"
+#include "output/consistency/consistency_files.hpp"
+#include "output/file/escape.hpp"
+#include "output/map/map_files.hpp"
+#include "output/offset/offset_files.hpp"
+#include "output/picture/render_pictures.hpp"
+#include "output/sweep/case_files.hpp"
+#include "output/sweep/sweep_plots.hpp"
+
+namespace lostbits::output::claim {
+
+using intersect::Touching;
+using measure::claim::ClaimRequest;
+using measure::evaluate::TestedForm;
+using scene::claim::Claim;
+using scene::claim::ConsistencySubject;
+using scene::claim::OffsetsSubject;
+using scene::claim::RenderSubject;
+using scene::claim::SceneSubject;
+using scene::claim::SweepSubject;
+
+namespace {
+
+/// The scene of that name that claims are about; the first of its variants where none is named.
+scene::file::Scene shown_scene(const std::string& name, const ClaimRequest& run) {
+    const auto found = scene::file::find_scene(name, run.data_dir);
+    return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
+}
+
+/// The forms and formats that the claims name, each once, in the order of the catalogue.
+std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
+    std::vector<TestedForm> rows;
+    for (const Claim* const c : claims) {
+        const TestedForm row = measure::claim::claim_row(*c);
+        const auto same = [&](const TestedForm& r) {
+            return r.form == row.form && r.format == row.format && r.judged == row.judged;
+        };
+        if (std::ranges::none_of(rows, same)) rows.push_back(row);
+    }
+    std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const TestedForm& row) {
+        const auto place = std::ranges::find(known, row.form->info, &intersect::table::Intersector::info);
+        return std::pair(place - known.begin(), row.form->info->name);  // what is made at run time comes last, by name
+    });
+    return rows;
+}
+
+std::vector<const measure::metric::Metric*> drawn_metrics() {
+    std::vector<const measure::metric::Metric*> all;
+    for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"})
+        all.push_back(measure::metric::find_metric(name));
+    return all;
+}
+
+std::string picture_link(const std::string& title, const std::string& file) {
+    return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(file));
+}
+
+/// The sheet of a scene, measured by `run`.
+template <class Sheet, class Request, class Run>
+std::string sheet_of(const ShownSubject& shown, const Request& request, const char* ending, const Run& run) {
+    const std::string file = request.scene->id + ending;
+    Sheet sheet(request, shown.folder / "pictures" / file);
+    sheet.finish(run(request, &sheet));
+    return picture_link(request.scene->title, file);
+}
+
+/// The marches along a scene's first pixel, sample by sample, where all claims are about those; else its picture.
+std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
+    const std::vector<TestedForm> rows = rows_of(shown.claims);
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+    const auto traced = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
+    if (std::ranges::all_of(shown.claims, traced)) {
+        const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
+        std::string text;
+        for (const TestedForm& row : rows)
+            text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
+        return text;
+    }
+    const measure::evaluate::EvaluationRequest request{.scene = &scene,
+                                                       .rows = rows,
+                                                       .metrics = {measure::metric::find_metric("lost_bits")},
+                                                       .limit = {.stop = shown.run.stop}};
+    const std::string file = scene.id + ".png";
+    map::MapFiles sheet(
+        request,
+        {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = shown.folder / "pictures" / file});
+    sheet.finish(measure::evaluate::evaluate_rows(request, sheet.sinks()));
+    return picture_link(scene.title, file);
+}
+
+/// The pictures of a rendered scene, of all stages that its claims name.
+std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+    std::set<scene::file::Stage> stages;
+    for (const Claim* const c : shown.claims)
+        stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
+    measure::picture::RenderRequest request{
+        .scene = &scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
+    // Every form in every format that a claim names, for an empty place on the sheet reads as a format that the form
+    // lacks.
+    const std::vector<TestedForm> claimed = rows_of(shown.claims);
+    for (const TestedForm& a : claimed) {
+        for (const TestedForm& b : claimed) {
+            const auto same = [&](const TestedForm& r) { return r.form == a.form && r.format == b.format; };
+            if (a.form->exists_in(b.format) && std::ranges::none_of(request.rows, same))
+                request.rows.push_back({a.form, b.format});
+        }
+    }
+    return sheet_of<picture::RenderPictures>(shown, request, ".rendered.png", measure::picture::run_render);
+}
+
+/// The offsets of a scene: of each form, format and kind of point that its claims name.
+std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+    measure::offset::OffsetRequest request{.scene = &scene,
+                                           .rows = {},
+                                           .strategies = measure::offset::all_strategies(),
+                                           .limit = {.stop = shown.run.stop},
+                                           .quiet = false};
+    for (const Claim* const c : shown.claims) {
+        for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
+            const measure::offset::OffsetRow row{measure::claim::claim_row(*c), point};
+            if (name_of(point) == c->on<OffsetsSubject>()->points &&
+                std::ranges::find(request.rows, row) == request.rows.end())
+                request.rows.push_back(row);
+        }
+    }
+    return sheet_of<offset::OffsetPictures>(shown, request, ".offsets.png", measure::offset::run_offsets);
+}
+
+/// All checks of consistency of a scene.
+std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+    const std::vector<TestedForm> rows = rows_of(shown.claims);
+    const measure::consistency::ConsistencyRequest request{.scene = &scene,
+                                                           .rows = rows,
+                                                           .checks = measure::consistency::checks_for(scene, rows),
+                                                           .limit = {.stop = shown.run.stop}};
+    return sheet_of<consistency::ConsistencyPictures>(shown, request, ".consistency.png",
+                                                      measure::consistency::run_consistency);
+}
+
+/// Which plots of a sweep its claims are about.
+struct SweepPlots {
+    bool median = false, tail = false, wrong = false;
+};
+
+SweepPlots plots_of(const std::vector<const Claim*>& claims) {
+    SweepPlots plots;
+    for (const Claim* const c : claims) {
+        const std::string& what = c->onset.empty() ? c->metric : c->onset;
+        const std::string& statistic = c->onset.empty() ? c->metric : c->statistic;
+        // Bits of an operation are lost bits somewhere.
+        const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
+        plots.wrong |= !bits;
+        const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
+        plots.median |= bits && !tail;
+        plots.tail |= bits && tail;
+    }
+    return plots;
+}
+
+/// The pictures of a sweep, as Markdown.
+std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
+    const auto& [folder, claims, run] = shown;
+    const std::vector<TestedForm> rows = rows_of(claims);
+    const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
+    // The claims are about small ranges; a picture would need the whole axis.
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
+    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
+        const scene::sweep::CaseFile file(path);
+        const measure::sweep::CaseRequest request{
+            .file = &file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+        const auto cases = measure::sweep::run_cases(request);
+        std::string text;
+        for (const std::optional<Touching> judged :
+             {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
+            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
+            const std::string picture =
+                judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
+            sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
+            text += picture_link(file.title, picture);
+        }
+        return text;
+    }
+    const scene::sweep::SweepFile sweep(path, run.data_dir);
+    measure::sweep::SweepRequest request{
+        .sweep = &sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+    for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
+    const auto steps = measure::sweep::run_sweep(request);
+    std::string text;
+    if (sweep.axes.size() == 2) {
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            const std::string file =
+                fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
+            sweep::write_plane_picture(folder / "pictures" / file, request, steps, r);
+            text += picture_link(fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
+        }
+        return text;
+    }
+    const auto onsets = measure::sweep::find_onsets(request, steps);
+    const sweep::MeasuredSweep measured{request, steps, onsets};
+    const SweepPlots plots = plots_of(claims);
+    for (const Format& format : sweep::formats_of(measured)) {
+        const auto show = [&](const char* what) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
+            text += picture_link(fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
+            return folder / "pictures" / file;
+        };
+        if (plots.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
+        if (plots.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
+        if (!plots.wrong) continue;
+        for (const measure::answer::Outcome o : sweep::wrong_outcomes(measured, format))
+            sweep::write_wrong_plot(show(measure::answer::outcome_names[static_cast<std::size_t>(o)].data()), measured,
+                                    format, o);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string pictures_of(const ShownSubject& shown) {
+    return std::visit(
+        [&shown](const auto& on) {
+            if constexpr (requires { picture_of(on, shown); }) return picture_of(on, shown) + "\n";
+            else return std::string();
+        },
+        shown.claims.front()->subject);
+}
+
+}  // namespace lostbits::output::claim

@@ -1,0 +1,174 @@
+// Claims in words: what was expected, measured and found, and how many hold.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <optional>
+
+#include "output/blame/explain_command.hpp"
+#include "output/claim/claim_files.hpp"
+#include "output/file/number_text.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::output::claim {
+
+using blame::shell_word;
+using measure::claim::ClaimResult;
+using measure::metric::Metric;
+using scene::claim::Claim;
+
+std::string witness_text(const ClaimResult& r) {
+    if (r.witness.x < 0) return "";
+    const auto& w = r.witness;
+    std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
+                                   file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
+                                   file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
+    for (std::size_t i = 0; i < w.solid.used().size(); ++i)
+        text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
+    return text + " t " + file::hex(w.t);
+}
+
+std::string explain_witness(const Claim& c, const ClaimResult& r) {
+    if (r.witness.x < 0) return "";
+    const std::string name =
+        r.witness.given ? blame::name_of_ray(r.witness.given.get())
+        : c.on<scene::claim::SceneSubject>()
+            ? blame::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
+            : "";
+    if (name.empty()) return "";
+    measure::evaluate::TestedForm row = measure::claim::claim_row(c);
+    row.judged = r.witness.judged;
+    return blame::explain_command(name, row);
+}
+
+std::string quantity(const Claim& c) {
+    if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
+    return c.onset.empty() ? c.metric
+                           : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
+}
+
+std::string floats_text(const ClaimResult& r) { return r.floats == 0 ? "" : fmt::format("all {} floats", r.floats); }
+
+std::string evidence_text(const Claim& c, const ClaimResult& r) {
+    using Evidence = Claim::Evidence;
+    const bool found = c.verdict == Claim::Verdict::refuted;
+    if (c.verdict == Claim::Verdict::qualified) return c.condition;
+    if (r.evaluations > 0)
+        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse one found",
+                           r.evaluations, file::decimal(r.measured));
+    switch (c.evidence) {
+        case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
+        case Evidence::exhaustive: return r.floats > 0 ? "" : "all that it speaks of was measured";
+        case Evidence::search: return found ? "by the worst that a search found" : "of the worst that a search found";
+        case Evidence::counterexample: return "by a counterexample";
+        case Evidence::sample: return "of what was measured, a sample";
+        case Evidence::none: break;
+    }
+    return "";
+}
+
+std::string says_text(const Claim& c) { return c.criterion ? "the sentence says " + c.criterion->text : ""; }
+
+namespace {
+
+using State = ClaimResult::State;
+
+/// Whether the verdict still follows from the criterion, for every draw; nothing where there is no criterion.
+std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
+    if (!c.criterion || r.state != State::disagrees) return std::nullopt;
+    const auto s = r.spread();
+    return c.criterion->is_met_by(c.low, c.high) ? c.criterion->is_met_by(s.low, s.high)
+                                                 : c.criterion->is_failed_by(s.low, s.high);
+}
+
+std::string fate_of_verdict(const Claim& c, const ClaimResult& r) {
+    const auto still = stands(c, r);
+    if (!still) return "";
+    return fmt::format(
+        "; {}: {}", says_text(c),
+        *still ? "the number has moved, and the verdict stands" : "the verdict does not follow any more");
+}
+
+}  // namespace
+
+std::string changed_text(const Claim& c, const ClaimResult& r) {
+    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, does not";
+    return fmt::format("{}, but the number has changed", name_of(c.verdict));
+}
+
+namespace {
+
+std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
+    const std::string expected =
+        fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
+    if (r.state == State::broken && !r.further.empty())
+        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
+                           1 + r.further.size());
+    if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
+    if (r.evaluations > 0)
+        return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(r.measured),
+                           r.evaluations);
+    if (r.floats > 0)
+        return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
+    if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
+    const auto s = r.spread();
+    return fmt::format("{}, measured {}, and {} to {} over {} draws", expected, file::decimal(r.measured),
+                       file::decimal(s.low), file::decimal(s.high), s.draws);
+}
+
+}  // namespace
+
+std::string explain(const Claim& c, const ClaimResult& r) {
+    return expected_and_measured(c, r) + fate_of_verdict(c, r);
+}
+
+const Metric* metric_of_column(const std::string& column) {
+    const Metric* best = nullptr;
+    for (const Metric& m : measure::metric::metrics()) {
+        if (column.starts_with(m.name) && (best == nullptr || m.name.size() > best->name.size())) best = &m;
+    }
+    return best;
+}
+
+void VerdictCounts::add(const Claim& claim, const ClaimResult& result) {
+    switch (result.state) {
+        case ClaimResult::State::agrees: break;
+        case ClaimResult::State::disagrees: ++differing; return;
+        case ClaimResult::State::broken: ++broken; return;
+        case ClaimResult::State::skipped: ++skipped; return;
+    }
+    with_criterion += claim.criterion.has_value();
+    switch (claim.verdict) {
+        case Claim::Verdict::holds: ++held; break;
+        case Claim::Verdict::qualified: ++qualified; break;
+        case Claim::Verdict::refuted: ++refuted; break;
+    }
+}
+
+std::string VerdictCounts::text() const {
+    std::string text;
+    const auto add = [&text](std::size_t n, const char* one, const char* several) {
+        if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one : several);
+    };
+    add(held, "holds", "hold");
+    add(qualified, "is qualified", "are qualified");
+    add(refuted, "is refuted", "are refuted");
+    return text.empty() ? "none" : text;
+}
+
+std::string CountsBySource::text() const {
+    std::string text;
+    if (sourced.confirmed() > 0) text = "from a source " + sourced.text();
+    if (own.confirmed() > 0) text += (text.empty() ? "" : "; ") + ("of our own " + own.text());
+    return text.empty() ? "no verdict is confirmed" : text;
+}
+
+CountsBySource count_verdicts(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+    CountsBySource counts;
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        counts.all.add(claims[i], results[i]);
+        (claims[i].is_sourced() ? counts.sourced : counts.own).add(claims[i], results[i]);
+    }
+    return counts;
+}
+
+}  // namespace lostbits::output::claim

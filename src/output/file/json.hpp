@@ -1,0 +1,23 @@
+// JSON files, whose numbers may be infinite or NaN and whose text may not be UTF-8.
+#pragma once
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::file {
+
+/// Members stay in the order in which they are added.
+using OrderedJson = nlohmann::ordered_json;
+
+/// A number that is infinite or NaN is the string "inf", "-inf" or "nan".
+inline OrderedJson json_number(double x) { return std::isfinite(x) ? OrderedJson(x) : OrderedJson(decimal(x)); }
+
+/// As a file: two blanks a level, bytes that are not UTF-8 replaced.
+inline std::string json_text(const OrderedJson& json) {
+    return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+}
+
+}  // namespace lostbits::output::file
