@@ -2,15 +2,10 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
-#include <string>
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/triangle/triangle_rays.hpp"
-#include "measure/seeded.hpp"
-#include "measure/truth/box_families.hpp"
-#include "measure/truth/ray_families.hpp"
+#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/reach.hpp"
 #include "measure/truth/textbook.hpp"
 #include "measure/truth/truth.hpp"
@@ -153,15 +148,28 @@ struct Tally {
     }
 };
 
-using Families = std::span<const testing::RayFamily>;
 const int rays_per_family = test::draws(1000);
 
-void check_bounds(Tally& all, Trial& trial, Seeded& rng) {
-    if (!trial.is_of_use()) return;
-    const double ratio = trial.worst_of_componentwise(rng, 6);
-    CHECK(ratio <= 1);
-    CHECK(trial.worst_of_normwise(rng, 6) <= 1);
-    all.take(ratio, trial.is_decided());
+/// Of hard rays, in numbers of a format or of the one that they are stored in.
+void check_families(const std::vector<testing::HardFamily>& families, Tally& all,
+                    const std::optional<FloatFormat>& format = {}) {
+    for (const testing::HardFamily& family : families) {
+        const FloatFormat& of_errors = format ? *format : family.storage;
+        INFO(family.name << ", " << of_errors.precision << " bits");
+        Tally needles;  // half an ulp turns one into any plane
+        Tally& tally = family.name == "a needle" ? needles : all;
+        Seeded rng(0x7eac);
+        for (int i = 0; i < rays_per_family; ++i) {
+            const auto [ray, solid, range] = family.draw(rng);
+            if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(solid)) continue;
+            Trial trial(ray, solid, of_errors);
+            if (!trial.is_of_use()) continue;
+            const double ratio = trial.worst_of_componentwise(rng, 6);
+            CHECK(ratio <= 1);
+            CHECK(trial.worst_of_normwise(rng, 6) <= 1);
+            tally.take(ratio, trial.is_decided());
+        }
+    }
 }
 
 /// That the bound is within a factor of two of what was seen, for all but so many of a hundred.
@@ -174,58 +182,23 @@ void check_tightness(const Tally& tally, int percent) {
 }  // namespace
 
 TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
+    using testing::Wide;
     Tally tally;
-    const auto check_families = [&](Families families, const FloatFormat& storage, const FloatFormat& format) {
-        for (const testing::RayFamily& family : families) {
-            INFO(family.name << ", " << format.precision << " bits");
-            Seeded rng(0x7eac);
-            for (int i = 0; i < rays_per_family; ++i) {
-                const auto s = family.make(rng, storage);
-                Trial trial(s.ray, s.sphere, format);
-                check_bounds(tally, trial, rng);
-            }
-        }
-    };
-    for (const Families families : {Families(testing::near_families), Families(testing::power_families)}) {
-        check_families(families, binary32, binary32);
-        check_families(families, binary64, binary64);
-        check_families(families, binary32, binary16);
-    }
-    check_families(testing::wide_families, binary32, binary32);  // of doubles 2048 bits do not hold the squares
+    check_families(testing::hard_families(Shape::sphere, {binary32}, Wide::yes), tally);
+    check_families(testing::hard_families(Shape::sphere, {binary64}), tally);  // 2048 bits do not hold wide squares
+    check_families(testing::hard_families(Shape::sphere, {binary32}), tally, binary16);
     check_tightness(tally, 1);
 }
 
 TEST_CASE("t moves no further than it can reach - boxes", "[reach]") {
     Tally tally;
-    for (const FloatFormat& format : {binary32, binary64}) {
-        for (const testing::BoxFamily& family : testing::box_families) {
-            INFO(family.name << ", " << format.precision << " bits");
-            Seeded rng(0x7eac);
-            for (int i = 0; i < rays_per_family; ++i) {
-                const auto s = family.make(rng, format);
-                Trial trial(s.ray, s.box, format);
-                check_bounds(tally, trial, rng);
-            }
-        }
-    }
+    check_families(testing::hard_families(Shape::box, {binary32, binary64}), tally);
     check_tightness(tally, 4);
 }
 
 TEST_CASE("t moves no further than it can reach - triangles", "[reach]") {
     Tally tally;
-    for (const test::TriangleFamily& family : test::triangle_families) {
-        INFO(family.name);
-        const bool turns = family.name == std::string("a needle");  // half an ulp turns it into any plane
-        Tally needles;
-        Seeded rng(0x7eac);
-        for (int i = 0; i < rays_per_family; ++i) {
-            const auto s = test::in_floats(family.make(rng));
-            if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
-                continue;
-            Trial trial(s.ray, s.triangle, binary32);
-            check_bounds(turns ? needles : tally, trial, rng);
-        }
-    }
+    check_families(testing::hard_families(Shape::triangle, {binary32}), tally);
     check_tightness(tally, 5);
 }
 
