@@ -8,9 +8,8 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/stages/stage_rays.hpp"
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/ranges.hpp"
-#include "measure/truth/ray_families.hpp"
 
 namespace test_stages {
 
@@ -36,31 +35,13 @@ struct Family {
     Draw draw;
 };
 
-std::vector<Family> sphere_families(const FloatFormat& storage) {
+/// The hard rays of spheres or boxes, the first family random.
+std::vector<Family> families_of(Shape shape, const FloatFormat& storage) {
     std::vector<Family> families;
-    const auto add = [&](const auto& some) {
-        for (const RayFamily& f : some)
-            families.push_back({f.name, [&f, &storage](Seeded& rng) {
-                                    const RaySample s = f.make(rng, storage);
-                                    return problem_of(s.ray, s.sphere);
-                                }});
-    };
-    add(near_families);
-    add(power_families);
-    add(wide_families);
-    return families;
-}
-
-std::vector<Family> all_box_families(const FloatFormat& storage) {
-    std::vector<Family> families;
-    for (const BoxFamily& f : box_families)
-        families.push_back({f.name, [&f, &storage](Seeded& rng) {
-                                const BoxSample s = f.make(rng, storage);
-                                StageProblem p = problem_of(s.ray, s.box, s.tmax);
-                                // Some families scale what they have rounded.
-                                for (StageNumber& x : p.ray) x.first = stored(x.first, storage);
-                                for (StageNumber& x : p.solid) x.first = stored(x.first, storage);
-                                return p;
+    for (const HardFamily& f : hard_families(shape, {storage}, Wide::yes))
+        families.push_back({f.name, [draw = f.draw](Seeded& rng) {
+                                const HardRay hard = draw(rng);
+                                return problem_of(hard.ray, hard.solid, hard.range.tmax);
                             }});
     return families;
 }
@@ -159,77 +140,63 @@ void contains(const std::vector<Family>& families, const Run& run, std::size_t r
     }
 }
 
+/// A stage, and the numbers that it is asked about.
+struct Asked {
+    StageName stage;
+    FloatFormat storage;
+};
+constexpr Asked all_asked[] = {
+    {StageName::binary64, binary32}, {StageName::double_double, binary64}, {StageName::of_two_words, binary64}};
+
+std::vector<Family> families_for(Shape shape, const Asked& asked) {
+    std::vector<Family> families = families_of(shape, asked.storage);
+    if (asked.stage != StageName::of_two_words) return families;
+    for (Family& f : families) f = between_doubles(f);
+    return families;
+}
+
+void contain(Shape shape, const Asked& asked, double least) {
+    const std::vector<Family> families = families_for(shape, asked);
+    contains(families, {.stage = asked.stage}, rays_per_stage(), least);
+    contains(families, {.stage = asked.stage, .distance = true}, rays_per_stage() / 10, least);
+}
+
 }  // namespace
 
-TEST_CASE("stages: spheres in binary64 contain what MPFI says") {
-    contains(sphere_families(binary32), {.stage = StageName::binary64}, rays_per_stage(), 0.999);
-    contains(sphere_families(binary32), {.stage = StageName::binary64, .distance = true}, rays_per_stage() / 10, 0.999);
-}
-
-TEST_CASE("stages: spheres in double-double contain what MPFI says") {
-    contains(sphere_families(binary32), {.stage = StageName::double_double}, rays_per_stage() / 2, 0.999);
-    contains(sphere_families(binary64), {.stage = StageName::double_double}, rays_per_stage() / 2, 0.999);
-    contains(sphere_families(binary64), {.stage = StageName::double_double, .distance = true}, rays_per_stage() / 10,
-             0.999);
-}
-
-TEST_CASE("stages: spheres of two words contain what MPFI says") {
-    std::vector<Family> families;
-    for (const Family& f : sphere_families(binary64)) families.push_back(between_doubles(f));
-    contains(families, {.stage = StageName::of_two_words}, rays_per_stage(), 0.999);
-    contains(families, {.stage = StageName::of_two_words, .distance = true}, rays_per_stage() / 10, 0.999);
+TEST_CASE("stages: spheres contain what MPFI says") {
+    for (const Asked& asked : all_asked) contain(Shape::sphere, asked, 0.999);
+    contain(Shape::sphere, {StageName::double_double, binary32}, 0.999);
 }
 
 TEST_CASE("stages: boxes contain what MPFI says") {
-    contains(all_box_families(binary32), {.stage = StageName::binary64}, rays_per_stage(), 0.99);
-    contains(all_box_families(binary64), {.stage = StageName::double_double}, rays_per_stage(), 0.99);
-    contains(all_box_families(binary32), {.stage = StageName::binary64, .distance = true}, rays_per_stage() / 10, 0.99);
-    contains(all_box_families(binary64), {.stage = StageName::double_double, .distance = true}, rays_per_stage() / 10,
-             0.99);
-}
-
-TEST_CASE("stages: boxes of two words contain what MPFI says") {
-    std::vector<Family> families;
-    for (const Family& f : all_box_families(binary64)) families.push_back(between_doubles(f));
-    contains(families, {.stage = StageName::of_two_words}, rays_per_stage(), 0.99);
-    contains(families, {.stage = StageName::of_two_words, .distance = true}, rays_per_stage() / 10, 0.99);
+    for (const Asked& asked : all_asked) contain(Shape::box, asked, 0.99);
 }
 
 TEST_CASE("stages: rays with ranges contain what MPFI says, at every width") {
-    const auto contain = [](const std::vector<Family>& families, StageName stage, const FloatFormat& storage) {
-        for (const auto& [name, open] : open_ends_names) {
-            std::vector<Family> ranged;
-            for (const Family& f : families) ranged.push_back(in_ranges(f, open, storage));
-            contains(ranged, {.stage = stage, .all_widths = true}, rays_per_stage() / 40, 0.4);
-            contains(ranged, {.stage = stage, .distance = true}, rays_per_stage() / 80, 0.4);
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        for (const auto& [stage, storage] : all_asked) {
+            for (const auto& [name, open] : open_ends_names) {
+                std::vector<Family> ranged;
+                for (const Family& f : families_for(shape, {stage, storage}))
+                    ranged.push_back(in_ranges(f, open, storage));
+                contains(ranged, {.stage = stage, .all_widths = true}, rays_per_stage() / 40, 0.4);
+                contains(ranged, {.stage = stage, .distance = true}, rays_per_stage() / 80, 0.4);
+            }
         }
-    };
-    std::vector<Family> spheres, boxes;
-    for (const Family& f : sphere_families(binary64)) spheres.push_back(between_doubles(f));
-    for (const Family& f : all_box_families(binary64)) boxes.push_back(between_doubles(f));
-    contain(sphere_families(binary32), StageName::binary64, binary32);
-    contain(sphere_families(binary64), StageName::double_double, binary64);
-    contain(spheres, StageName::of_two_words, binary64);
-    contain(all_box_families(binary32), StageName::binary64, binary32);
-    contain(all_box_families(binary64), StageName::double_double, binary64);
-    contain(boxes, StageName::of_two_words, binary64);
+    }
 }
 
 TEST_CASE("stages: every width finds the same bits") {
-    const auto same = [](const std::vector<Family>& families, StageName stage) {
-        for (const Family& family : families) {
-            Seeded rng(20261122);
-            const auto problems = drawn(family, 2011, rng);
-            for (const bool distance : {false, true})
-                static_cast<void>(found_of(problems, {.stage = stage, .distance = distance, .all_widths = true}));
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        for (const auto& [stage, storage] : all_asked) {
+            for (const Family& family : families_of(shape, storage)) {
+                Seeded rng(20261122);
+                const auto problems = drawn(family, 2011, rng);
+                for (const bool distance : {false, true})
+                    static_cast<void>(found_of(problems, {.stage = stage, .distance = distance, .all_widths = true}));
+            }
         }
-    };
-    same(sphere_families(binary32), StageName::binary64);
-    same(sphere_families(binary64), StageName::double_double);
-    same(sphere_families(binary64), StageName::of_two_words);
-    same(all_box_families(binary32), StageName::binary64);
-    same(all_box_families(binary64), StageName::double_double);
-    same(all_box_families(binary64), StageName::of_two_words);
+    }
 }
 
 TEST_CASE("stages: nothing is said of what is no ray and no solid") {

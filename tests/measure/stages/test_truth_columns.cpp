@@ -3,9 +3,8 @@
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/ranges.hpp"
-#include "measure/truth/ray_families.hpp"
 #include "measure/truth/truth_columns.hpp"
 
 namespace test_truth_columns {
@@ -22,39 +21,13 @@ using measure::truth::TruthColumns;
 
 namespace {
 
-struct Problem {
-    Ray<double> ray;
-    Solid<double> solid;
-    Range<double> range = {};
-};
+using Problem = HardRay;
 
 std::vector<Problem> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
     Seeded rng(14);
     std::vector<Problem> problems;
-    const auto add = [&](const auto& families) {
-        for (const RayFamily& f : families) {
-            for (std::size_t i = 0; i < each; ++i) {
-                const RaySample s = f.make(rng, storage);
-                problems.push_back({s.ray, s.sphere});
-            }
-        }
-    };
-    if (shape == Shape::sphere) {
-        add(near_families);
-        add(power_families);
-        add(wide_families);
-        return problems;
-    }
-    for (const BoxFamily& f : box_families) {
-        for (std::size_t i = 0; i < each; ++i) {
-            const BoxSample s = f.make(rng, storage);
-            // Some families scale what they have rounded.
-            const auto kept = [&storage](double x) { return stored(x, storage); };
-            problems.push_back({{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
-                                transformed(Solid<double>(s.box), kept),
-                                {.tmax = kept(s.tmax)}});
-        }
-    }
+    for (const HardFamily& f : hard_families(shape, {storage}, Wide::yes))
+        for (std::size_t i = 0; i < each; ++i) problems.push_back(f.draw(rng));
     return problems;
 }
 
