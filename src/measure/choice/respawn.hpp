@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/offset/cheapest.hpp"
+#include "measure/offset/offsets.hpp"
 
 namespace lostbits::measure::choice {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measure/choice/candidates.hpp"
-#include "measure/choice/growth.hpp"
+#include "measure/choice/ideal_rays.hpp"
 
 namespace lostbits::measure::choice {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "measure/offset/cheapest.hpp"
+#include "measure/offset/offsets.hpp"
 #include "output/offset/offset_pictures.hpp"
 
 namespace lostbits::output::offset {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "measure/sweep/float_band.hpp"
+#include "measure/sweep/exhaustive.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::sweep {

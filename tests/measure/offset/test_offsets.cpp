@@ -5,8 +5,8 @@
 
 #include "catch.hpp"
 #include "measure/offset/along.hpp"
-#include "measure/offset/cheapest.hpp"
 #include "measure/offset/exact_sides.hpp"
+#include "measure/offset/offsets.hpp"
 #include "measure/offset/points.hpp"
 #include "measure/offset/smallest.hpp"
 #include "scene/rays/rays.hpp"

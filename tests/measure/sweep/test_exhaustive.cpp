@@ -11,7 +11,6 @@
 #include "intersect/hull/behind.hpp"
 #include "measure/metric/published_bounds.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/error.hpp"
@@ -23,8 +22,6 @@ namespace test_exhaustive {
 
 using namespace lostbits;
 using namespace lostbits::testing;
-using intersect::table::HitBatch;
-using intersect::table::RayBatch;
 using measure::evaluate::TestedForm;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
@@ -47,8 +44,6 @@ std::string ray(const std::string& name, const std::string& origin, const std::s
 const std::string unit_sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1";
 const std::string cube = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]";
 
-std::span<const float> one(const float& x) { return {&x, 1}; }
-
 /// One form at one float, without packs of anything.
 struct Alone {
     Outcome outcome;
@@ -59,32 +54,17 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     const Ray<float> there = file.ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
-    const Solid<float> solid = file.solid_at(value);
+    const Solid<float> narrow = file.solid_at(value);
+    const Solid<double> solid = transformed(narrow, [](float x) { return static_cast<double>(x); });
     const auto end = static_cast<double>(file.rays[ray].tmax);
-    const truth::Truth t = truth::find_truth(given, transformed(solid, [](float x) { return static_cast<double>(x); }),
-                                             {}, row.convention(), {.tmax = end});
+    const truth::Truth t = truth::find_truth(given, solid, {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
-    const auto f = [](double x) { return static_cast<float>(x); };
-    const float o[3] = {f(given.origin.x), f(given.origin.y), f(given.origin.z)}, e[3] = {f(d.x), f(d.y), f(d.z)};
-    const float tmax = f(end);
-    float answer = 0, near = 0, far = 0;
-    std::uint8_t hit = 0;
-    row.form->native32(
-        RayBatch<float>{.ox = one(o[0]),
-                        .oy = one(o[1]),
-                        .oz = one(o[2]),
-                        .dx = one(e[0]),
-                        .dy = one(e[1]),
-                        .dz = one(e[2]),
-                        .tmax = one(tmax)},
-        intersect::Target<float>(solid),
-        HitBatch<float>{std::span(&answer, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
-    Alone found{answer::classify(t.decision, hit != 0, static_cast<double>(answer))};
-    if (found.outcome == Outcome::agree_hit)
-        found.ulps = truth::ulp_error(static_cast<double>(answer), unit ? t.distance : t.t, binary32);
-    if (found.outcome == Outcome::false_miss && solid.is<Box>())
-        found.padding = measure::metric::padding(there, solid.box());
+    const auto answer = asked_alone(row, {given.origin, d}, solid, end);
+    Alone found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
+    if (found.outcome == Outcome::agree_hit) found.ulps = truth::ulp_error(*answer, unit ? t.distance : t.t, binary32);
+    if (found.outcome == Outcome::false_miss && narrow.is<Box>())
+        found.padding = measure::metric::padding(there, narrow.box());
     return found;
 }
 

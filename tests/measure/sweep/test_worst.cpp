@@ -43,18 +43,8 @@ bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f)
 struct Alone {
     Alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray, const Solid<double>& solid)
         : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
-        const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
-                     d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
-        double t_, near, far;
-        std::uint8_t hit_;
-        const auto of = [](const double& x) { return std::span(&x, 1); };
-        row.form->rounded(
-            row.format.shape,
-            intersect::table::RayBatch<double>{of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, solid,
-            intersect::table::HitBatch<double>{std::span(&t_, 1), std::span(&near, 1), std::span(&far, 1),
-                                               std::span(&hit_, 1)});
-        t = t_;
-        hit = hit_ != 0;
+        const auto answer = asked_alone(row, ray, solid);
+        hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.shape, truth.t.floor_log2());
         lost = measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
