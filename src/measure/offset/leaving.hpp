@@ -78,15 +78,6 @@ Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
     return visit(solid, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
-/// The number n ≥ 0 places above zero in a format: the inverse of `truth::ordinal`.
-inline double number_at(std::int64_t n, const FloatFormat& f) {
-    const std::int64_t lead = std::int64_t{1} << (f.precision - 1);
-    if (n < lead) return std::ldexp(static_cast<double>(n), f.emin - f.precision + 1);
-    const std::int64_t binade = n / lead - 1;
-    if (binade > f.emax - f.emin) return std::numeric_limits<double>::infinity();
-    return std::ldexp(static_cast<double>(lead + n % lead), f.emin + static_cast<int>(binade) - f.precision + 1);
-}
-
 /// Where a ray goes that leaves a solid: by the sign of n·w as the format computes it.
 enum class Side : std::uint8_t { outside, inside };
 inline constexpr std::array<std::string_view, 2> side_names{"outside", "inside"};

@@ -204,10 +204,4 @@ std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const st
     return safe;
 }
 
-std::vector<SafeStrategy> safe_strategies(const scene::file::Scene& scene, const OffsetRow& row,
-                                          std::span<const Side> sides) {
-    OffsetRequest request{.scene = &scene, .rows = {row}, .strategies = all_strategies(), .quiet = false};
-    return safe_strategies(run_offsets(request).front(), request.strategies, row.row.form->shape, sides);
-}
-
 }  // namespace lostbits::measure::offset

@@ -137,8 +137,4 @@ struct SafeStrategy {
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides = both_sides);
 
-/// The same for a form and format on a scene, whose rays and points it measures first: what `choose` asks.
-std::vector<SafeStrategy> safe_strategies(const scene::file::Scene& scene, const OffsetRow& row,
-                                          std::span<const Side> sides = both_sides);
-
 }  // namespace lostbits::measure::offset

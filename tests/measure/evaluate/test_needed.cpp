@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/needed.hpp"
+#include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
 namespace test_needed {
@@ -17,13 +18,6 @@ namespace {
 scene::file::Scene load(const char* name, int width, int height) {
     const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
     return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
-}
-
-const intersect::table::Intersector& form(const char* name) {
-    const auto found = std::ranges::find(intersect::table::intersectors(), name,
-                                         [](const intersect::table::Intersector& i) { return i.info->name; });
-    REQUIRE(found != intersect::table::intersectors().end());
-    return *found;
 }
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
@@ -83,10 +77,10 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
         const scene::file::Scene scene = load(name, 20, 14);
         // Of both conventions on touching, and one that is given unit directions.
         for (const char* which : {"sphere.schoolbook", "sphere.unified", "sphere.factored_c", "sphere.unit_half_b"}) {
-            const auto maps = map_of(scene, form(which), every_width());
+            const auto maps = map_of(scene, testing::form_named(which), every_width());
             for (const int bits : {1, 12, 20, 52}) {
                 INFO(name << ' ' << which << ' ' << bits);
-                const auto values = needed_of(scene, form(which), bits);
+                const auto values = needed_of(scene, testing::form_named(which), bits);
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
@@ -120,7 +114,7 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
         measure::evaluate::NeededSummary summary;
         for (int bits = 1; bits <= 52; ++bits) {
             INFO(which << ' ' << bits);
-            const auto values = needed_of(scene, form(which), bits, &summary);
+            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
             CHECK(std::equal(before.begin(), before.end(), values.begin(), std::less_equal<>()));
             CHECK(std::all_of(summary.hits.begin(), summary.hits.begin() + bits, [](auto n) { return n == 0; }));
             CHECK(summary.pixels() == 24 * 18);
@@ -132,10 +126,10 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
 TEST_CASE("a width exists exactly where double's own format suffices", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
-        const auto in_double = map_of(scene, form(which), {"f64"}).front();
+        const auto in_double = map_of(scene, testing::form_named(which), {"f64"}).front();
         for (const int bits : {12, 40, 50}) {
             measure::evaluate::NeededSummary summary;
-            const auto values = needed_of(scene, form(which), bits, &summary);
+            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
             std::uint64_t beyond = 0;
             for (std::size_t i = 0; i < values.size(); ++i) {
                 CHECK((values[i] <= measure::evaluate::most_width) == in_double.suffices(i, bits));
@@ -148,8 +142,9 @@ TEST_CASE("a width exists exactly where double's own format suffices", "[needed]
 
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
-    const std::vector<const intersect::table::Intersector*> forms{&form("sphere.schoolbook"),
-                                                                  &form("sphere.unit_half_b"), &form("sphere.unified")};
+    const std::vector<const intersect::table::Intersector*> forms{&testing::form_named("sphere.schoolbook"),
+                                                                  &testing::form_named("sphere.unit_half_b"),
+                                                                  &testing::form_named("sphere.unified")};
     std::vector<Needed> together(3);
     std::uint64_t done = 0;
     measure::evaluate::NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
@@ -177,8 +172,8 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     hit.distance = measure::truth::exactly(8);
     hit.object = 3;
     open.decision = measure::truth::Truth::Decision::unresolved;
-    const intersect::Info& any = *form("sphere.schoolbook").info;
-    const intersect::Info& unit = *form("sphere.unit_half_b").info;
+    const intersect::Info& any = *testing::form_named("sphere.schoolbook").info;
+    const intersect::Info& unit = *testing::form_named("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
     CHECK(measure::evaluate::suffices(hit, any, 12, {true, 4}, 12));
     CHECK_FALSE(measure::evaluate::suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
@@ -209,8 +204,8 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
     const measure::truth::Band band(rays, {solid}, {.bits = 1});
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == measure::truth::Truth::Decision::unresolved);
-    const auto results =
-        measure::evaluate::measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
+    const auto results = measure::evaluate::measure_needed(
+        {.scene = nullptr, .forms = {&testing::form_named("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
     CHECK(results[0].needed[1] <= measure::evaluate::most_width);
     measure::evaluate::NeededSummary summary;

@@ -2,7 +2,6 @@
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -13,10 +12,6 @@
 #include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/error.hpp"
-#include "output/shard/fields.hpp"
-#include "output/shard/state_file.hpp"
-#include "scratch.hpp"
 
 namespace test_exhaustive {
 
@@ -196,54 +191,6 @@ TEST_CASE("every float of a binade, in the long tests of a whole one: the school
                                  ray("half", "0.5, 0.25, 0", "0, 0, -1"), unit_sphere);
     const Compared compared = compare(text, {row("sphere.schoolbook", "f32")});
     CHECK(compared.floats == (test::is_long() ? 1 << 23 : 1 << 20));
-}
-
-TEST_CASE("a run that is stopped goes on from its state and finds the same") {
-    const TextFile written(
-        sweep_text("set = \"ray.origin.z\"\nfrom = 2048\nto = 8192",
-                   ray("half", "0.5, 0.25, 0", "0, 0, -1") + ray("miss", "0.75, 0.75, 0", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.unit_half_b", "f32")});
-    const auto at_once = run(request);
-    CHECK(at_once.tried == file.floats());
-    const test::Scratch folder;
-    const output::shard::UnfinishedFile unfinished(folder.path(), {"lostbits", "sweep s", 1, {}}, "sweep s");
-    sweep::ExhaustiveState state;
-    int stops = 0;
-    std::atomic<bool> asked{false};
-    request.limit.stop = intersect::process::StopToken(asked);
-    request.keep = [&asked](const sweep::ExhaustiveState&) { asked = true; };
-    while (state.tried < file.floats()) {
-        try {
-            sweep::run_exhaustive(request, state);
-        } catch (const Interrupted&) {
-            ++stops;
-        }
-        asked = false;
-        unfinished.write(output::shard::bits_of(state));
-        state = {};
-        unfinished.read([&](output::shard::BitReader& bits) {
-            bits(state);
-            state.require_of(request);
-        });
-    }
-    CHECK(stops > 3);
-    CHECK(state.tallies == at_once.tallies);
-    CHECK(state.stages.rays() == at_once.stages.rays());
-}
-
-TEST_CASE("any number of threads finds the same") {
-    const TextFile written(sweep_text("set = \"ray.origin.x\"\nfrom = \"0x1.cp-1\"\nto = \"0x1.2p0\"",
-                                      ray("from 16", "0, 0, 16", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    const auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.press", "f32")});
-    std::vector<sweep::ExhaustiveState> found;
-    for (const std::size_t threads : {1U, 2U, 5U}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        found.push_back(run(request));
-    }
-    CHECK(found[1].tallies == found[0].tallies);
-    CHECK(found[2].tallies == found[0].tallies);
 }
 
 TEST_CASE("the padding that no float needs more of is that of the slabs, behind a box too") {
