@@ -30,11 +30,11 @@ double half_ulp_of(double x, const FloatFormat& format) {
 class Trial {
 public:
     Trial(const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format)
-        : ray_(ray), solid_(solid), format_(format), count_(6 + row_of(solid.shape).numbers) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            x_[k] = ray.origin[static_cast<int>(k)], x_[3 + k] = ray.direction[static_cast<int>(k)];
-        }
-        for (std::size_t k = 6; k < count_; ++k) x_[k] = solid.numbers[k - 6];
+        : ray_(ray),
+          solid_(solid),
+          format_(format),
+          count_(6 + row_of(solid.shape).numbers),
+          x_(numbers_of(ray, solid)) {
         for (std::size_t k = 0; k < 3; ++k) book_.crossed[k] = x_[3 + k] != 0;
         const auto found = measure::truth::find_truth(ray, solid);
         if (!found.is_hit()) return;
