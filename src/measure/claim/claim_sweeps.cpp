@@ -7,7 +7,7 @@
 
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"

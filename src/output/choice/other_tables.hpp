@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "measure/choice/obstacle.hpp"
-#include "measure/choice/respawn.hpp"
+#include "measure/choice/room.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::choice {

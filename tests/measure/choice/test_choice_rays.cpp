@@ -5,7 +5,6 @@
 #include "catch.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "measure/choice/obstacle.hpp"
-#include "measure/choice/respawn.hpp"
 #include "measure/choice/room.hpp"
 #include "measure/rows.hpp"
 #include "number/error.hpp"

@@ -1,5 +1,5 @@
 // Named cases: verdicts that follow by hand, rays that are none, and the files under data/sweeps/extremes.
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 
 #include <cmath>
 #include <limits>
