@@ -5,7 +5,7 @@
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"

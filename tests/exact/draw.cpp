@@ -85,11 +85,6 @@ bool is_proper(std::string_view layout, const Problem& p) {
     return !layout.starts_with("pp") || !are_same(p, 0, 3);
 }
 
-template <class S>
-double stored(double x) {
-    return static_cast<double>(static_cast<S>(x));
-}
-
 /// Each number through `draw(kind)`, corners in order.
 template <class Draw>
 void draw_solid(std::string_view layout, Problem& p, const Draw& draw) {

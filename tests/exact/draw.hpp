@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "exact/solids.hpp"
@@ -21,6 +22,20 @@ public:
 private:
     std::uint64_t s_[4];
 };
+
+/// x as a number of S.
+template <class S>
+double stored(double x) {
+    return static_cast<double>(static_cast<S>(x));
+}
+
+/// As many rays as LOSTBITS_EXACT_RAYS says, or as usual.
+inline std::size_t rays_or(std::size_t usual) {
+    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
+    return asked ? std::strtoull(asked, nullptr, 10) : usual;
+}
+/// Whether it says so: then what was asked is told.
+inline bool are_rays_asked() { return std::getenv("LOSTBITS_EXACT_RAYS") != nullptr; }
 
 /// Which ends of the ranges of a batch do not belong to them.
 struct Ends {

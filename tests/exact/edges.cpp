@@ -95,11 +95,6 @@ Passing pass(const Problem& p) {
 namespace {
 
 template <class S>
-double stored(double x) {
-    return static_cast<double>(static_cast<S>(x));
-}
-
-template <class S>
 void move(double& x, int ulps, double towards) {
     for (; ulps > 0; --ulps) x = static_cast<double>(std::nextafter(static_cast<S>(x), static_cast<S>(towards)));
 }

@@ -10,11 +10,6 @@ namespace {
 using Matrix = std::array<double, 12>;
 using Triple = std::array<double, 3>;
 
-template <class S>
-double stored(double x) {
-    return static_cast<double>(static_cast<S>(x));
-}
-
 double& at(Matrix& m, std::size_t row, std::size_t column) { return m[4 * row + column]; }
 double at(const Matrix& m, std::size_t row, std::size_t column) { return m[4 * row + column]; }
 

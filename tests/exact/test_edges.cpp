@@ -1,7 +1,6 @@
 // Rays at edges and vertices of triangles: what the truth decides in packs, against signs of whole numbers of a fixed
 // number of words. LOSTBITS_EXACT_RAYS says how many in floats, and a hundredth as many in doubles; `./run test --long`
 // asks 10^9 (CMakeLists.txt).
-#include <cstdlib>
 #include <sstream>
 
 #include "catch.hpp"
@@ -78,16 +77,14 @@ void hold(const Tally& tally) {
     CHECK(tally.vertices > tally.asked / 500);
     CHECK(tally.begin > tally.asked / 2000);
     for (const std::size_t some : tally.by) CHECK(some > 0);
-    if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(tally.words());
+    if (are_rays_asked()) WARN(tally.words());
 }
 
 }  // namespace
 
 TEST_CASE("exact: rays at edges and vertices of triangles", "[exact][edges]") {
-    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
-    const std::size_t rays = asked ? std::strtoull(asked, nullptr, 10) : 200'000;
-    hold(ask_rays({Way::floats_for_ulps, Way::floats}, rays, 21));
-    hold(ask_rays({Way::doubles}, asked ? rays / 100 : 20'000, 22));
+    hold(ask_rays({Way::floats_for_ulps, Way::floats}, rays_or(200'000), 21));
+    hold(ask_rays({Way::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
 }
 
 /// A rim that belongs to the triangle or not is all that the two questions differ in.

@@ -3,7 +3,6 @@
 // many made ones; `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 #include <sstream>
 
@@ -16,11 +15,6 @@ namespace test_exact {
 using namespace lostbits::exact;
 
 namespace {
-
-std::size_t rays_or(std::size_t usual) {
-    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
-    return asked ? std::strtoull(asked, nullptr, 10) : usual;
-}
 
 constexpr std::size_t batch = 1000;
 
@@ -87,7 +81,7 @@ void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, cons
         INFO(counts.str());
         CHECK(tally.hits > tally.asked / 20);
         CHECK(tally.hits < tally.asked);
-        if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(counts.str());
+        if (are_rays_asked()) WARN(counts.str());
     }
 }
 

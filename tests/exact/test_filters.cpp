@@ -3,7 +3,6 @@
 // kind.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -39,10 +38,7 @@ using Filters = intersect::FormList<  //
 
 constexpr std::size_t batch = 2000;
 
-std::size_t rays_of_each() {
-    if (const char* asked = std::getenv("LOSTBITS_EXACT_RAYS")) return std::strtoull(asked, nullptr, 10);
-    return 10'000;
-}
+std::size_t rays_of_each() { return rays_or(10'000); }
 
 /// Number k of a problem: those of its ray, then those of its solid.
 double number_of(const Problem& p, std::size_t k) { return k < 6 ? p.ray[k] : p.solid[k - 6]; }
@@ -160,7 +156,7 @@ void hold(bool made) {
         CHECK((tally.ways[1] > 0) == (sizeof(F) == 4));
         if (made) CHECK(tally.ways[2] > tally.asked / 50);
         if (made && sizeof(F) == 8) CHECK(tally.ways[3] > tally.asked / 50);
-        if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(counts);
+        if (are_rays_asked()) WARN(counts);
     });
 }
 
@@ -239,7 +235,7 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right at what one point is
         CHECK(tally.differ == 0);
         CHECK(tally.hits > tally.asked / 50);
         CHECK(tally.ways[3] > (any_size ? 0 : tally.asked / 10));
-        if (std::getenv("LOSTBITS_EXACT_RAYS")) WARN(kind << ": " << counts);
+        if (are_rays_asked()) WARN(kind << ": " << counts);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "intersect/table/sets.hpp"
+#include "measure/answer/steps.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "scratch.hpp"
 
@@ -39,6 +40,12 @@ inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
         }
     }
     return rows;
+}
+
+/// The t that a form answers about one ray and one solid alone; nothing where it misses.
+inline std::optional<double> asked_alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray,
+                                         const Solid<double>& solid, double tmax = HUGE_VAL) {
+    return measure::answer::ask_one(*row.form, row.format, ray, solid, tmax);
 }
 
 inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"),

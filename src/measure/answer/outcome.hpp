@@ -54,4 +54,25 @@ inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     return hit ? Outcome::false_hit : Outcome::agree_miss;
 }
 
+/// `classify` of every case of the three things that it depends on, so that no ray has to wait for a branch.
+class OutcomeTable {
+public:
+    /// Where a form does not tell t, NaN is as good as any.
+    explicit OutcomeTable(bool tells_t = true) {
+        using Decision = truth::Truth::Decision;
+        for (const Decision decision : {Decision::miss, Decision::hit, Decision::unresolved})
+            for (const bool hit : {false, true})
+                for (const bool is_nan : {false, true})
+                    cases_[place(decision, hit, is_nan)] = classify(decision, hit, is_nan && tells_t ? NAN : 0);
+    }
+    static constexpr std::size_t place(truth::Truth::Decision decision, bool hit, bool is_nan) {
+        return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(hit) +
+               static_cast<std::size_t>(is_nan);
+    }
+    Outcome operator[](std::size_t place) const { return cases_[place]; }
+
+private:
+    std::array<Outcome, 12> cases_;
+};
+
 }  // namespace lostbits::measure::answer

@@ -1,5 +1,9 @@
 #include "measure/answer/self.hpp"
 
+#include <algorithm>
+#include <vector>
+
+#include "intersect/table/table.hpp"
 #include "measure/truth/enclose.hpp"
 
 namespace lostbits::measure::answer {
@@ -31,6 +35,76 @@ std::optional<Certified> without_rounding(const intersect::table::Intersector& f
         if (settle(form.interval(lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
     }
     return std::nullopt;
+}
+
+namespace {
+
+using intersect::table::Intersector;
+using Real2048 = BasicReal<2048>;
+
+const Intersector& form_of(const Call& call) {
+    return *std::ranges::find(intersect::table::catalogue(), call.form, [](const auto& f) { return f.info->name; });
+}
+
+/// `numbers` are those of the ray and the solid; `end` is where the ray ends, if it does. `ask(form, ray, target)`
+template <class E, class Ask>
+std::optional<E> answered(const Call& call, std::span<const E> numbers, const std::optional<E>& end, const Ask& ask) {
+    const Intersector& form = form_of(call);
+    const auto vec = [&](std::size_t k) { return Vec<E>(numbers[k], numbers[k + 1], numbers[k + 2]); };
+    Solid<E> solid(form.shape);
+    std::ranges::copy(numbers.subspan(6), solid.numbers.begin());
+    Hit<E> hit = ask(form, Ray<E>{vec(0), vec(3)}, intersect::Target<E>(solid));
+    if (end) {
+        hit.hit = hit.hit && hit.near <= *end;
+        hit.far = min(hit.far, *end);
+    }
+    if (hit.hit.is_unknown()) return std::nullopt;
+    if (call.answer == CallAnswer::decision) return E(hit.hit.is_yes() ? 1 : -1);
+    if (call.answer == CallAnswer::t && hit.hit.is_no()) return E(-1);
+    const E& asked = call.answer == CallAnswer::t ? hit.t : call.answer == CallAnswer::near ? hit.near : hit.far;
+    return asked.is_bounded() ? std::optional(asked) : std::nullopt;
+}
+
+/// Of the arguments those of the ray and the solid, behind which the end of the ray may stand.
+std::size_t numbers_of(const Call& call) { return 6 + Solid<double>(form_of(call).shape).used().size(); }
+
+/// Exactly, as a sum of doubles.
+Interval in_parts(Real2048 x) {
+    Interval sum(0);
+    while (mpfr_regular_p(x.backend().data()) != 0) {
+        const double part = mpfr_get_d(x.backend().data(), MPFR_RNDN);
+        if (part == 0) break;
+        sum += Interval(part);
+        x -= Real2048(part);
+    }
+    return sum;
+}
+
+}  // namespace
+
+std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arguments) {
+    const std::size_t numbers = numbers_of(call);
+    std::optional<Ball> end;
+    if (arguments.size() > numbers && arguments.back().hi() < 0x1p880) end = arguments.back();
+    return answered<Ball>(call, arguments.first(numbers), end,
+                          [](const Intersector& form, const auto& ray, const auto& at) { return form.ball(ray, at); });
+}
+
+std::optional<Real2048> without_rounding(const Call& call, std::span<const Real2048> arguments) {
+    // A decision takes products of four numbers.
+    const Interval::Precision precision(10240);
+    std::vector<Interval> lifted;
+    for (const Real2048& x : arguments) lifted.push_back(in_parts(x));
+    const std::size_t numbers = numbers_of(call);
+    std::optional<Interval> end;
+    if (arguments.size() > numbers && mpfr_inf_p(arguments.back().backend().data()) == 0) end = lifted.back();
+    const auto found = answered<Interval>(
+        call, std::span<const Interval>(lifted).first(numbers), end,
+        [](const Intersector& form, const auto& ray, const auto& at) { return form.interval(ray, at); });
+    if (!found) return std::nullopt;
+    Real2048 value;
+    mpfr_set(value.backend().data(), found->lower(), MPFR_RNDN);
+    return value;
 }
 
 }  // namespace lostbits::measure::answer

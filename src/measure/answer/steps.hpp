@@ -1,16 +1,25 @@
-// Which step on the way into the space of a solid and back loses what: each done as the format rounds it, one after the
-// other, and all that is left to do exactly.
+// What is lost on the way to an answer: by which step into the space of a solid and back, each done as the format
+// rounds it, one after the other, and all that is left to do exactly; and at which level of a hierarchy, a form behind
+// boxes, in the world and in the space of its solid, a true hit is lost.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
+#include <vector>
 
+#include "geometry/range.hpp"
+#include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
+#include "intersect/table/table.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace lostbits::measure::answer {
+
+/// The t that a row answers; nothing where it misses. Inputs are numbers of the format.
+std::optional<double> ask_one(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
+                              const Solid<double>& solid, double tmax);
 
 inline constexpr std::size_t step_count = intersect::space::step_names.size();
 
@@ -38,5 +47,35 @@ struct Steps {
 /// matrix. By the convention of the row, and in a range.
 Steps steps_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
                const Solid<double>& solid, const Range<double>& range = {});
+
+enum class Level {
+    nothing,    ///< the hit is found
+    world_box,  ///< the box in the world around a solid under a matrix is missed: a false cull
+    space,      ///< the ray as it was taken into the space of the solid truly misses it
+    box,        ///< the box in the space of the solid, or around a solid that stands under no matrix: a false cull
+    form        ///< the form itself
+};
+inline constexpr std::array<std::string_view, 5> level_names{"nothing", "world_box", "space", "box", "form"};
+
+struct Levels {
+    Level lost_to = Level::nothing;
+    /// Each box that is asked, from the outside in, and the ray as it is asked there.
+    struct Asked {
+        Ray<double> ray;
+        Hull<double> box;
+    };
+    std::vector<Asked> boxes;
+};
+
+/// Of a row behind a box and a ray that truly hits the solid in its range, both as the form received them. From the
+/// outside in, the first level that misses is the one that the hit is lost to.
+Levels levels_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
+                 const Solid<double>& solid, const Range<double>& range);
+
+/// By how many ulps of t another hit, found before, must lie behind this one for it to be found still: the least k for
+/// which the row hits where the ray ends at t + k ulp(t), t being its own answer. 0: one at the same t. Infinite where
+/// no k up to 2^p is enough; missing where the row misses at the range's own end.
+double end_margin(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
+                  const Solid<double>& solid, const Range<double>& range);
 
 }  // namespace lostbits::measure::answer

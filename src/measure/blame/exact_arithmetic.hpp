@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/answer/call.hpp"
+#include "measure/answer/self.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"

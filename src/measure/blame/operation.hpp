@@ -5,7 +5,7 @@
 //   rounded     exact(a, …) without rounding; computed(a, …, format); residual(a, …, value): value − exact where
 //   doubles
 //               can hold it; addends(a, …): what cancels; quotients(a, …)
-//   called      nothing: what it gives without rounding is in answer/call.hpp
+//   called      nothing: what it gives without rounding is in answer/self.hpp
 //   exact       exact(a), computed(a, format), quotients(a)
 //   moved       computed(a, format)
 //   sign        computed(a, b, format), quotients(a, b)

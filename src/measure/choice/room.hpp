@@ -1,13 +1,16 @@
-// How far a choice holds: the scene, or the rays, stretched one way until the wish fails.
+// How far a choice holds: the scene, or the rays, stretched one way until the wish fails. And where, with the choice,
+// the next ray may start.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "measure/choice/candidates.hpp"
-#include "measure/choice/growth.hpp"
+#include "measure/choice/ideal_rays.hpp"
+#include "measure/offset/offsets.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -47,5 +50,17 @@ struct Room {
 /// to 2 %. What fails in between and holds again is not seen. On a picture of at most `pixels`, or on the sample of the
 /// files' rays (see `StretchedRays` for what the ways are there).
 std::vector<Room> rooms_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels = 4096);
+
+/// The strategies of offset that are right for every ray that leaves what a form has hit on a scene.
+struct SafeOffsets {
+    std::vector<offset::SafeStrategy> outside;  ///< for the rays away from the solid; the cheapest first
+    std::vector<offset::SafeStrategy> both;     ///< also for those into it
+    std::uint64_t points = 0, rays = 0;         ///< that this was measured on
+};
+
+/// On a picture of at most `pixels`, fewer where there are many solids. Nothing where the scene has too many, or the
+/// form cannot be asked.
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
+                                        truth::TruthLimit limit = {}, int pixels = 1024);
 
 }  // namespace lostbits::measure::choice

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/sweep/float_band.hpp"
+#include "measure/sweep/exhaustive.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -1,9 +1,17 @@
-// Claims about tables: of arithmetic, and of what the nearest hit so far does as the end of a ray.
-#include <algorithm>
+// Claims about tables: of arithmetic, how often a sum or a difference does not notice one of its operands; and of what
+// the nearest hit so far does as the end of a ray.
+#include "measure/claim/claim_tables.hpp"
 
-#include "measure/claim/arithmetic.hpp"
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <span>
+#include <string_view>
+#include <vector>
+
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/claim/closest.hpp"
+#include "number/error.hpp"
+#include "number/rounded.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "shapes/box/family/family.hpp"
 
@@ -11,20 +19,144 @@ namespace lostbits::measure::claim {
 
 using scene::claim::Claim;
 using scene::claim::TableSubject;
+using truth::FormatInputs;
+
+namespace {
+
+/// A row of the table "arithmetic": a share of seeded samples, mostly of those whose result an operand does not
+/// influence.
+struct ArithmeticRow {
+    std::string_view name;
+    int samples;  ///< significands that it draws; 0: it is about one number, or about none
+    double (*fraction)(const FloatFormat&, double at, std::uint64_t seed);
+};
+
+constexpr int tried = 4096;
+
+/// The share of significands in [1, 2) on which the test says yes; `unit` gives further numbers in [0, 1).
+template <class Test>
+double share(const FloatFormat& f, std::uint64_t seed, const Test& test) {
+    std::mt19937_64 engine(seed);
+    const auto unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+    int yes = 0;
+    for (int i = 0; i < tried; ++i) {
+        const double significand =
+            std::fmin(rounding::to_format(1 + unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
+        yes += test(significand, unit);
+    }
+    return static_cast<double>(yes) / tried;
+}
+
+/// a ± a/ratio = a, the quotient rounded.
+template <int sign>
+double sum(const FloatFormat& f, double ratio, std::uint64_t seed) {
+    return share(f, seed,
+                 [&](double a, const auto&) { return rounding::add(a, sign * rounding::div(a, ratio, f), f) == a; });
+}
+
+/// The same for a = 1.
+template <int sign>
+double power_of_two(const FloatFormat& f, double ratio, std::uint64_t) {
+    return rounding::add(1, sign * rounding::div(1, ratio, f), f) == 1 ? 1 : 0;
+}
+
+/// f·f − r² = f·f for |f| = distance·r, r over a binade and f in a random direction.
+double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
+    return share(f, seed, [&](double r, const auto& unit) {
+        double v[3], size = 0;
+        do {
+            size = 0;
+            for (double& x : v) {
+                x = 2 * unit() - 1;
+                size += x * x;
+            }
+        } while (size > 1 || size < 0.01);
+        double ff = 0;
+        for (int i = 0; i < 3; ++i) {
+            const double x = rounding::to_format(v[i] / std::sqrt(size) * distance * r, 0, f);
+            const double square = rounding::mul(x, x, f);
+            ff = i == 0 ? square : rounding::add(ff, square, f);
+        }
+        return rounding::add(ff, -rounding::mul(r, r, f), f) == ff;
+    });
+}
+
+/// r² − l² is the same for the number after r², l = share·r.
+double radius_over_l(const FloatFormat& f, double part, std::uint64_t seed) {
+    return share(f, seed, [&](double r, const auto&) {
+        const double r2 = rounding::mul(r, r, f), l = rounding::to_format(part * r, 0, f), l2 = rounding::mul(l, l, f);
+        return rounding::add(r2, -l2, f) == rounding::add(rounding::next_up(r2, f), -l2, f);
+    });
+}
+
+/// 0·∞ is NaN, for either sign of both.
+double zero_times_infinity(const FloatFormat& f, double, std::uint64_t) {
+    int yes = 0;
+    for (const double zero : {0.0, -0.0}) {
+        for (const double infinity : {HUGE_VAL, -HUGE_VAL}) yes += std::isnan(rounding::mul(zero, infinity, f));
+    }
+    return yes / 4.0;
+}
+
+constexpr ArithmeticRow measured_rows[] = {
+    {"sum", tried, sum<1>},
+    {"sum_power_of_two", 0, power_of_two<1>},
+    {"difference", tried, sum<-1>},
+    {"difference_power_of_two", 0, power_of_two<-1>},
+    {"ff_minus_r2", tried, far_radius},
+    {"zero_times_infinity", 0, zero_times_infinity},
+    {"r2_minus_l2", tried, radius_over_l},
+};
+
+}  // namespace
+
+namespace {
+
+/// The nearest t over the solids, infinite for a miss.
+std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool pass_on) {
+    const std::size_t n = in.rays.size();
+    std::vector<double> best(n, HUGE_VAL);
+    for (const Solid<double>& solid : in.solids.listed()) {
+        FormatInputs one{.format = in.format, .rays = in.rays, .solids = std::vector{solid}, .stop = in.stop};
+        if (pass_on) one.rays.tmax = best;
+        const answer::Answers answers = answer::evaluate(*row.form, one);
+        for (std::size_t i = 0; i < n; ++i) {
+            if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+                            truth::TruthLimit limit) {
+    if (!told_end(row.form->shape))
+        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray");
+    scene::box::BoxFamily family;
+    family.adjoining = true;
+    family.distance = distance;
+    family.seed = seed;
+    std::size_t rays = 0, different = 0;
+    for (scene::rays::RayGroup& group : family.draw()) {
+        const truth::Band band(std::move(group), limit);
+        const FormatInputs in = band.inputs(row.format, {});
+        const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
+        rays += apart.size();
+        for (std::size_t i = 0; i < apart.size(); ++i) different += apart[i] != passed[i];
+    }
+    return static_cast<double>(different) / static_cast<double>(rays);
+}
 
 namespace {
 
 ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& on, std::uint64_t seed) {
-    const auto rows = arithmetic_rows();
-    const auto row = std::ranges::find(rows, on.row, &ArithmeticRow::name);
-    if (row != rows.end()) {
-        auto result = judge(claim, row->fraction(claim_format(claim).shape, on.at, seed), nullptr);
-        result.samples = static_cast<std::uint64_t>(row->samples);
-        return result;
-    }
     std::vector<std::string> names;
-    for (const ArithmeticRow& r : rows) names.emplace_back(r.name);
-    scene::toml::fail(claim.where, "unknown row \"" + on.row + "\"; " + scene::toml::did_you_mean(on.row, names));
+    for (const ArithmeticRow& row : measured_rows) names.emplace_back(row.name);
+    const ArithmeticRow& row = measured_rows[place_of_word(claim, "row", on.row, names)];
+    auto result = judge(claim, row.fraction(claim_format(claim).shape, on.at, seed), nullptr);
+    result.samples = static_cast<std::uint64_t>(row.samples);
+    return result;
 }
 
 ClaimResult judge_closest(const Claim& claim, const TableSubject& on, std::uint64_t seed, truth::TruthLimit limit) {

@@ -1,12 +1,19 @@
-// Claims about speed: quotients of rates within one run.
+// Claims about speed: quotients of rates within one run. And about what is chosen for a scene: which forms meet a wish
+// there, which of them is the cheapest, and times over times on the scene's own rays, each of the claim's form in its
+// format, in the widest registers that are in use.
 #include <algorithm>
 
+#include "measure/choice/candidates.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing_threads.hpp"
 #include "measure/speed/timing_work.hpp"
 
 namespace lostbits::measure::claim {
 
+using choice::ChoiceRequest;
+using evaluate::TestedForm;
+using scene::claim::ChoiceSubject;
+using scene::claim::Claim;
 using speed::TimedKernel;
 using speed::TimedWork;
 
@@ -80,6 +87,112 @@ void measure(const ClaimsOn<TimingSubject>& claims, const ClaimRequest& run) {
         const auto measured = t.all_processors ? speedup_per_processor : speed_ratio;
         result = judge(claim, measured(claim, t, bytes, run.stop), nullptr);
     }
+}
+
+using Others = ChoiceSubject::Others;
+using scene::file::Scene;
+
+namespace {
+
+/// The row of a form and format that can be timed on the scene.
+TestedForm timed_row(const Claim& claim, const Scene& scene) {
+    const TestedForm row = row_for(claim, scene);
+    if (!is_solid(row.form->shape))
+        scene::toml::fail(claim.where, claim.form +
+                                           " marches, and the time of a march depends on its steps; name a "
+                                           "form of spheres or boxes");
+    if (row.format.engine == Format::Engine::rounded)
+        scene::toml::fail(claim.where, claim.format + " is emulated, so its time says nothing; write f32 or f64");
+    return row;
+}
+
+/// The claim's row, and after it every other that fits the scene, in the formats that the wish names.
+std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
+    std::vector<TestedForm> rows{timed_row(claim, scene)};
+    for (const std::string& name : others.formats) {
+        Claim in_format = claim;
+        in_format.format = name;
+        const Format format = claim_format(in_format);
+        for (const intersect::table::Intersector& form : intersect::table::intersectors(rows.front().form->shape)) {
+            if (!form.exists_in(format)) continue;
+            in_format.form = form.info->name;
+            place_or_added(rows, timed_row(in_format, scene));
+        }
+    }
+    return rows;
+}
+
+ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene& scene,
+                          intersect::process::StopToken stop) {
+    ChoiceRequest request{.scene = &scene};
+    request.wish = {.bits = others.wish.bits, .wrong = others.wish.wrong};
+    request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(others.wish.at); });
+    request.limit.stop = request.plan.stop = stop;
+    return request;
+}
+
+/// The median over interleaved repetitions of (its seconds a ray and solid)/(those of `over`).
+double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Scene& scene,
+                  intersect::process::StopToken stop) {
+    Claim other = claim;
+    other.form = over.form;
+    other.format = over.format;
+    speed::SceneWork on_scene(scene, {.stop = stop});
+    std::vector<speed::TimedWork> work;
+    for (const TestedForm& row : {timed_row(claim, scene), timed_row(other, scene)})
+        work.push_back(on_scene.on(row, intersect::simd::packed_kernels(*row.form)));
+    const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
+    return speed::ratio_of(samples[0], samples[1]).median;
+}
+
+/// 1 where it meets the wish, else 0.
+double meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
+    request.rows = {timed_row(claim, scene)};
+    return worth_of(request).front().meets(request.wish) ? 1 : 0;
+}
+
+/// How many of the other forms that fit the scene meet it, in each of the formats.
+double others_that_meet(const Claim& claim, const Others& others, const Scene& scene,
+                        intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
+    request.rows = candidates_of(claim, others, scene);
+    std::erase_if(request.rows, [&claim](const TestedForm& row) { return row.form->info->name == claim.form; });
+    if (request.rows.empty()) return 0;
+    const auto all = worth_of(request);
+    return static_cast<double>(
+        std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
+}
+
+/// 1 where it is the cheapest of all that meet the wish, else 0.
+double chosen(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
+    ChoiceRequest request = request_for(claim, others, scene, stop);
+    request.rows = candidates_of(claim, others, scene);
+    choice::TimedRays timed;
+    return cheapest(measure_candidates(request, timed), request.wish) == std::size_t{0} ? 1 : 0;
+}
+
+constexpr std::pair<std::string_view,
+                    double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
+    of_wishes[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
+
+double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequest& run) {
+    const Scene scene = one_scene(claim, run);
+    if (const auto* const over = std::get_if<ChoiceSubject::Over>(&on.against)) {
+        if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; beside `over` it is time_ratio");
+    }
+    const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
+    if (named == std::end(of_wishes))
+        scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
+                                           "\"; of a wish there are meets, others_that_meet and chosen");
+    return named->second(claim, std::get<Others>(on.against), scene, run.stop);
+}
+
+}  // namespace
+
+void measure(const ClaimsOn<ChoiceSubject>& claims, const ClaimRequest& run) {
+    for (const auto& [claim, on, result] : claims) result = judge(claim, chosen_value(claim, on, run), nullptr);
 }
 
 }  // namespace lostbits::measure::claim

@@ -1,6 +1,5 @@
 // The loops over columns in registers of one width; compiled once for each.
 #include "measure/columns/kernels.hpp"
-#include "measure/columns/residual_kernels.hpp"
 #include "number/width.hpp"
 
 namespace lostbits::measure::columns {

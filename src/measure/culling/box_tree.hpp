@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "measure/culling/culling.hpp"
-#include "measure/culling/solid_index.hpp"
 #include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::culling {

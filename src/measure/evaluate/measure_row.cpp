@@ -8,10 +8,7 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/answer/self.hpp"
-#include "measure/evaluate/outcome_columns.hpp"
-#include "measure/evaluate/own_words.hpp"
-#include "measure/evaluate/row_columns.hpp"
-#include "measure/evaluate/row_sums.hpp"
+#include "measure/evaluate/row_parts.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
 

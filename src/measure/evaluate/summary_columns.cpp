@@ -24,85 +24,71 @@ using S = FormSummary;
 double number(std::uint64_t n) { return static_cast<double>(n); }
 
 template <Outcome o>
-double outcome(const S& s) {
-    return number(s.count(o));
+double of_hits(const S& s) {
+    return fraction(s.count(o), s.true_hits);
 }
 
-/// Of every summary, whatever was measured.
+/// Where a column of outcomes stands.
+enum class Shown { always, of_meshes, to_claims };
+
+/// Of every summary, whatever was measured. A NaN is an answer to a ray that truly hits or truly misses; it is in the
+/// numerator of neither fraction.
 Columns outcome_columns() {
-    Columns columns{
-        {"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }},
-        {"agree_hit", Kind::count, "", "correct hits: form and truth agree that there is a hit, and on which solid",
-         outcome<Outcome::agree_hit>},
-        {"agree_miss", Kind::count, "", "correct misses: form and truth agree that there is none",
-         outcome<Outcome::agree_miss>},
-        {"false_hit", Kind::count, "", "rays that the form hits and the truth misses", outcome<Outcome::false_hit>},
-        {"false_miss", Kind::count, "", "rays that the form misses and the truth hits", outcome<Outcome::false_miss>},
-        {"not_a_number", Kind::count, "", "rays on which the form reports a hit at NaN",
-         outcome<Outcome::not_a_number>},
-        {"unresolved", Kind::count, "", "rays whose truth was not proved within the stated limit",
-         outcome<Outcome::unresolved>},
-        // A NaN is an answer to a ray that truly hits or truly misses; it is in neither fraction's numerator.
-        {"false_hit_fraction", Kind::number, "1", "false_hit among the rays that truly miss",
-         [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }},
-        {"false_miss_fraction", Kind::number, "1", "false_miss among the rays that truly hit",
-         [](const S& s) { return fraction(s.count(Outcome::false_miss), s.true_hits); }},
-        {"not_a_number_fraction", Kind::number, "1", "not_a_number among all rays",
-         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }},
-        {"wrong_object", Kind::count, "", "wrong solids: form and truth hit, but the form found another solid first",
-         outcome<Outcome::wrong_object>},
-        {"wrong_object_fraction", Kind::number, "1", "wrong_object among the rays that truly hit",
-         [](const S& s) { return fraction(s.count(Outcome::wrong_object), s.true_hits); }},
-        {"wrong_fraction", Kind::number, "1",
-         "not_a_number, false_hit, false_miss, wrong_object, crack, double_hit and out_of_order among all rays whose "
-         "truth is "
-         "known",
-         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }},
-        {.name = "crack",
-         .kind = Kind::count,
-         .unit = "",
-         .meaning = "rays that enter through a mesh where the form claims neither the triangle met nor a neighbour",
-         .value = outcome<Outcome::crack>,
-         .of_meshes = true},
-        {.name = "double_hit",
-         .kind = Kind::count,
-         .unit = "",
-         .meaning = "rays that cross a mesh once where the form claims two neighbouring triangles",
-         .value = outcome<Outcome::double_hit>,
-         .of_meshes = true},
-        {.name = "wrong_neighbour",
-         .kind = Kind::count,
-         .unit = "",
-         .meaning = "rays of which the form hits a neighbour of the triangle met; no wrong decision",
-         .value = outcome<Outcome::wrong_neighbour>,
-         .of_meshes = true},
-        {.name = "out_of_order",
-         .kind = Kind::count,
-         .unit = "",
-         .meaning = "rays of which the form claims a triangle and answers one that is truly behind it and no neighbour",
-         .value = outcome<Outcome::out_of_order>,
-         .of_meshes = true},
-        {.name = "crack_fraction",
-         .kind = Kind::number,
-         .unit = "1",
-         .meaning = "crack among the rays that truly hit",
-         .value = [](const S& s) { return fraction(s.count(Outcome::crack), s.true_hits); },
-         .of_meshes = true},
-        {.name = "double_hit_fraction",
-         .kind = Kind::number,
-         .unit = "1",
-         .meaning = "double_hit among the rays that truly hit",
-         .value = [](const S& s) { return fraction(s.count(Outcome::double_hit), s.true_hits); },
-         .of_meshes = true},
-        {.name = "out_of_order_fraction",
-         .kind = Kind::number,
-         .unit = "1",
-         .meaning = "out_of_order among the rays that truly hit",
-         .value = [](const S& s) { return fraction(s.count(Outcome::out_of_order), s.true_hits); },
-         .of_meshes = true}};
-    constexpr std::array of_claims_alone{"not_a_number_fraction", "wrong_object_fraction", "wrong_fraction"};
-    for (SummaryColumn& c : columns)
-        c.tabled = std::find(of_claims_alone.begin(), of_claims_alone.end(), c.name) == of_claims_alone.end();
+    Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }}};
+    const auto count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
+        columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
+                           .kind = Kind::count,
+                           .unit = "",
+                           .meaning = meaning,
+                           .value = [o](const S& s) { return number(s.count(o)); },
+                           .of_meshes = shown == Shown::of_meshes});
+    };
+    const auto share = [&columns](const char* name, const char* meaning, double (*value)(const S&), Shown shown) {
+        columns.push_back({.name = name,
+                           .kind = Kind::number,
+                           .unit = "1",
+                           .meaning = meaning,
+                           .value = value,
+                           .tabled = shown != Shown::to_claims,
+                           .of_meshes = shown == Shown::of_meshes});
+    };
+    count(Outcome::agree_hit, "correct hits: form and truth agree that there is a hit, and on which solid");
+    count(Outcome::agree_miss, "correct misses: form and truth agree that there is none");
+    count(Outcome::false_hit, "rays that the form hits and the truth misses");
+    count(Outcome::false_miss, "rays that the form misses and the truth hits");
+    count(Outcome::not_a_number, "rays on which the form reports a hit at NaN");
+    count(Outcome::unresolved, "rays whose truth was not proved within the stated limit");
+    share(
+        "false_hit_fraction", "false_hit among the rays that truly miss",
+        [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }, Shown::always);
+    share("false_miss_fraction", "false_miss among the rays that truly hit", of_hits<Outcome::false_miss>,
+          Shown::always);
+    share(
+        "not_a_number_fraction", "not_a_number among all rays",
+        [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::to_claims);
+    count(Outcome::wrong_object, "wrong solids: form and truth hit, but the form found another solid first");
+    share("wrong_object_fraction", "wrong_object among the rays that truly hit", of_hits<Outcome::wrong_object>,
+          Shown::to_claims);
+    share(
+        "wrong_fraction",
+        "not_a_number, false_hit, false_miss, wrong_object, crack, double_hit and out_of_order among all rays whose "
+        "truth is known",
+        [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::to_claims);
+    count(Outcome::crack,
+          "rays that enter through a mesh where the form claims neither the triangle met nor a neighbour",
+          Shown::of_meshes);
+    count(Outcome::double_hit, "rays that cross a mesh once where the form claims two neighbouring triangles",
+          Shown::of_meshes);
+    count(Outcome::wrong_neighbour, "rays of which the form hits a neighbour of the triangle met; no wrong decision",
+          Shown::of_meshes);
+    count(Outcome::out_of_order,
+          "rays of which the form claims a triangle and answers one that is truly behind it and no neighbour",
+          Shown::of_meshes);
+    share("crack_fraction", "crack among the rays that truly hit", of_hits<Outcome::crack>, Shown::of_meshes);
+    share("double_hit_fraction", "double_hit among the rays that truly hit", of_hits<Outcome::double_hit>,
+          Shown::of_meshes);
+    share("out_of_order_fraction", "out_of_order among the rays that truly hit", of_hits<Outcome::out_of_order>,
+          Shown::of_meshes);
     return columns;
 }
 

@@ -8,7 +8,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/table/in_range.hpp"
-#include "measure/answer/pair_columns.hpp"
+#include "measure/answer/chunk.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 

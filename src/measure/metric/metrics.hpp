@@ -9,7 +9,6 @@
 
 #include "intersect/march.hpp"
 #include "intersect/way.hpp"
-#include "measure/answer/levels.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/blame/culprits.hpp"

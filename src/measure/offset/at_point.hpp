@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/offset/new_rays.hpp"
+#include "measure/offset/leaving.hpp"
 #include "measure/offset/strategy.hpp"
 
 namespace lostbits::measure::offset {

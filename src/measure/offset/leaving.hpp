@@ -1,10 +1,13 @@
-// The point where a ray has met a solid, and where the next one starts: over any number.
+// The point where a ray has met a solid, the fixed set of rays that leave it, and where each starts: over any number.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "number/rounded.hpp"
 #include "shapes/solid.hpp"
@@ -75,13 +78,73 @@ Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
     return visit(solid, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
-/// The number n ≥ 0 places above zero in a format: the inverse of `truth::ordinal`.
-inline double number_at(std::int64_t n, const FloatFormat& f) {
-    const std::int64_t lead = std::int64_t{1} << (f.precision - 1);
-    if (n < lead) return std::ldexp(static_cast<double>(n), f.emin - f.precision + 1);
-    const std::int64_t binade = n / lead - 1;
-    if (binade > f.emax - f.emin) return std::numeric_limits<double>::infinity();
-    return std::ldexp(static_cast<double>(lead + n % lead), f.emin + static_cast<int>(binade) - f.precision + 1);
+/// Where a ray goes that leaves a solid: by the sign of n·w as the format computes it.
+enum class Side : std::uint8_t { outside, inside };
+inline constexpr std::array<std::string_view, 2> side_names{"outside", "inside"};
+inline constexpr std::string_view name_of(Side side) { return side_names[static_cast<std::size_t>(side)]; }
+inline constexpr std::array both_sides{Side::outside, Side::inside};
+
+/// A direction in which a ray leaves.
+template <class T>
+struct Departure {
+    Vec<T> w;
+    T side, reach;  ///< as in `Leaving`
+};
+
+/// Cosines of the angle to the normal: the first has one direction, each other one four, a right angle apart.
+inline constexpr std::array cosine_denominators{1, 2, 8, 64, 1024};
+/// 1/η of what a refracted ray goes into from outside: glass of index 3/2.
+inline constexpr std::array glass{2, 3};
+
+/// Adds the ray w of length one, unless it lies in the surface or is no direction.
+template <Number T>
+void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
+    const T cosine = dot(n, w);
+    if (cosine > T(0)) ways.push_back({w, T(1), reach});
+    else if (cosine < T(0)) ways.push_back({w, T(-1), reach});
+}
+
+/// The directions of all rays that leave a point, in order: to the light, where there is one and it lies outside;
+/// mirrored, d − 2(d·n)n; refracted, where it is not mirrored totally; 17 over the hemisphere around n and the same
+/// around −n. The hemisphere's frame is that of Duff et al., Building an Orthonormal Basis, Revisited (2017).
+/// Everything is computed in T.
+template <Number T>
+std::vector<Departure<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
+                                    const std::optional<Vec<T>>& light) {
+    std::vector<Departure<T>> ways;
+    if (light) {
+        const Vec<T> way = *light - p;
+        if (dot(n, way) > T(0)) add_way<T>(normalised<T>(way), n, length(way), ways);
+    }
+    const Vec<T> d = normalised<T>(ray.direction);
+    const T facing = dot(d, n);
+    add_way<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, ways);
+    const bool enters = facing < T(0);
+    const T eta = enters ? T(glass[0]) / T(glass[1]) : T(glass[1]) / T(glass[0]);
+    const T cosine = abs(facing), rest = T(1) - eta * eta * (T(1) - cosine * cosine);
+    if (rest > T(0)) {
+        const T along = enters ? eta * cosine - sqrt(rest) : sqrt(rest) - eta * cosine;
+        add_way<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, ways);
+    }
+
+    const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
+    const Vec<T> across(T(1) + sign * n.x * n.x * a, sign * b, -(sign * n.x)), up(b, sign + n.y * n.y * a, -n.y);
+    for (const T& side : {T(1), T(-1)}) {
+        for (const int denominator : cosine_denominators) {
+            const T up_cosine = T(1) / T(denominator), sine = sqrt(T(1) - up_cosine * up_cosine);
+            T x = T(3) / T(5), y = T(4) / T(5);
+            for (int quarter = 0; quarter < (denominator == 1 ? 1 : 4); ++quarter) {
+                const Vec<T> tangent = moved<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
+                const T height = side * up_cosine;
+                add_way<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
+                           ways);
+                const T turned = -y;
+                y = x;
+                x = turned;
+            }
+        }
+    }
+    return ways;
 }
 
 }  // namespace lostbits::measure::offset

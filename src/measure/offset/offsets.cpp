@@ -1,7 +1,6 @@
 #include "measure/offset/offsets.hpp"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -186,6 +185,23 @@ std::vector<OffsetSummary> run_offsets(const OffsetRequest& request, OffsetSink*
     }
     for (OffsetSummary& s : summaries) seal(s);
     return summaries;
+}
+
+std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
+                                          Shape shape, std::span<const Side> sides) {
+    std::vector<SafeStrategy> safe;
+    for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
+        const auto is_right = [&](Side side) { return summary.on(side).strategies[k].bad == 0; };
+        if (!std::ranges::all_of(sides, is_right)) continue;
+        double oversize = truth::missing;
+        for (const Side side : sides) {
+            const double median = summary.on(side).strategies[k].oversize.quantile(0.5);
+            if (!(oversize >= median)) oversize = median;
+        }
+        safe.push_back({strategies[k], strategies[k]->operations(shape), oversize});
+    }
+    std::ranges::stable_sort(safe, {}, &SafeStrategy::operations);
+    return safe;
 }
 
 }  // namespace lostbits::measure::offset

@@ -123,4 +123,18 @@ std::span<const OffsetColumn> offset_columns();
 double offset_value(const OffsetSummary& summary, Side side, std::size_t strategy, const std::string& column,
                     const std::string& where);
 
+/// A strategy with which no respawned ray goes wrong.
+struct SafeStrategy {
+    const Strategy* strategy;
+    /// What one new ray costs, in operations as the rule is written (`Strategy::operations`): a count, not a time.
+    std::uint64_t operations;
+    double oversize;  ///< how many times larger than needed, the median over the sides; NaN where nothing is needed
+};
+
+/// Those of a measured row to all of these sides, the cheapest first; of equally cheap ones in the order of the table.
+/// Safe is `StrategySummary::bad` = 0: no self-hit by truth or by the form, no occluder and no way out lost. Empty
+/// where none is, and where there is no point.
+std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
+                                          Shape shape, std::span<const Side> sides = both_sides);
+
 }  // namespace lostbits::measure::offset

@@ -20,23 +20,27 @@ template <class Judge>
 double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
     if (judge(0.0) == Enough::enough) return 0;
     const std::int64_t binade = std::int64_t{1} << (format.precision - 1);
+    const std::int64_t infinity = truth::ordinal(std::numeric_limits<double>::infinity(), format);
+    const auto number = [&](std::int64_t n) {
+        return n < infinity ? truth::number_at(n, format) : std::numeric_limits<double>::infinity();
+    };
     std::int64_t low = 0, high = truth::ordinal(start, format);
     if (high < 1) high = 1;
-    Enough at_high = judge(number_at(high, format));
+    Enough at_high = judge(number(high));
     while (at_high == Enough::too_little) {
         low = high;
         high += binade;
-        const double e = number_at(high, format);
+        const double e = number(high);
         if (!(e <= most)) return std::numeric_limits<double>::infinity();
         at_high = judge(e);
     }
     while (high - low > 1) {
         const std::int64_t middle = low + (high - low) / 2;
-        const Enough at_middle = judge(number_at(middle, format));
+        const Enough at_middle = judge(number(middle));
         if (at_middle == Enough::too_little) low = middle;
         else high = middle, at_high = at_middle;
     }
-    return at_high == Enough::enough ? number_at(high, format) : std::numeric_limits<double>::infinity();
+    return at_high == Enough::enough ? number(high) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace lostbits::measure::offset

@@ -1,9 +1,204 @@
+// Where the next ray starts, by every published rule: one function each, and the table of them. Constants of rules for
+// float are scaled to other formats as their comments say; u is ½ε of the format.
 #include "measure/offset/strategy.hpp"
 
 #include <numeric>
 
 namespace lostbits::measure::offset {
 namespace {
+
+/// The bits of x moved as an integer by k floats toward +∞ (k < 0: toward −∞). It is for x that stay on their side of
+/// zero.
+float moved_by_floats(float x, int k) {
+    return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x < 0 ? -k : k));
+}
+double moved_by_floats(double x, int k) {
+    return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x < 0 ? -k : k));
+}
+template <class F>
+BasicRounded<F> moved_by_floats(BasicRounded<F> x, int k) {
+    for (; k > 0; --k) x = next_up(x);
+    for (; k < 0; ++k) x = next_down(x);
+    return x;
+}
+/// One integer addition.
+Counted<float> moved_by_floats(const Counted<float>& x, int k) {
+    ++operation_counts()[Operation::neighbour];
+    return Counted<float>(moved_by_floats(x.value(), k));
+}
+
+/// x toward zero as an integer.
+template <class T>
+int whole_of(const T& x) {
+    return static_cast<int>(as_double(x));
+}
+int whole_of(const Counted<float>& x) {
+    ++operation_counts()[Operation::convert];
+    return static_cast<int>(x.value());
+}
+
+/// n, turned to the side of w.
+template <Number T>
+Vec<T> facing(const Leaving<T>& l) {
+    return Vec<T>(l.side * l.n.x, l.side * l.n.y, l.side * l.n.z);
+}
+
+/// The whole of what is ahead of an origin.
+template <Number T>
+Respawn<T> from(const Vec<T>& origin, const Leaving<T>& l) {
+    return {origin, T(0), l.reach, true};
+}
+
+/// 10^-k: of float the literal 1e-3f, and of any format the nearest number to the quotient.
+template <Number T, int k>
+T tenth_power() {
+    T x(1);
+    for (int i = 0; i < k; ++i) x = x * T(10);
+    return T(1) / x;
+}
+
+struct None {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(l.p, l);
+    }
+};
+
+template <int k>
+struct Tmin {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return {l.p, tenth_power<T, k>(), l.reach, true};
+    }
+};
+
+template <int k>
+struct Epsilon {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(moved<T>(l.p, l.side * tenth_power<T, k>(), l.n), l);
+    }
+};
+
+template <int k>
+struct AlongNewRay {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);
+    }
+};
+
+/// k units in the last place of the largest coordinate.
+template <int k>
+struct Ulps {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const T size = largest_of<T>(l.p);
+        return from<T>(moved<T>(l.p, l.side * (T(k) * (next_up(size) - size)), l.n), l);
+    }
+};
+
+/// The bits moved by 256 n, or, where |p| < 1/32, p + n/65536. 1/65536 is 256u of float, and 256u of any format here.
+struct Integer {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const Vec<T> n = facing<T>(l);
+        const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
+        Vec<T> o = l.p;
+        for (int i = 0; i < 3; ++i) {
+            const T by_bits = moved_by_floats(l.p[i], whole_of(T(256) * n[i]));
+            o[i] = select(abs(l.p[i]) < near_zero, l.p[i] + step * n[i], by_bits);
+        }
+        return from<T>(o, l);
+    }
+};
+
+/// The bits moved by 32 to the side where n points, or, where |p| < 1, p + 1e-5 n: 1e-5 is 167.8u of float, and 1e-5
+/// times u over that of float in any format.
+struct Cycles {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const Vec<T> n = facing<T>(l);
+        const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
+        Vec<T> o = l.p;
+        for (int i = 0; i < 3; ++i) {
+            const T by_bits = moved_by_floats(l.p[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(l.p[i]) < T(1), l.p[i] + step * n[i], by_bits);
+        }
+        return from<T>(o, l);
+    }
+};
+
+/// 1500u is 750ε; a ray that is aimed at something ends at 1 − 15000u of the way.
+struct Relative {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const T e = (T(1) + largest_of<T>(l.p)) * (T(1500) * unit_roundoff<T>());
+        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * l.reach;
+        const bool ends = l.reach + l.reach > l.reach;  // not for an infinite one
+        return {moved<T>(l.p, l.side * e, l.n), T(0), select(ends, shorter, l.reach), true};
+    }
+};
+
+/// p + d n with d = |n|·δ, then each component one float further away.
+template <Number T>
+Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
+    const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
+    Vec<T> o = moved<T>(b.p, d, n);
+    for (int i = 0; i < 3; ++i) o[i] = n[i] > T(0) ? next_up(o[i]) : n[i] < T(0) ? next_down(o[i]) : o[i];
+    return o;
+}
+
+/// In the space of the solid.
+template <Number T>
+BoundedPoint<T> bounded_there(const Leaving<T>& l) {
+    return visit(l.solid, [&l](const auto& shape) {
+        return l.object ? shape.bounded_point(l.object->ray, l.object->t, l.object->p)
+                        : shape.bounded_point(l.ray, l.t, l.p);
+    });
+}
+
+/// M p and its bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|): pbrt-v4's Transform::operator()(Point3fi).
+template <Number T>
+BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
+    const T g = gamma_bound<T>(3);
+    BoundedPoint<T> to{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
+    for (int i = 0; i < 3; ++i) {
+        const Vec<T>& a = m.rows[static_cast<std::size_t>(i)];
+        const Vec<T> parts(a.x * b.p.x, a.y * b.p.y, a.z * b.p.z);
+        to.p[i] = (parts.x + parts.y) + (parts.z + m.shift[i]);
+        to.delta[i] = (g + T(1)) * (abs(a.x) * b.delta.x + abs(a.y) * b.delta.y + abs(a.z) * b.delta.z) +
+                      g * (abs(parts.x) + abs(parts.y) + abs(parts.z) + abs(m.shift[i]));
+    }
+    return to;
+}
+
+/// Under a matrix the bound is taken to the world with the point, as pbrt's SpawnRay has it.
+struct Bound {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        const BoundedPoint<T> there = bounded_there(l);
+        return from<T>(beyond_bound<T>(l.object ? mapped<T>(l.object->to_world, there) : there, facing<T>(l)), l);
+    }
+};
+
+/// The same in the space of the solid, and the origin taken to the world: what it rounds there is not counted.
+struct BoundInObject {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        if (!l.object) return Bound::respawn(l);
+        const Vec<T>& n = l.object->n;
+        const Vec<T> o = beyond_bound<T>(bounded_there(l), Vec<T>(l.side * n.x, l.side * n.y, l.side * n.z));
+        return from<T>(l.object->to_world.point(o), l);
+    }
+};
+
+struct Exclude {
+    template <Number T>
+    static Respawn<T> respawn(const Leaving<T>& l) {
+        return {l.p, T(0), l.reach, false};
+    }
+};
 
 template <class Rule>
 constexpr Strategy row(std::string_view name, std::string_view title, std::string_view source,

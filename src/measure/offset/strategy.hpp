@@ -1,4 +1,4 @@
-// The table of strategies: each is one function of strategies.hpp and one row.
+// The table of strategies: each is one function and one row of strategy.cpp.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/offset/strategies.hpp"
+#include "measure/offset/leaving.hpp"
+#include "number/counted.hpp"
+#include "number/with_number.hpp"
 #include "shapes/solid.hpp"
 
 namespace lostbits::measure::offset {

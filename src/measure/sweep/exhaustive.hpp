@@ -2,18 +2,83 @@
 // grow with the axis.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "measure/answer/outcome.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/shard/share.hpp"
-#include "measure/sweep/float_tally.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 
 namespace lostbits::measure::sweep {
+
+/// What first happens along an axis: an outcome, or an error of so many bits.
+struct FirstEvent {
+    answer::Outcome outcome;  ///< of a wrong decision
+    int lost_bits = 0;        ///< 0: the outcome; otherwise so many bits are lost, and the outcome is `agree_hit`
+};
+inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::false_miss},
+                                                          {answer::Outcome::false_hit},
+                                                          {answer::Outcome::not_a_number},
+                                                          {answer::Outcome::agree_hit, 1},
+                                                          {answer::Outcome::agree_hit, 4},
+                                                          {answer::Outcome::agree_hit, 8},
+                                                          {answer::Outcome::agree_hit, 12},
+                                                          {answer::Outcome::wrong_object},
+                                                          {answer::Outcome::crack},
+                                                          {answer::Outcome::double_hit},
+                                                          {answer::Outcome::out_of_order}}};
+/// Whether it can happen where a ray has one solid to hit.
+inline constexpr bool is_of_one_solid(const FirstEvent& event) {
+    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_solid;
+}
+
+/// A form on one ray over floats in their order. Floats are named by their place among all (scene/sweep/float_order).
+struct FloatTally {
+    struct Worst {
+        std::uint32_t place;
+        double ulps;  ///< (t − t*)/ulp(t*), signed
+        friend bool operator==(const Worst&, const Worst&) = default;
+    };
+    struct Wrong {
+        std::uint32_t place;
+        answer::Outcome outcome;
+        friend bool operator==(const Wrong&, const Wrong&) = default;
+    };
+
+    /// A hit that is missed, and how much more tmax would have to be, in u.
+    struct Padding {
+        std::uint32_t place;
+        double u;
+        friend bool operator==(const Padding&, const Padding&) = default;
+    };
+
+    std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
+    /// Of the floats where both hit, the first whose error is the largest in size; see `try_floats`.
+    std::optional<Worst> worst;
+    /// No float's error is larger in size; −1 where none is a hit for both.
+    double at_most = -1;
+    std::optional<Wrong> first_wrong, last_wrong;
+    /// The place where each of `first_events` first happens.
+    std::array<std::optional<std::uint32_t>, first_events.size()> first;
+    /// Of a form that asks a box: the first of the hits that it misses whose slabs come apart most; none where they
+    /// come apart at none of them.
+    std::optional<Padding> padding;
+
+    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
+    [[nodiscard]] std::uint64_t floats() const;
+    [[nodiscard]] std::uint64_t wrong() const;
+    /// The next float; the error is NaN where not both hit.
+    void add(std::uint32_t place, answer::Outcome outcome, double ulps);
+    /// What is known of these floats and of those that come after them.
+    void append(const FloatTally& after);
+    friend bool operator==(const FloatTally&, const FloatTally&) = default;
+};
 
 /// A part of an axis with a tally of its own: what a range has of a binade, in the range's order.
 struct BinadePart {
@@ -74,5 +139,41 @@ std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share 
 /// often it was stopped. When it throws (Interrupted, say), the state is whole: the last that `keep` was called with,
 /// or later.
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state);
+
+/// Consecutive floats of an axis, on one of its rays.
+struct FloatsOnRay {
+    const ExhaustiveRequest& request;
+    std::size_t ray = 0;
+    scene::sweep::FloatRange floats;
+};
+
+/// In one block, by one form.
+inline constexpr std::size_t most_refined = 4096;
+
+/// What the rows of the request do at these floats: a tally a row.
+///
+/// The worst error is that of the whole truth (`find_truth`) at its float. Floats that may be worse are looked at
+/// closely, so that none is worse by more than 2^-20 of it or of an ulp; but where thousands in a row are as bad to
+/// within 2^-8 ulp, as where t* hardly depends on the axis, no more than `most_refined`. What the others' errors are at
+/// most is in `at_most`. Crossings of a number of lost bits are decided by the whole truth wherever the columns leave
+/// them open.
+std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
+
+/// By how many u tmax must grow so that no hit is missed for slabs that come apart; 0 where none is, missing for a form
+/// that asks no box.
+double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
+
+/// As `try_floats`: of a sweep across a mesh. Every float is held against the whole truth of its ray, and its error is
+/// the metric `ulp_error`: nothing is left open.
+std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages);
+
+/// One form at one float.
+struct FloatAnswer {
+    answer::Outcome outcome = answer::Outcome::agree_miss;
+    double t = truth::missing;      ///< the form's answer; NaN where it says miss
+    double truth = truth::missing;  ///< t* in the unit of the answer, correctly rounded to binary64; NaN for a miss
+    double ulps = truth::missing;   ///< (t − t*)/ulp(t*); NaN unless both hit
+};
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place);
 
 }  // namespace lostbits::measure::sweep

@@ -1,4 +1,4 @@
-#include "measure/sweep/exhaustive_block.hpp"
+#include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,7 @@
 
 #include "intersect/hull/behind.hpp"
 #include "measure/metric/published_bounds.hpp"
-#include "measure/sweep/float_band.hpp"
-#include "measure/sweep/ulp_columns.hpp"
+#include "measure/sweep/float_columns.hpp"
 
 namespace lostbits::measure::sweep {
 

@@ -1,4 +1,4 @@
-#include "measure/sweep/float_band.hpp"
+#include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
 #include <optional>

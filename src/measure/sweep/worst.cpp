@@ -233,14 +233,7 @@ private:
 
     Judge judged(const std::vector<Place>& places) {
         scene::rays::RayBlock rays;
-        for (const Place& p : places) {
-            rays.ox.push_back(p.x[0]);
-            rays.oy.push_back(p.x[1]);
-            rays.oz.push_back(p.x[2]);
-            rays.dx.push_back(p.x[3]);
-            rays.dy.push_back(p.x[4]);
-            rays.dz.push_back(p.x[5]);
-        }
+        for (const Place& p : places) rays.push(p.ray());
         rays.width = static_cast<int>(places.size());
         rays.y1 = 1;
         evaluations_ += places.size();

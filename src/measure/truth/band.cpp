@@ -64,13 +64,8 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, cu
 }
 
 Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit)
-    : scene_(&scene),
-      y0_(rays.y0),
-      rows_(rays.y1 - rays.y0),
-      limit_(limit),
-      ideal_(std::move(rays)),
-      ideal_solids_(scene.solids()) {
-    find_truth_of_all();
+    : Band(std::move(rays), scene.solids(), false, limit) {
+    scene_ = &scene;
 }
 
 Band::Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit)

@@ -63,7 +63,9 @@ private:
                 .solid = {},
                 .tmin = rays_.tmin,
                 .tmax = rays_.tmax,
-                .open = problems_.rays.open};
+                .open = problems_.rays.open,
+                .matrix = {},
+                .ray_low = rays_.low};
     }
 
     /// Every ray against one solid, kept where it comes first.
@@ -80,13 +82,13 @@ private:
         };
         put(words, columns.solid);
         columns.matrix = under_matrix(solid);
-        if constexpr (two_words) columns.ray_low = rays_.low, put(low, columns.solid_low);
+        if constexpr (two_words) put(low, columns.solid_low);
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
     static stages::UnderMatrix under_matrix(const Solid<S>& solid) {
-        if (!solid.placed) return {};
-        return {true, solid.placed->is_inverse, solid.placed->orientation};
+        return solid.placed ? stages::UnderMatrix{true, solid.placed->is_inverse, solid.placed->orientation}
+                            : stages::UnderMatrix{};
     }
 
     /// Every ray against the solid that it is paired with.
@@ -107,10 +109,7 @@ private:
         }
         ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
-        if constexpr (two_words) {
-            columns.ray_low = rays_.low;
-            for (std::size_t k = 0; k < numbers; ++k) columns.solid_low[k] = room[numbers + k];
-        }
+        for (std::size_t k = 0; two_words && k < numbers; ++k) columns.solid_low[k] = room[numbers + k];
         meet(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
@@ -268,8 +267,10 @@ private:
         ++rest_.counts.double_double;
         pair.truth.bits = 106;
         if (found.hit[k] == 0) return;
-        pair.truth.decision = Truth::Decision::hit, pair.truth.object = 0;
-        pair.truth.touches = found.touches[k] != 0, pair.truth.on_surface = found.on_surface[k] != 0;
+        pair.truth.decision = Truth::Decision::hit;
+        pair.truth.object = 0;
+        pair.truth.touches = found.touches[k] != 0;
+        pair.truth.on_surface = found.on_surface[k] != 0;
         pair.truth.t = certified(found.hi[k], found.lo[k], found.bound[k]);
         pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }

@@ -9,7 +9,6 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/obstacle.hpp"
 #include "measure/choice/requirement.hpp"
-#include "measure/choice/respawn.hpp"
 #include "measure/choice/room.hpp"
 
 namespace lostbits::output::choice {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/offset/cheapest.hpp"
+#include "measure/offset/offsets.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "measure/sweep/cases.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/page/json.hpp"
 

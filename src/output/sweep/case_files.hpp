@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 #include "output/image/colour.hpp"
 #include "output/map/map_tables.hpp"
 

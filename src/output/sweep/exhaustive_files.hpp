@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "measure/sweep/float_band.hpp"
+#include "measure/sweep/exhaustive.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/table/table.hpp"
 

@@ -7,8 +7,7 @@
 #include "counts.hpp"
 #include "intersect/hull/behind.hpp"
 #include "intersect/space/spaced.hpp"
-#include "measure/answer/asked.hpp"
-#include "measure/answer/levels.hpp"
+#include "measure/answer/steps.hpp"
 #include "measure/truth/box_families.hpp"
 
 namespace test_hull_rows {

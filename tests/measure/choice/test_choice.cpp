@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/room.hpp"
+#include "measure/rows.hpp"
 #include "output/choice/choice_text.hpp"
 #include "scene/file/scene.hpp"
 
@@ -14,6 +15,7 @@ namespace lostbits::test::test_choice {
 using namespace lostbits::measure::choice;
 using measure::evaluate::TestedForm;
 using scene::file::Scene;
+using testing::row;
 
 namespace {
 
@@ -21,12 +23,6 @@ Scene scene_named(const char* name, std::optional<std::string> variant = {}) {
     scene::file::LoadOptions options{.variant = std::move(variant)};
     options.size = {{48, 48}};
     return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
-}
-
-TestedForm row_of(std::string_view form, const char* format) {
-    const auto all = intersect::table::intersectors();
-    return {std::ranges::find_if(all, [&](const auto& row) { return row.info->name == form; }).operator->(),
-            *find_format(format)};
 }
 
 ChoiceRequest request_of(const Scene& scene, double bits) {
@@ -37,7 +33,7 @@ ChoiceRequest request_of(const Scene& scene, double bits) {
 }
 
 Candidate candidate(double time, std::uint64_t wrong, double bits) {
-    Candidate c{.row = row_of("sphere.schoolbook", "f32")};
+    Candidate c{.row = row("sphere.schoolbook", "f32")};
     c.time.median = time;
     c.worth = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
     return c;
@@ -63,7 +59,7 @@ TEST_CASE("the cheapest that meets a wish is neither the fastest nor the most ac
 TEST_CASE("every row is timed, on rays of the scene, and worth what a map says") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
     ChoiceRequest request = request_of(scene, 16);
-    request.rows = {row_of("sphere.schoolbook", "f32"), row_of("sphere.schoolbook", "f64")};
+    request.rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")};
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
@@ -87,7 +83,7 @@ TEST_CASE("a form is the fastest beyond the noise alone, and a form without regi
     const ChoiceRequest request = request_of(scene, 16);
     const auto said = [&](double first, double second, double spread, std::string_view isa) {
         std::vector<Candidate> all{candidate(first * 1e-9, 0, 20), candidate(second * 1e-9, 0, 20)};
-        all[1].row = row_of("sphere.double_inside", "f32");
+        all[1].row = row("sphere.double_inside", "f32");
         for (Candidate& c : all) {
             c.isa = "512";
             c.time.low_quartile = c.time.median * (1 - spread);
@@ -148,19 +144,19 @@ TEST_CASE("a stretched scene is the scene at factor 1, and shows the same pictur
 TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
-    const TestedForm row = row_of("sphere.schoolbook", "f32");
-    const auto rooms = rooms_of(request, row, 48 * 48);
+    const TestedForm asked = row("sphere.schoolbook", "f32");
+    const auto rooms = rooms_of(request, asked, 48 * 48);
     REQUIRE(rooms.size() == 4);
     const Room& distance = rooms[0];
     REQUIRE(distance.end == End::fails);
     CHECK(distance.holds >= 1);
     CHECK(distance.beyond / distance.holds <= 1.02);
-    request.rows = {row};
+    request.rows = {asked};
     const auto at = [&](double factor) {
         const auto there = stretched(scene, Growth::distance, factor);
-        ChoiceRequest asked = request;
-        asked.scene = &there->scene;
-        return worth_of(asked).front();
+        ChoiceRequest there_asked = request;
+        there_asked.scene = &there->scene;
+        return worth_of(there_asked).front();
     };
     CHECK(at(distance.holds).meets(request.wish));
     CHECK_FALSE(at(distance.beyond).meets(request.wish));
@@ -169,10 +165,10 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
 }
 
 TEST_CASE("two spheres that differ in radius alone have rooms that end at one radius") {
-    const TestedForm row = row_of("sphere.pythagoras", "f64");
-    const auto edge = [&row](const std::string& variant) {
+    const TestedForm asked = row("sphere.pythagoras", "f64");
+    const auto edge = [&asked](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4", variant);
-        const auto rooms = rooms_of(request_of(scene, 16), row, 4096);
+        const auto rooms = rooms_of(request_of(scene, 16), asked, 4096);
         const auto radius = std::ranges::find(rooms, Growth::radius, &Room::way);
         REQUIRE(radius != rooms.end());
         REQUIRE(radius->end == End::fails);
@@ -184,8 +180,8 @@ TEST_CASE("two spheres that differ in radius alone have rooms that end at one ra
 TEST_CASE("a room ends where binary32 holds another scene, though every ray is decided rightly there") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
-    const TestedForm row = row_of("sphere.unified", "f64");
-    const auto rooms = rooms_of(request, row, 48 * 48);
+    const TestedForm asked = row("sphere.unified", "f64");
+    const auto rooms = rooms_of(request, asked, 48 * 48);
     const auto offset = std::ranges::find(rooms, Growth::offset, &Room::way);
     REQUIRE(offset != rooms.end());
     CHECK(offset->end == End::other_scene);
@@ -195,13 +191,13 @@ TEST_CASE("a room ends where binary32 holds another scene, though every ray is d
     own.inputs = scene::file::Inputs::own;
     ChoiceRequest of_own = request;
     of_own.scene = &own;
-    const auto own_rooms = rooms_of(of_own, row, 24 * 24);
+    const auto own_rooms = rooms_of(of_own, asked, 24 * 24);
     CHECK(std::ranges::find(own_rooms, Growth::offset, &Room::way)->end != End::other_scene);
 }
 
 TEST_CASE("a wish that fails at once has no room") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
-    const auto rooms = rooms_of(request_of(scene, 20), row_of("sphere.schoolbook", "f32"), 1024);
+    const auto rooms = rooms_of(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
     REQUIRE_FALSE(rooms.empty());
     for (const Room& room : rooms) {
         CHECK(room.holds == 0);

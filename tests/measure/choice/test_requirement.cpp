@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "measure/choice/requirement.hpp"
+#include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
 namespace lostbits::test::test_requirement {
@@ -22,11 +23,8 @@ scene::file::Scene small_scene(const char* name) {
 
 std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::initializer_list<const char*> formats) {
     std::vector<TestedForm> rows;
-    for (const char* form : forms) {
-        const auto all = intersect::table::intersectors();
-        const auto found = std::ranges::find_if(all, [form](const auto& row) { return row.info->name == form; });
-        for (const char* format : formats) rows.push_back({&*found, *find_format(format)});
-    }
+    for (const char* form : forms)
+        for (const char* format : formats) rows.push_back(testing::row(form, format));
     return rows;
 }
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "intersect/simd/packed.hpp"
 #include "measure/columns/columns.hpp"
 #include "measure/metric/metrics.hpp"
+#include "measure/widths.hpp"
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
@@ -21,17 +21,12 @@ using measure::truth::Truth;
 
 namespace {
 
-/// Runs `at_width()` with every register width that the processor has, but `scalar`, which leaves everything.
+/// Runs `at_width()` at every width but that of single numbers, which leaves everything.
 template <class Run>
-void at_every_width(const Run& at_width) {
-    const auto before = intersect::simd::current_isa();
-    for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-        if (isa == intersect::simd::Isa::scalar) continue;
-        intersect::simd::set_isa(isa);
-        INFO("--isa " << name_of(isa));
-        at_width();
-    }
-    intersect::simd::set_isa(before);
+void in_registers(const Run& at_width) {
+    testing::at_every_width([&](intersect::simd::Isa isa) {
+        if (isa != intersect::simd::Isa::scalar) at_width();
+    });
 }
 
 bool same_bits(double x, double y) { return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y); }
@@ -131,7 +126,7 @@ double compare(const Problems& p) {
 }  // namespace
 
 TEST_CASE("columns of errors have the bits of the metrics", "[measure][columns]") {
-    at_every_width([] {
+    in_registers([] {
         Random random(20261122);
         for (const char* name : {"f32", "f64", "fp16", "bf16", "p5", "p40"}) {
             INFO(name);
@@ -145,7 +140,7 @@ TEST_CASE("columns of errors have the bits of the metrics", "[measure][columns]"
 }
 
 TEST_CASE("columns of any length leave what lies behind them alone", "[measure][columns]") {
-    at_every_width([] {
+    in_registers([] {
         Random random(3);
         const Format format = find_format("f32").value();
         for (const std::size_t n : {1U, 2U, 3U, 7U, 8U, 9U, 15U, 17U, 511U, 513U, 1025U}) {
@@ -159,7 +154,7 @@ TEST_CASE("half an ulp loses no bit and 2^k ulps lose k + 1, in columns and alon
     const Format format = find_format("f64").value();
     Random random(1);
     Problems p(format, 8, random, false);
-    at_every_width([&] {
+    in_registers([&] {
         for (int k = -1; k < 51; ++k) {
             for (std::size_t i = 0; i < 8; ++i) {
                 p.truths[i].t = measure::truth::exactly(1.0);

@@ -45,18 +45,6 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
     });
 }
 
-/// Whether a form claims one triangle of the scene, asked about it alone.
-bool claims(const measure::evaluate::TestedForm& row, const Ray<double>& ray, const Solid<double>& triangle) {
-    const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
-                 d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
-    double t, near, far;
-    std::uint8_t hit;
-    const auto of = [](const double& x) { return std::span(&x, 1); };
-    row.form->rounded(row.format.shape, {of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, triangle,
-                      {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
-    return hit != 0;
-}
-
 }  // namespace
 
 TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by triangle", "[edges]") {
@@ -79,7 +67,7 @@ TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by t
                 for (int axis = 0; axis < 3; ++axis) CHECK(rounding::to_format(v[axis], 0, binary32) == v[axis]);
             std::vector<std::size_t> claimed, met;
             for (std::size_t s = 0; s < solids.size(); ++s) {
-                if (claims(rows[r], ray, solids[s])) claimed.push_back(s);
+                if (asked_alone(rows[r], ray, solids[s])) claimed.push_back(s);
                 if (measure::truth::find_truth(ray, solids[s], {}, rows[r].convention()).is_hit()) met.push_back(s);
             }
             const auto is_of_edge = [&](std::size_t s) {

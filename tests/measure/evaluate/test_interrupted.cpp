@@ -13,7 +13,6 @@
 #include "measure/rows.hpp"
 #include "measure/speed/timing.hpp"
 #include "measure/speed/timing_threads.hpp"
-#include "measure/sweep/cases.hpp"
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"

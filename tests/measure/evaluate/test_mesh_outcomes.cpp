@@ -32,7 +32,7 @@ public:
             std::vector<Truth> apart;
             for (std::size_t s = 0; s < in.solids.size(); ++s) {
                 const Solid<double> solid = in.solids[s];
-                if (is_asked(in, i, s) && says_hit(ray, solid)) claimed.push_back(s);
+                if (is_asked(in, i, s) && testing::asked_alone(row_, ray, solid)) claimed.push_back(s);
                 const Truth truth = find_truth(ray, solid, {}, result.convention);
                 if (!truth.is_hit()) continue;
                 met.emplace(s, truth);
@@ -96,18 +96,6 @@ private:
         for (std::size_t pair = lists.first(ray); pair < lists.first(ray + 1); ++pair)
             if (lists.solid(pair) == solid) return true;
         return false;
-    }
-    [[nodiscard]] bool says_hit(const Ray<double>& ray, const Solid<double>& solid) const {
-        const auto narrow = [](double x) { return static_cast<float>(x); };
-        const std::array numbers{narrow(ray.origin.x),    narrow(ray.origin.y),    narrow(ray.origin.z),
-                                 narrow(ray.direction.x), narrow(ray.direction.y), narrow(ray.direction.z)};
-        const auto one = [&](std::size_t k) { return std::span(&numbers[k], 1); };
-        float t = 0, near = 0, far = 0;
-        std::uint8_t hit = 0;
-        row_.form->native32({.ox = one(0), .oy = one(1), .oz = one(2), .dx = one(3), .dy = one(4), .dz = one(5)},
-                            intersect::Target<float>(transformed(solid, narrow)),
-                            {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
-        return hit != 0;
     }
     const measure::evaluate::TestedForm& row_;
 };

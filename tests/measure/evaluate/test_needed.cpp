@@ -6,11 +6,16 @@
 #include "catch.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/needed.hpp"
+#include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
 namespace test_needed {
 
 using namespace lostbits;
+using namespace lostbits::measure::evaluate;
+using measure::answer::Outcome;
+using measure::truth::exactly;
+using measure::truth::Truth;
 
 namespace {
 
@@ -19,57 +24,45 @@ scene::file::Scene load(const char* name, int width, int height) {
     return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
 }
 
-const intersect::table::Intersector& form(const char* name) {
-    const auto found = std::ranges::find(intersect::table::intersectors(), name,
-                                         [](const intersect::table::Intersector& i) { return i.info->name; });
-    REQUIRE(found != intersect::table::intersectors().end());
-    return *found;
-}
-
 /// Every pixel's outcome and correct bits in one format, as the map has them.
-struct Collected final : measure::evaluate::EvaluationSink {
-    std::vector<measure::answer::Outcome> outcomes;
+struct Collected final : EvaluationSink {
+    std::vector<Outcome> outcomes;
     std::vector<double> correct;
-    void band(const measure::evaluate::BandResult& r) override {
+    void band(const BandResult& r) override {
         outcomes.insert(outcomes.end(), r.outcomes.begin(), r.outcomes.end());
         correct.insert(correct.end(), r.metrics[0].begin(), r.metrics[0].end());
     }
     [[nodiscard]] bool suffices(std::size_t i, int bits) const {
-        return outcomes[i] == measure::answer::Outcome::agree_miss ||
-               (outcomes[i] == measure::answer::Outcome::agree_hit && correct[i] >= bits);
+        return outcomes[i] == Outcome::agree_miss || (outcomes[i] == Outcome::agree_hit && correct[i] >= bits);
     }
 };
 
 std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
                               const std::vector<std::string>& formats) {
-    measure::evaluate::EvaluationRequest request{
-        .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
+    EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
-    std::vector<measure::evaluate::EvaluationSink*> sinks;
+    std::vector<EvaluationSink*> sinks;
     for (Collected& c : all) sinks.push_back(&c);
-    measure::evaluate::evaluate_rows(request, sinks);
+    evaluate_rows(request, sinks);
     return all;
 }
 
 std::vector<std::string> every_width() {
     std::vector<std::string> names;
-    for (int p = measure::evaluate::least_width; p <= measure::evaluate::most_width; ++p)
-        names.push_back("p" + std::to_string(p));
+    for (int p = least_width; p <= most_width; ++p) names.push_back("p" + std::to_string(p));
     return names;
 }
 
-struct Needed final : measure::evaluate::NeededSink {
+struct Needed final : NeededSink {
     std::vector<double> values;
-    void band(const measure::evaluate::NeededBand& r) override {
-        values.insert(values.end(), r.needed.begin(), r.needed.end());
-    }
+    void band(const NeededBand& r) override { values.insert(values.end(), r.needed.begin(), r.needed.end()); }
 };
 
 std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::table::Intersector& form, int bits,
-                              measure::evaluate::NeededSummary* summary = nullptr) {
+                              NeededSummary* summary = nullptr) {
     Needed sink;
-    const auto summaries = measure::evaluate::run_needed({.scene = &scene, .forms = {&form}, .bits = bits}, {&sink});
+    const auto summaries = run_needed({.scene = &scene, .forms = {&form}, .bits = bits}, {&sink});
     if (summary) *summary = summaries.front();
     return sink.values;
 }
@@ -83,25 +76,22 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
         const scene::file::Scene scene = load(name, 20, 14);
         // Of both conventions on touching, and one that is given unit directions.
         for (const char* which : {"sphere.schoolbook", "sphere.unified", "sphere.factored_c", "sphere.unit_half_b"}) {
-            const auto maps = map_of(scene, form(which), every_width());
+            const auto maps = map_of(scene, testing::form_named(which), every_width());
             for (const int bits : {1, 12, 20, 52}) {
                 INFO(name << ' ' << which << ' ' << bits);
-                const auto values = needed_of(scene, form(which), bits);
+                const auto values = needed_of(scene, testing::form_named(which), bits);
                 REQUIRE(values.size() == 20 * 14);
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
-                    double expected = measure::evaluate::needed_beyond;
-                    for (int p = measure::evaluate::most_width;
-                         p >= measure::evaluate::least_width &&
-                         maps[static_cast<std::size_t>(p - measure::evaluate::least_width)].suffices(i, bits);
-                         --p)
-                        expected = p;
+                    double expected = needed_beyond;
+                    const auto is_enough = [&](int p) {
+                        return maps[static_cast<std::size_t>(p - least_width)].suffices(i, bits);
+                    };
+                    for (int p = most_width; p >= least_width && is_enough(p); --p) expected = p;
                     wrong += values[i] != expected;
-                    beyond += expected == measure::evaluate::needed_beyond;
+                    beyond += expected == needed_beyond;
                     narrow_misses += expected < bits;
-                    for (int p = measure::evaluate::least_width; p < expected && p <= measure::evaluate::most_width;
-                         ++p)
-                        lucky += maps[static_cast<std::size_t>(p - measure::evaluate::least_width)].suffices(i, bits);
+                    for (int p = least_width; p < expected && p <= most_width; ++p) lucky += is_enough(p);
                 }
                 CHECK(wrong == 0);
             }
@@ -117,10 +107,10 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
     const scene::file::Scene scene = load("rtg-fig-7-4.r1e4", 24, 18);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
         std::vector<double> before(24 * 18, 0);
-        measure::evaluate::NeededSummary summary;
+        NeededSummary summary;
         for (int bits = 1; bits <= 52; ++bits) {
             INFO(which << ' ' << bits);
-            const auto values = needed_of(scene, form(which), bits, &summary);
+            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
             CHECK(std::equal(before.begin(), before.end(), values.begin(), std::less_equal<>()));
             CHECK(std::all_of(summary.hits.begin(), summary.hits.begin() + bits, [](auto n) { return n == 0; }));
             CHECK(summary.pixels() == 24 * 18);
@@ -132,14 +122,14 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
 TEST_CASE("a width exists exactly where double's own format suffices", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-2000-oblique", 24, 24);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
-        const auto in_double = map_of(scene, form(which), {"f64"}).front();
+        const auto in_double = map_of(scene, testing::form_named(which), {"f64"}).front();
         for (const int bits : {12, 40, 50}) {
-            measure::evaluate::NeededSummary summary;
-            const auto values = needed_of(scene, form(which), bits, &summary);
+            NeededSummary summary;
+            const auto values = needed_of(scene, testing::form_named(which), bits, &summary);
             std::uint64_t beyond = 0;
             for (std::size_t i = 0; i < values.size(); ++i) {
-                CHECK((values[i] <= measure::evaluate::most_width) == in_double.suffices(i, bits));
-                beyond += values[i] == measure::evaluate::needed_beyond;
+                CHECK((values[i] <= most_width) == in_double.suffices(i, bits));
+                beyond += values[i] == needed_beyond;
             }
             CHECK(summary.hits_beyond + summary.misses_beyond == beyond);
         }
@@ -148,50 +138,51 @@ TEST_CASE("a width exists exactly where double's own format suffices", "[needed]
 
 TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
-    const std::vector<const intersect::table::Intersector*> forms{&form("sphere.schoolbook"),
-                                                                  &form("sphere.unit_half_b"), &form("sphere.unified")};
+    const std::vector<const intersect::table::Intersector*> forms{&testing::form_named("sphere.schoolbook"),
+                                                                  &testing::form_named("sphere.unit_half_b"),
+                                                                  &testing::form_named("sphere.unified")};
     std::vector<Needed> together(3);
     std::uint64_t done = 0;
-    measure::evaluate::NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
+    NeededRequest request{.scene = &scene, .forms = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
-    measure::evaluate::run_needed(request, {&together[0], &together[1], &together[2]});
-    CHECK(done == measure::evaluate::needed_units(request));
+    run_needed(request, {&together[0], &together[1], &together[2]});
+    CHECK(done == needed_units(request));
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f].values == needed_of(scene, *forms[f], 16));
 }
 
 TEST_CASE("half an ulp of B bits is kept, and no more", "[needed]") {
-    const measure::truth::Certified one = measure::truth::exactly(1);
-    CHECK(measure::evaluate::keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
-    CHECK_FALSE(measure::evaluate::keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
-    CHECK(measure::evaluate::keeps_bits(1 - 0x1p-12, one, 12));
-    CHECK_FALSE(measure::evaluate::keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
-    CHECK(measure::evaluate::keeps_bits(1.5, one, 1));
-    CHECK(measure::evaluate::keeps_bits(0, measure::truth::exactly(0), 52));
-    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(measure::evaluate::keeps_bits(t, one, 1));
+    const measure::truth::Certified one = exactly(1);
+    CHECK(keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
+    CHECK_FALSE(keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
+    CHECK(keeps_bits(1 - 0x1p-12, one, 12));
+    CHECK_FALSE(keeps_bits(1 - 0x1p-12 - 0x1p-53, one, 12));
+    CHECK(keeps_bits(1.5, one, 1));
+    CHECK(keeps_bits(0, exactly(0), 52));
+    for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(keeps_bits(t, one, 1));
 }
 
 TEST_CASE("what suffices on one ray", "[needed]") {
-    measure::truth::Truth hit, miss, open;
-    hit.decision = measure::truth::Truth::Decision::hit;
-    hit.t = measure::truth::exactly(4);
-    hit.distance = measure::truth::exactly(8);
+    Truth hit, miss, open;
+    hit.decision = Truth::Decision::hit;
+    hit.t = exactly(4);
+    hit.distance = exactly(8);
     hit.object = 3;
-    open.decision = measure::truth::Truth::Decision::unresolved;
-    const intersect::Info& any = *form("sphere.schoolbook").info;
-    const intersect::Info& unit = *form("sphere.unit_half_b").info;
+    open.decision = Truth::Decision::unresolved;
+    const intersect::Info& any = *testing::form_named("sphere.schoolbook").info;
+    const intersect::Info& unit = *testing::form_named("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
-    CHECK(measure::evaluate::suffices(hit, any, 12, {true, 4}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
-    CHECK_FALSE(measure::evaluate::suffices(hit, any, 12, {true, 8}, 12));
-    CHECK(measure::evaluate::suffices(hit, unit, 12, {true, 8}, 12));
-    CHECK(measure::evaluate::suffices(hit, any, 12, {true, 4, hit.object}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another solid
-    CHECK_FALSE(measure::evaluate::suffices(hit, any, 53, {false, 4}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(hit, any, 53, {true, std::nan("")}, 12));
-    CHECK(measure::evaluate::suffices(miss, any, 2, {false, std::nan("")}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(miss, any, 53, {true, 4}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(open, any, 53, {true, 4}, 12));
-    CHECK_FALSE(measure::evaluate::suffices(open, any, 53, {false, 4}, 12));
+    CHECK(suffices(hit, any, 12, {true, 4}, 12));
+    CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
+    CHECK_FALSE(suffices(hit, any, 12, {true, 8}, 12));
+    CHECK(suffices(hit, unit, 12, {true, 8}, 12));
+    CHECK(suffices(hit, any, 12, {true, 4, hit.object}, 12));
+    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another solid
+    CHECK_FALSE(suffices(hit, any, 53, {false, 4}, 12));
+    CHECK_FALSE(suffices(hit, any, 53, {true, std::nan("")}, 12));
+    CHECK(suffices(miss, any, 2, {false, std::nan("")}, 12));
+    CHECK_FALSE(suffices(miss, any, 53, {true, 4}, 12));
+    CHECK_FALSE(suffices(open, any, 53, {true, 4}, 12));
+    CHECK_FALSE(suffices(open, any, 53, {false, 4}, 12));
 }
 
 TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[needed]") {
@@ -208,19 +199,19 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
                                .dz = {1, 1}};
     const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
     const measure::truth::Band band(rays, {solid}, {.bits = 1});
-    REQUIRE(band.truth(0, intersect::Touching::hit).decision == measure::truth::Truth::Decision::unresolved);
+    REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const auto results =
-        measure::evaluate::measure_needed({.scene = nullptr, .forms = {&form("sphere.unified")}, .bits = 12}, band);
+        measure_needed({.scene = nullptr, .forms = {&testing::form_named("sphere.unified")}, .bits = 12}, band);
     CHECK(std::isnan(results[0].needed[0]));
-    CHECK(results[0].needed[1] <= measure::evaluate::most_width);
-    measure::evaluate::NeededSummary summary;
+    CHECK(results[0].needed[1] <= most_width);
+    NeededSummary summary;
     for (std::size_t i = 0; i < 2; ++i) summary.add(results[0].truth(i), results[0].needed[i]);
     CHECK(summary.unresolved == 1);
     CHECK(summary.all().count() == 1);
 }
 
 TEST_CASE("statistics of whole widths are exact", "[needed]") {
-    measure::evaluate::WidthCounts counts{};
+    WidthCounts counts{};
     CHECK(std::isnan(counts.mean()));
     CHECK(std::isnan(counts.quantile(0.5)));
     counts[2] = 1, counts[14] = 97, counts[30] = 1, counts[53] = 1;

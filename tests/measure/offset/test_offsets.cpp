@@ -5,8 +5,8 @@
 
 #include "catch.hpp"
 #include "measure/offset/along.hpp"
-#include "measure/offset/cheapest.hpp"
 #include "measure/offset/exact_sides.hpp"
+#include "measure/offset/offsets.hpp"
 #include "measure/offset/points.hpp"
 #include "measure/offset/smallest.hpp"
 #include "scene/rays/rays.hpp"
@@ -26,17 +26,6 @@ const std::vector<std::pair<std::string, std::string>> scenes{
     {"offset-tiny", "sphere.schoolbook"},      {"rtg-fig-7-4.r6371000", "sphere.half_b"},
     {"offset-shells.inside", "sphere.half_b"}, {"offset-touching", "sphere.expanded"},
     {"offset-thin-box", "box.baseline"},       {"world-offset", "sphere.pbrt_factored"}};
-
-/// `p + side·e·n`, each product and sum rounded once to float.
-Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
-    Vec<double> o(0, 0, 0);
-    const float signed_e = static_cast<float>(side == Side::outside ? e : -e);
-    for (int i = 0; i < 3; ++i) {
-        const float step = signed_e * static_cast<float>(at.n[i]);
-        o[i] = static_cast<float>(at.p[i]) + step;
-    }
-    return o;
-}
 
 }  // namespace
 
@@ -67,7 +56,8 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not", "[me
                             ++found;
                             const auto place = measure::truth::ordinal(e, points.of.format.shape);
                             REQUIRE_FALSE(work.is_safe(points.met[k], side,
-                                                       number_at(place - 1, points.of.format.shape), by_form));
+                                                       measure::truth::number_at(place - 1, points.of.format.shape),
+                                                       by_form));
                         }
                         // What is quiet is safe, and a place that is safe from 0 on needs nothing.
                         if (s.quiet == 0) CHECK(s.safe == 0);
@@ -96,9 +86,11 @@ TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardl
             const std::int64_t place = measure::truth::ordinal(e, binary32);
             for (std::int64_t step = 1; step < (std::int64_t{1} << 25); step *= 8) {
                 below += 1;
-                safe_below += work.is_safe(points.met[k], Side::outside, number_at(place - step, binary32), false);
+                safe_below += work.is_safe(points.met[k], Side::outside,
+                                           measure::truth::number_at(place - step, binary32), false);
                 above += 1;
-                unsafe_above += !work.is_safe(points.met[k], Side::outside, number_at(place + step, binary32), false);
+                unsafe_above += !work.is_safe(points.met[k], Side::outside,
+                                              measure::truth::number_at(place + step, binary32), false);
             }
         }
     }
@@ -106,39 +98,6 @@ TEST_CASE("below the smallest safe offset hardly any is safe, and above it hardl
     CHECK(below > 500);
     CHECK(safe_below * 100 < below);
     CHECK(unsafe_above * 100 < above);
-}
-
-TEST_CASE("rationals agree that the smallest safe offset is safe and the float below it is not", "[measure][offset]") {
-    int checked = 0;
-    for (const auto& [scene, form] : scenes) {
-        const ScenePoints points(scene, form, "f32");
-        const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
-        for (std::size_t k = 0; k < points.met.size(); k += 5) {
-            const MetPoint& met = points.met[k];
-            std::array<SideOfPoint, 2> sides;
-            std::vector<StrategyAtPoint> at(2 * strategies.size());
-            if (!work.measure(met, sides, at)) continue;
-            const auto start = work.start(met).value();
-            for (const Side side : both_sides) {
-                const double e = sides[static_cast<std::size_t>(side)].safe;
-                if (!std::isfinite(e) || e == 0) continue;
-                const auto is_safe = [&](double offset) {
-                    for (const NewRay& r : work.rays(met, *strategies.front(), side)) {
-                        const Ray<double> ray{moved_in_float(start, side, offset), r.ray.direction};
-                        const auto exact = testing::exact_meeting({ray, 0}, points.solids[met.own]);
-                        if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
-                    }
-                    return true;
-                };
-                CAPTURE(scene, k, name_of(side), e);
-                CHECK(is_safe(e));
-                CHECK_FALSE(is_safe(std::nextafter(static_cast<float>(e), 0.0F)));
-                ++checked;
-            }
-        }
-    }
-    CHECK(checked > 60);
 }
 
 TEST_CASE("faults of respawned rays are those that rationals find", "[measure][offset]") {
@@ -178,7 +137,7 @@ TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "
     const OffsetRequest request{.scene = &scene, .rows = {of}, .strategies = all_strategies()};
     const auto summaries = run_offsets(request);
     const OffsetSummary& summary = summaries.front();
-    const auto both = safe_strategies(scene, of);
+    const auto both = safe_strategies(summary, request.strategies, Shape::sphere);
     REQUIRE_FALSE(both.empty());
     CHECK(std::ranges::is_sorted(both, {}, &SafeStrategy::operations));
     std::set<const Strategy*> safe;
@@ -190,7 +149,7 @@ TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "
         CHECK(right == safe.contains(request.strategies[k]));
     }
     // Where nothing has to go into the solid, it is enough not to ask it.
-    const auto out = safe_strategies(scene, of, std::array{Side::outside});
+    const auto out = safe_strategies(summary, request.strategies, Shape::sphere, std::array{Side::outside});
     CHECK(out.front().strategy->name == "offset.exclude");
     CHECK(out.front().operations == 0);
     CHECK(safe_strategies(OffsetSummary{}, {}, Shape::sphere).empty());

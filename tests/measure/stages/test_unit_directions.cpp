@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "intersect/simd/packed.hpp"
 #include "measure/stages/stages.hpp"
 #include "measure/truth/unit_direction.hpp"
+#include "measure/widths.hpp"
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 
@@ -37,21 +37,10 @@ bool same(double x, double y) {
     return (std::isnan(x) && std::isnan(y)) || std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
 }
 
-template <class Run>
-void at_every_isa(const Run& run) {
-    const auto before = intersect::simd::current_isa();
-    for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-        intersect::simd::set_isa(isa);
-        INFO("--isa " << name_of(isa));
-        run(isa);
-    }
-    intersect::simd::set_isa(before);
-}
-
 }  // namespace
 
 TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]") {
-    at_every_isa([](intersect::simd::Isa) {
+    testing::at_every_width([](intersect::simd::Isa) {
         for (const bool extreme : {false, true}) {
             for (const FloatFormat& format : {binary32, binary64, FloatFormat{11, -14, 15}}) {
                 Random random(7);
@@ -72,7 +61,7 @@ TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]
 }
 
 TEST_CASE("packs settle nearly all unit directions, and none outside of their range", "[measure][stages]") {
-    at_every_isa([](intersect::simd::Isa isa) {
+    testing::at_every_width([](intersect::simd::Isa isa) {
         Random random(11);
         constexpr std::size_t n = 4096;
         Columns all = directions_of(binary64, n, random, false);

@@ -1,5 +1,5 @@
 // Named cases: verdicts that follow by hand, rays that are none, and the files under data/sweeps/extremes.
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 
 #include <cmath>
 #include <limits>
@@ -12,6 +12,9 @@ namespace test_cases {
 
 using namespace lostbits;
 using namespace lostbits::testing;
+using measure::answer::Outcome;
+using measure::evaluate::FormSummary;
+using measure::sweep::Verdict;
 
 namespace {
 
@@ -45,9 +48,8 @@ const std::string by_hand =
     // A miss is a miss: disc = 100 − 4·(9 + 25 − 4) = −20.
     one_case("exact miss", "centre = [3, 0, 5], radius = 2", "{ origin = [0, 0, 0], direction = [0, 0, 1] }");
 
-measure::evaluate::FormSummary summary_of(
-    std::initializer_list<std::pair<measure::answer::Outcome, std::uint64_t>> counts, double excess) {
-    measure::evaluate::FormSummary s;
+FormSummary summary_of(std::initializer_list<std::pair<Outcome, std::uint64_t>> counts, double excess) {
+    FormSummary s;
     for (const auto& [outcome, n] : counts) {
         s.outcomes[static_cast<std::size_t>(outcome)] = n;
         s.rays += n;
@@ -73,21 +75,20 @@ TEST_CASE("verdicts that follow by hand") {
     REQUIRE(cases.size() == file.size());
     struct Expected {
         const char* name;
-        measure::sweep::Verdict in_f32;
+        Verdict in_f32;
         double bits;  ///< lost in f32
-        measure::sweep::Verdict in_f64;
+        Verdict in_f64;
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there, and t = 3·2^1074 infinite as well.
-    const Expected expected[] = {
-        {"exact", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
-        {"radius lost", measure::sweep::Verdict::wrong_value, 12, measure::sweep::Verdict::right},
-        {"c overflows", measure::sweep::Verdict::false_miss, none, measure::sweep::Verdict::right},
-        {"c underflows", measure::sweep::Verdict::false_hit, none, measure::sweep::Verdict::right},
-        {"a overflows", measure::sweep::Verdict::not_a_number, none, measure::sweep::Verdict::right},
-        {"a underflows", measure::sweep::Verdict::wrong_value, 24, measure::sweep::Verdict::right},
-        {"t overflows", measure::sweep::Verdict::right, 0, measure::sweep::Verdict::right},
-        {"exact miss", measure::sweep::Verdict::right, none, measure::sweep::Verdict::right}};
+    const Expected expected[] = {{"exact", Verdict::right, 0, Verdict::right},
+                                 {"radius lost", Verdict::wrong_value, 12, Verdict::right},
+                                 {"c overflows", Verdict::false_miss, none, Verdict::right},
+                                 {"c underflows", Verdict::false_hit, none, Verdict::right},
+                                 {"a overflows", Verdict::not_a_number, none, Verdict::right},
+                                 {"a underflows", Verdict::wrong_value, 24, Verdict::right},
+                                 {"t overflows", Verdict::right, 0, Verdict::right},
+                                 {"exact miss", Verdict::right, none, Verdict::right}};
     for (std::size_t i = 0; i < file.size(); ++i) {
         CAPTURE(expected[i].name);
         CHECK(file.name(i) == expected[i].name);
@@ -96,7 +97,7 @@ TEST_CASE("verdicts that follow by hand") {
         CHECK(measure::sweep::verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
         CHECK(cases[i][0].rays == 1);
         // One row of one case is the same as that row among all.
-        const measure::evaluate::FormSummary alone = measure::sweep::run_cases_together(request, 0, {i});
+        const FormSummary alone = measure::sweep::run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
         CHECK(same(alone.metrics[0].quantile(1), cases[i][0].metrics[0].quantile(1)));
     }
@@ -109,37 +110,30 @@ TEST_CASE("verdicts that follow by hand") {
     CHECK(excess > 8);
     CHECK(excess < 12);
     // All but `excess` of the 12 bits are the inputs' own: not wrong, and not right either.
-    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == measure::sweep::Verdict::within_inputs);
-    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, 12) == measure::sweep::Verdict::right);
-    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) ==
-          measure::sweep::Verdict::wrong_value);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == Verdict::within_inputs);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, 12) == Verdict::right);
+    CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == Verdict::wrong_value);
 }
 
 TEST_CASE("wrong decisions come before wrong values, the most frequent of them counts") {
-    using O = measure::answer::Outcome;
+    using O = Outcome;
     const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) {
         return measure::sweep::verdict_of(summary_of(counts, excess), case_metrics, 3);
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN(),
                      infinity = std::numeric_limits<double>::infinity();
-    CHECK(verdict({{O::agree_hit, 5}}, 3) == measure::sweep::Verdict::right);
-    CHECK(verdict({{O::agree_hit, 5}}, 3.01) == measure::sweep::Verdict::wrong_value);
-    CHECK(verdict({{O::agree_hit, 5}}, infinity) == measure::sweep::Verdict::wrong_value);
-    CHECK(verdict({{O::agree_miss, 5}}, none) == measure::sweep::Verdict::right);
-    CHECK(verdict({{O::agree_hit, 5}, {O::false_hit, 1}}, 24) == measure::sweep::Verdict::false_hit);
-    CHECK(verdict({{O::agree_hit, 500}, {O::false_miss, 1}}, 0) == measure::sweep::Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) ==
-          measure::sweep::Verdict::false_hit);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) ==
-          measure::sweep::Verdict::false_miss);
-    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) ==
-          measure::sweep::Verdict::not_a_number);
-    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) ==
-          measure::sweep::Verdict::unresolved);
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::not_a_number)] ==
-          "not_a_number");
-    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(measure::sweep::Verdict::within_inputs)] ==
-          "within_inputs");
+    CHECK(verdict({{O::agree_hit, 5}}, 3) == Verdict::right);
+    CHECK(verdict({{O::agree_hit, 5}}, 3.01) == Verdict::wrong_value);
+    CHECK(verdict({{O::agree_hit, 5}}, infinity) == Verdict::wrong_value);
+    CHECK(verdict({{O::agree_miss, 5}}, none) == Verdict::right);
+    CHECK(verdict({{O::agree_hit, 5}, {O::false_hit, 1}}, 24) == Verdict::false_hit);
+    CHECK(verdict({{O::agree_hit, 500}, {O::false_miss, 1}}, 0) == Verdict::false_miss);
+    CHECK(verdict({{O::false_hit, 3}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_hit);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 1}}, 24) == Verdict::false_miss);
+    CHECK(verdict({{O::false_hit, 1}, {O::false_miss, 2}, {O::not_a_number, 3}}, 24) == Verdict::not_a_number);
+    CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
+    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::not_a_number)] == "not_a_number");
+    CHECK(measure::sweep::verdict_names[static_cast<std::size_t>(Verdict::within_inputs)] == "within_inputs");
 }
 
 TEST_CASE("a ray that is none meets nothing, in any form and format") {
@@ -168,16 +162,12 @@ TEST_CASE("a ray that is none meets nothing, in any form and format") {
     std::uint64_t right = 0, invented = 0;
     for (const auto& rows : cases) {
         REQUIRE(rows.size() == request.rows.size());
-        for (const measure::evaluate::FormSummary& s : rows) {
+        for (const FormSummary& s : rows) {
             CHECK(s.true_hits == 0);
-            CHECK(s.count(measure::answer::Outcome::agree_hit) + s.count(measure::answer::Outcome::false_miss) +
-                      s.count(measure::answer::Outcome::unresolved) ==
-                  0);
-            CHECK(s.count(measure::answer::Outcome::agree_miss) + s.count(measure::answer::Outcome::false_hit) +
-                      s.count(measure::answer::Outcome::not_a_number) ==
-                  1);
-            right += s.count(measure::answer::Outcome::agree_miss);
-            invented += s.count(measure::answer::Outcome::false_hit);
+            CHECK(s.count(Outcome::agree_hit) + s.count(Outcome::false_miss) + s.count(Outcome::unresolved) == 0);
+            CHECK(s.count(Outcome::agree_miss) + s.count(Outcome::false_hit) + s.count(Outcome::not_a_number) == 1);
+            right += s.count(Outcome::agree_miss);
+            invented += s.count(Outcome::false_hit);
         }
     }
     CHECK(right > 100);
@@ -233,11 +223,10 @@ TEST_CASE("every file of extremes runs with every form, and the truth of each is
             bool any_right = false;
             for (std::size_t r = 0; r < request.rows.size(); ++r) {
                 CAPTURE(request.rows[r].form->info->name, request.rows[r].format.name);
-                const measure::evaluate::FormSummary& s = cases[i][r];
-                const measure::sweep::Verdict v =
-                    measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
-                CHECK(v != measure::sweep::Verdict::unresolved);
-                any_right |= v == measure::sweep::Verdict::right || v == measure::sweep::Verdict::within_inputs;
+                const FormSummary& s = cases[i][r];
+                const Verdict v = measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
+                CHECK(v != Verdict::unresolved);
+                any_right |= v == Verdict::right || v == Verdict::within_inputs;
                 CHECK(s.rays > 0);
                 CHECK(std::accumulate(s.outcomes.begin(), s.outcomes.end(), std::uint64_t{0}) == s.rays);
                 if (file.id == "not-numbers") CHECK(s.true_hits == 0);

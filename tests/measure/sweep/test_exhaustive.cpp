@@ -2,7 +2,6 @@
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -11,20 +10,13 @@
 #include "intersect/hull/behind.hpp"
 #include "measure/metric/published_bounds.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/error.hpp"
-#include "output/shard/fields.hpp"
-#include "output/shard/state_file.hpp"
-#include "scratch.hpp"
 
 namespace test_exhaustive {
 
 using namespace lostbits;
 using namespace lostbits::testing;
-using intersect::table::HitBatch;
-using intersect::table::RayBatch;
 using measure::evaluate::TestedForm;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
@@ -47,8 +39,6 @@ std::string ray(const std::string& name, const std::string& origin, const std::s
 const std::string unit_sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1";
 const std::string cube = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]";
 
-std::span<const float> one(const float& x) { return {&x, 1}; }
-
 /// One form at one float, without packs of anything.
 struct Alone {
     Outcome outcome;
@@ -59,32 +49,17 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     const Ray<float> there = file.ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
-    const Solid<float> solid = file.solid_at(value);
+    const Solid<float> narrow = file.solid_at(value);
+    const Solid<double> solid = transformed(narrow, [](float x) { return static_cast<double>(x); });
     const auto end = static_cast<double>(file.rays[ray].tmax);
-    const truth::Truth t = truth::find_truth(given, transformed(solid, [](float x) { return static_cast<double>(x); }),
-                                             {}, row.convention(), {.tmax = end});
+    const truth::Truth t = truth::find_truth(given, solid, {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
-    const auto f = [](double x) { return static_cast<float>(x); };
-    const float o[3] = {f(given.origin.x), f(given.origin.y), f(given.origin.z)}, e[3] = {f(d.x), f(d.y), f(d.z)};
-    const float tmax = f(end);
-    float answer = 0, near = 0, far = 0;
-    std::uint8_t hit = 0;
-    row.form->native32(
-        RayBatch<float>{.ox = one(o[0]),
-                        .oy = one(o[1]),
-                        .oz = one(o[2]),
-                        .dx = one(e[0]),
-                        .dy = one(e[1]),
-                        .dz = one(e[2]),
-                        .tmax = one(tmax)},
-        intersect::Target<float>(solid),
-        HitBatch<float>{std::span(&answer, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
-    Alone found{answer::classify(t.decision, hit != 0, static_cast<double>(answer))};
-    if (found.outcome == Outcome::agree_hit)
-        found.ulps = truth::ulp_error(static_cast<double>(answer), unit ? t.distance : t.t, binary32);
-    if (found.outcome == Outcome::false_miss && solid.is<Box>())
-        found.padding = measure::metric::padding(there, solid.box());
+    const auto answer = asked_alone(row, {given.origin, d}, solid, end);
+    Alone found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
+    if (found.outcome == Outcome::agree_hit) found.ulps = truth::ulp_error(*answer, unit ? t.distance : t.t, binary32);
+    if (found.outcome == Outcome::false_miss && narrow.is<Box>())
+        found.padding = measure::metric::padding(there, narrow.box());
     return found;
 }
 
@@ -216,54 +191,6 @@ TEST_CASE("every float of a binade, in the long tests of a whole one: the school
                                  ray("half", "0.5, 0.25, 0", "0, 0, -1"), unit_sphere);
     const Compared compared = compare(text, {row("sphere.schoolbook", "f32")});
     CHECK(compared.floats == (test::is_long() ? 1 << 23 : 1 << 20));
-}
-
-TEST_CASE("a run that is stopped goes on from its state and finds the same") {
-    const TextFile written(
-        sweep_text("set = \"ray.origin.z\"\nfrom = 2048\nto = 8192",
-                   ray("half", "0.5, 0.25, 0", "0, 0, -1") + ray("miss", "0.75, 0.75, 0", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.unit_half_b", "f32")});
-    const auto at_once = run(request);
-    CHECK(at_once.tried == file.floats());
-    const test::Scratch folder;
-    const output::shard::UnfinishedFile unfinished(folder.path(), {"lostbits", "sweep s", 1, {}}, "sweep s");
-    sweep::ExhaustiveState state;
-    int stops = 0;
-    std::atomic<bool> asked{false};
-    request.limit.stop = intersect::process::StopToken(asked);
-    request.keep = [&asked](const sweep::ExhaustiveState&) { asked = true; };
-    while (state.tried < file.floats()) {
-        try {
-            sweep::run_exhaustive(request, state);
-        } catch (const Interrupted&) {
-            ++stops;
-        }
-        asked = false;
-        unfinished.write(output::shard::bits_of(state));
-        state = {};
-        unfinished.read([&](output::shard::BitReader& bits) {
-            bits(state);
-            state.require_of(request);
-        });
-    }
-    CHECK(stops > 3);
-    CHECK(state.tallies == at_once.tallies);
-    CHECK(state.stages.rays() == at_once.stages.rays());
-}
-
-TEST_CASE("any number of threads finds the same") {
-    const TextFile written(sweep_text("set = \"ray.origin.x\"\nfrom = \"0x1.cp-1\"\nto = \"0x1.2p0\"",
-                                      ray("from 16", "0, 0, 16", "0, 0, -1"), unit_sphere));
-    const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    const auto request = request_of(file, {row("sphere.schoolbook", "f32"), row("sphere.press", "f32")});
-    std::vector<sweep::ExhaustiveState> found;
-    for (const std::size_t threads : {1U, 2U, 5U}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        found.push_back(run(request));
-    }
-    CHECK(found[1].tallies == found[0].tallies);
-    CHECK(found[2].tallies == found[0].tallies);
 }
 
 TEST_CASE("the padding that no float needs more of is that of the slabs, behind a box too") {

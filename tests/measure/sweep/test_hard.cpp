@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/cases.hpp"
+#include "measure/sweep/sweep.hpp"
 #include "scene/sweep/search_file.hpp"
 
 namespace test_hard {

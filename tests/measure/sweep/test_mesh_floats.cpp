@@ -4,7 +4,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "measure/sweep/float_band.hpp"
+#include "measure/sweep/exhaustive.hpp"
 #include "number/error.hpp"
 #include "scratch.hpp"
 
@@ -32,18 +32,11 @@ struct Counted {
 
 Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm& row, float value) {
     const Ray<double> ray = file.group_at(0, value).rays[0];
-    const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
-                 d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
-    const auto of = [](const double& x) { return std::span(&x, 1); };
     Counted counted;
     std::vector<measure::truth::Certified> apart;
     for (std::size_t s = 0; s < file.mesh->size(); ++s) {
         const Solid<double> triangle = (*file.mesh)[s];
-        double t, near, far;
-        std::uint8_t hit;
-        row.form->rounded(row.format.shape, {of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, triangle,
-                          {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
-        counted.claimed += hit;
+        counted.claimed += asked_alone(row, ray, triangle).has_value();
         const auto truth = measure::truth::find_truth(ray, triangle, {}, row.convention());
         const auto same = [&](const measure::truth::Certified& other) { return compare(other, truth.t) == 0; };
         if (truth.is_hit() && std::ranges::none_of(apart, same)) apart.push_back(truth.t);

@@ -14,6 +14,12 @@ namespace test_worst {
 
 using namespace lostbits;
 using namespace lostbits::testing;
+using measure::answer::Outcome;
+using measure::evaluate::TestedForm;
+using measure::sweep::find_worst;
+using measure::sweep::WorstFound;
+using measure::sweep::WorstRequest;
+using scene::sweep::SearchFile;
 
 namespace {
 
@@ -25,12 +31,16 @@ std::string search_text(const std::string& more) {
            more;
 }
 
-std::vector<const measure::metric::Metric*> metrics_of(const scene::sweep::SearchFile& search) {
+std::vector<const measure::metric::Metric*> metrics_of(const SearchFile& search) {
     return {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error"),
             measure::metric::find_metric(search.metric)};
 }
 
-bool equal(const std::optional<measure::sweep::WorstFound>& a, const std::optional<measure::sweep::WorstFound>& b) {
+std::optional<WorstFound> worst_of(const SearchFile& search, const TestedForm& row) {
+    return find_worst({.search = search, .rows = {row}, .metrics = metrics_of(search)})[0];
+}
+
+bool equal(const std::optional<WorstFound>& a, const std::optional<WorstFound>& b) {
     if (a.has_value() != b.has_value()) return false;
     return !a || (a->outcome == b->outcome && a->value == b->value && a->ray.origin == b->ray.origin &&
                   a->ray.direction == b->ray.direction && a->solid.numbers == b->solid.numbers &&
@@ -41,20 +51,10 @@ bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f)
 
 /// One ray through one form alone, and the truth found anew.
 struct Alone {
-    Alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray, const Solid<double>& solid)
+    Alone(const TestedForm& row, const Ray<double>& ray, const Solid<double>& solid)
         : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
-        const double o[] = {ray.origin.x, ray.origin.y, ray.origin.z},
-                     d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
-        double t_, near, far;
-        std::uint8_t hit_;
-        const auto of = [](const double& x) { return std::span(&x, 1); };
-        row.form->rounded(
-            row.format.shape,
-            intersect::table::RayBatch<double>{of(o[0]), of(o[1]), of(o[2]), of(d[0]), of(d[1]), of(d[2])}, solid,
-            intersect::table::HitBatch<double>{std::span(&t_, 1), std::span(&near, 1), std::span(&far, 1),
-                                               std::span(&hit_, 1)});
-        t = t_;
-        hit = hit_ != 0;
+        const auto answer = asked_alone(row, ray, solid);
+        hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.shape, truth.t.floor_log2());
         lost = measure::truth::lost_bits(measure::truth::scaled_difference(measure::truth::exactly(t), truth.t, ulp),
@@ -70,51 +70,46 @@ struct Alone {
 TEST_CASE("a search finds the same for any number of threads, and another for another seed") {
     const TextFile text(
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
-    const scene::sweep::SearchFile search(text.path());
-    const measure::sweep::WorstRequest request{
+    const SearchFile search(text.path());
+    const WorstRequest request{
         .search = search, .rows = all_rows(Shape::sphere, {"f32", "bf16"}), .metrics = metrics_of(search)};
-    std::vector<std::optional<measure::sweep::WorstFound>> found[3];
+    std::vector<std::optional<WorstFound>> found[3];
     for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
         const Threads limit(threads);
-        found[threads - 1] = measure::sweep::find_worst(request);
+        found[threads - 1] = find_worst(request);
     }
     REQUIRE(found[0].size() == request.rows.size());
     for (std::size_t i = 0; i < request.rows.size(); ++i) {
         CAPTURE(request.rows[i].form->info->name, request.rows[i].format.name);
         CHECK(equal(found[0][i], found[1][i]));
         // A row's result does not depend on its neighbours.
-        if (i % 7 == 0)
-            CHECK(equal(measure::sweep::find_worst(
-                            {.search = search, .rows = {request.rows[i]}, .metrics = request.metrics})[0],
-                        found[0][i]));
+        if (i % 7 == 0) CHECK(equal(worst_of(search, request.rows[i]), found[0][i]));
         REQUIRE(found[0][i].has_value());
-        const measure::sweep::WorstFound& w = *found[0][i];
+        const WorstFound& w = *found[0][i];
         const FloatFormat& f = request.rows[i].format.shape;
         CHECK(search.holds(w.ray, w.solid));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
         for (const double x : w.solid.used()) CHECK(is_of(x, f));
         CHECK(w.evaluations <= 2 * 12 * 32);
-        if (w.outcome == measure::answer::Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
+        if (w.outcome == Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
     }
     const TextFile other(
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
-    const scene::sweep::SearchFile second(other.path());
-    CHECK_FALSE(
-        equal(measure::sweep::find_worst({.search = second, .rows = {request.rows[0]}, .metrics = request.metrics})[0],
-              found[0][0]));
+    const SearchFile second(other.path());
+    CHECK_FALSE(equal(worst_of(second, request.rows[0]), found[0][0]));
 }
 
 TEST_CASE("a search at edges parts slabs further than random rays do, the same for any number of threads") {
-    scene::sweep::SearchFile search(folder / "padding.toml");
+    SearchFile search(folder / "padding.toml");
     search.starts = 64;
     search.generations = 96;
-    const measure::sweep::WorstRequest request{.search = search,
-                                               .rows = {row("box.filtered", "f32"), row("box.filtered", "f64")},
-                                               .metrics = metrics_of(search)};
-    std::vector<std::optional<measure::sweep::WorstFound>> found[2];
+    const WorstRequest request{.search = search,
+                               .rows = {row("box.filtered", "f32"), row("box.filtered", "f64")},
+                               .metrics = metrics_of(search)};
+    std::vector<std::optional<WorstFound>> found[2];
     for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
         const Threads limit(threads);
-        found[threads - 1] = measure::sweep::find_worst(request);
+        found[threads - 1] = find_worst(request);
     }
     for (std::size_t r = 0; r < 2; ++r) {
         REQUIRE(found[0][r]);
@@ -126,53 +121,47 @@ TEST_CASE("a search at edges parts slabs further than random rays do, the same f
 }
 
 TEST_CASE("a search for the smallest reports the metric itself, and no wrong decision ends it") {
-    scene::sweep::SearchFile search(folder / "bound-ratio.toml");
+    SearchFile search(folder / "bound-ratio.toml");
     search.starts = 8;
     search.generations = 16;
-    const auto found = measure::sweep::find_worst(
-        {.search = search, .rows = {row("sphere.embree_point", "f32")}, .metrics = metrics_of(search)})[0];
+    const auto found = worst_of(search, row("sphere.embree_point", "f32"));
     REQUIRE(found);
-    CHECK(found->outcome == measure::answer::Outcome::agree_hit);
+    CHECK(found->outcome == Outcome::agree_hit);
     CHECK(found->value >= 1);
     CHECK(found->value < 8);
     CHECK(found->evaluations == 8 * 16 * 32);
 }
 
 TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
-    scene::sweep::SearchFile search(folder / "backward-far.toml");
+    SearchFile search(folder / "backward-far.toml");
     search.starts = 2;
     search.generations = 16;
-    const auto worst = [&] {
-        return measure::sweep::find_worst(
-            {.search = search, .rows = {row("sphere.schoolbook", "f32")}, .metrics = metrics_of(search)})[0];
-    };
+    const auto worst = [&] { return worst_of(search, row("sphere.schoolbook", "f32")); };
     const auto hit = worst();
     search.hits_only = false;
     const auto wrong = worst();
     REQUIRE((hit && wrong));
-    CHECK(hit->outcome == measure::answer::Outcome::agree_hit);
+    CHECK(hit->outcome == Outcome::agree_hit);
     CHECK(hit->value > 100);
     CHECK(hit->evaluations == 2 * 16 * 32);
-    CHECK(wrong->outcome != measure::answer::Outcome::agree_hit);
+    CHECK(wrong->outcome != Outcome::agree_hit);
     CHECK(wrong->evaluations < hit->evaluations);
 }
 
 TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
     int hits = 0, wrong = 0;
     for (const char* name : {"near", "far"}) {
-        scene::sweep::SearchFile search(folder / (std::string(name) + ".toml"));
+        SearchFile search(folder / (std::string(name) + ".toml"));
         search.starts = 2;
         search.generations = 16;
-        for (const measure::evaluate::TestedForm& r :
-             {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"), row("sphere.pythagoras", "bf16"),
-              row("sphere.hearn_baker", "p12")}) {
+        for (const TestedForm& r : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
+                                    row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, r.form->info->name, r.format.name);
-            const auto found =
-                measure::sweep::find_worst({.search = search, .rows = {r}, .metrics = metrics_of(search)})[0];
+            const auto found = worst_of(search, r);
             REQUIRE(found.has_value());
             const Alone alone(r, found->ray, found->solid);
             CHECK(search.holds(found->ray, found->solid));
-            const bool agrees = found->outcome == measure::answer::Outcome::agree_hit;
+            const bool agrees = found->outcome == Outcome::agree_hit;
             (agrees ? hits : wrong) += 1;
             if (agrees) {
                 CHECK(alone.hit);
@@ -190,13 +179,13 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
 }
 
 TEST_CASE("a search beats as many rays drawn by chance") {
-    scene::sweep::SearchFile search(folder / "near.toml");
+    SearchFile search(folder / "near.toml");
     search.starts = 4;
     search.generations = 64;
-    const measure::evaluate::TestedForm r = row("sphere.schoolbook", "f32");
-    const auto found = measure::sweep::find_worst({.search = search, .rows = {r}, .metrics = metrics_of(search)})[0];
+    const TestedForm r = row("sphere.schoolbook", "f32");
+    const auto found = worst_of(search, r);
     REQUIRE(found.has_value());
-    CHECK(found->outcome == measure::answer::Outcome::agree_hit);
+    CHECK(found->outcome == Outcome::agree_hit);
     CHECK(found->evaluations == 4 * 64 * 32);
     Seeded rng(5);
     double best = 0;
@@ -221,21 +210,18 @@ TEST_CASE("a search beats as many rays drawn by chance") {
 
 TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets a wrong decision stops there") {
     const TextFile none(search_text("distance_radii = [500, 600]\n"));
-    const scene::sweep::SearchFile empty(none.path());
-    CHECK_FALSE(measure::sweep::find_worst(
-                    {.search = empty, .rows = {row("sphere.press", "f32")}, .metrics = metrics_of(empty)})[0]
-                    .has_value());
+    const SearchFile empty(none.path());
+    CHECK_FALSE(worst_of(empty, row("sphere.press", "f32")).has_value());
     // Near the silhouette a five-bit format decides wrongly at once.
     const TextFile edge(search_text("impact_radii = [0.95, 1]\nstarts = 64\n"));
-    const scene::sweep::SearchFile hard(edge.path());
-    const auto found = measure::sweep::find_worst(
-        {.search = hard, .rows = {row("sphere.schoolbook", "p5")}, .metrics = metrics_of(hard)})[0];
+    const SearchFile hard(edge.path());
+    const auto found = worst_of(hard, row("sphere.schoolbook", "p5"));
     REQUIRE(found.has_value());
-    CHECK(found->outcome != measure::answer::Outcome::agree_hit);
+    CHECK(found->outcome != Outcome::agree_hit);
     CHECK(found->evaluations < 64 * 64 * 32);
     const Alone alone(row("sphere.schoolbook", "p5"), found->ray, found->solid);
-    CHECK(alone.hit == (found->outcome == measure::answer::Outcome::false_hit));
-    CHECK(alone.truth.is_hit() == (found->outcome == measure::answer::Outcome::false_miss));
+    CHECK(alone.hit == (found->outcome == Outcome::false_hit));
+    CHECK(alone.truth.is_hit() == (found->outcome == Outcome::false_miss));
 }
 
 TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors of its discriminant allow") {
@@ -246,17 +232,17 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         "schema = \"lostbits-sweep/1\"\ntitle = \"-\"\nsource = \"-\"\n[search]\norigin = [-1, 1]\ndirection = [-1, "
         "1]\ncentre = [\"-0x1p30\", \"0x1p30\"]\nradius = [0.75, 1.25]\ndistance_radii = [1.25, \"0x1p30\"]\n"
         "impact_radii = [0, 0.99]\nnearest = true\nstarts = 32\ngenerations = 192\n");
-    const scene::sweep::SearchFile search(text.path());
-    const measure::sweep::WorstRequest request{
+    const SearchFile search(text.path());
+    const WorstRequest request{
         .search = search,
         .rows = {row("sphere.schoolbook", "p16"), row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")},
         .metrics = metrics_of(search)};
-    const auto found = measure::sweep::find_worst(request);
+    const auto found = find_worst(request);
     for (std::size_t r = 0; r < found.size(); ++r) {
-        const measure::evaluate::TestedForm& what = request.rows[r];
+        const TestedForm& what = request.rows[r];
         INFO(what.format.name);
         REQUIRE(found[r]);
-        CHECK(found[r]->outcome == measure::answer::Outcome::false_miss);
+        CHECK(found[r]->outcome == Outcome::false_miss);
         const double floor = std::sqrt((1 - 0.99 * 0.99) / 15 * std::ldexp(1.0, what.format.shape.precision));
         CHECK(found[r]->distance > floor);
         CHECK(found[r]->distance < 4 * floor);  // and near to it: the search is good

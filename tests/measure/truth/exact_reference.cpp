@@ -48,6 +48,11 @@ Dyadic operator*(const Dyadic& a, const Dyadic& b) {
     return r;
 }
 
+Dyadic::Fraction Dyadic::fraction() const {
+    const Integer power = Integer(1) << static_cast<unsigned long>(std::abs(e_));
+    return e_ < 0 ? Fraction(m_, power) : Fraction(m_ * power);
+}
+
 namespace {
 
 Dyadic square(const Dyadic& x) { return x * x; }
@@ -60,40 +65,23 @@ int sign_of_sum(const Dyadic& u, const Dyadic& v, const Dyadic& a) {
 
 }  // namespace
 
-ExactHit::ExactHit(const Ray<double>& ray, const Sphere<double>& sphere) {
+// a t² + 2 h t + c = 0: where the near root is not in the range it may be the far one.
+template <class S>
+void ExactHit::find(const Ray<S>& ray, const Sphere<S>& sphere, const Range<double>& range) {
     for (int i = 0; i < 3; ++i) {
         f_[i] = Dyadic(ray.origin[i]) - Dyadic(sphere.centre[i]);
         d_[i] = Dyadic(ray.direction[i]);
     }
     r2_ = square(Dyadic(sphere.radius));
-    prepare();
-}
-
-ExactHit::ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere) {
-    for (int i = 0; i < 3; ++i) {
-        f_[i] = Dyadic(ray.origin[i]) - Dyadic(sphere.centre[i]);
-        d_[i] = Dyadic(ray.direction[i]);
-    }
-    r2_ = square(Dyadic(sphere.radius));
-    prepare();
-}
-
-// a t² + 2 h t + c = 0: an origin on or in the sphere hits; one outside hits where the roots are real and positive.
-void ExactHit::prepare() {
     a_ = square(d_[0]) + square(d_[1]) + square(d_[2]);
     h_ = f_[0] * d_[0] + f_[1] * d_[1] + f_[2] * d_[2];
     c_ = square(f_[0]) + square(f_[1]) + square(f_[2]) - r2_;
     discriminant_ = square(h_) - a_ * c_;
-    hit_ = c_.sign() <= 0 || (h_.sign() < 0 && discriminant_.sign() >= 0);
-    far_ = c_.sign() < 0 || (c_.sign() == 0 && h_.sign() >= 0);
-}
-
-ExactHit::ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range)
-    : ExactHit(ray, sphere) {
-    far_ = false;
-    if (!is_in(range)) far_ = true;
+    far_ = !is_in(range);
     hit_ = discriminant_.sign() >= 0 && range.tmin >= 0 && is_in(range);
 }
+template void ExactHit::find(const Ray<double>&, const Sphere<double>&, const Range<double>&);
+template void ExactHit::find(const Ray<Real>&, const Sphere<Real>&, const Range<double>&);
 
 bool ExactHit::is_in(const Range<double>& range) const {
     const int begun = side(Dyadic(range.tmin)), ended = std::isinf(range.tmax) ? -1 : side(Dyadic(range.tmax));

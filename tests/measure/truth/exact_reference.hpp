@@ -30,6 +30,8 @@ public:
     friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + -b; }
     friend Dyadic operator*(const Dyadic& a, const Dyadic& b);
     friend int compare(const Dyadic& a, const Dyadic& b) { return (a - b).sign(); }
+    using Fraction = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
+    [[nodiscard]] Fraction fraction() const;
 
 private:
     using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
@@ -37,13 +39,13 @@ private:
     std::int64_t e_ = 0;
 };
 
-/// The first root t* ≥ 0 of |f + t d|² = r², or the first in a range, known by its defining signs alone.
+/// The first root of |f + t d|² = r² in a range, known by its defining signs alone.
 class ExactHit {
 public:
-    ExactHit(const Ray<double>& ray, const Sphere<double>& sphere);
-    /// The first root in a range.
-    ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range);
-    ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere);
+    ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range = {}) {
+        find(ray, sphere, range);
+    }
+    ExactHit(const Ray<Real>& ray, const Sphere<Real>& sphere) { find(ray, sphere, {}); }
 
     [[nodiscard]] bool hit() const { return hit_; }
     [[nodiscard]] bool on_surface() const { return c_.sign() == 0; }
@@ -55,7 +57,8 @@ public:
     [[nodiscard]] int distance_side(const Dyadic& x) const;
 
 private:
-    void prepare();
+    template <class S>
+    void find(const Ray<S>& ray, const Sphere<S>& sphere, const Range<double>& range);
     [[nodiscard]] bool is_in(const Range<double>& range) const;
 
     Dyadic f_[3], d_[3], r2_;

@@ -9,7 +9,9 @@
 #include "measure/truth/conditioning.hpp"
 #include "number/real.hpp"
 
-namespace lostbits::test::test_at_origin {
+namespace test_at_origin {
+
+using namespace lostbits;
 
 using intersect::AtOrigin;
 using intersect::Touching;
@@ -220,4 +222,4 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
     }
 }
 
-}  // namespace lostbits::test::test_at_origin
+}  // namespace test_at_origin

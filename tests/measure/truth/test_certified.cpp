@@ -13,12 +13,19 @@ namespace test_certified {
 
 using namespace lostbits;
 using namespace lostbits::testing;
+using measure::truth::Certified;
+using measure::truth::certify;
+using measure::truth::exactly;
+using measure::truth::nearer;
+using measure::truth::ordinal;
+using measure::truth::round_certified;
+using measure::truth::scaled_difference;
 
 namespace {
 
 /// Two words and a bound of any size allowed; often words that sit on a boundary of some format.
-measure::truth::Certified any_certified(Seeded& rng, int exponents) {
-    measure::truth::Certified x;
+Certified any_certified(Seeded& rng, int exponents) {
+    Certified x;
     x.hi = rng.signed_magnitude(0, 0);
     if (rng.coin()) {  // few bits: powers of two and ties among them
         const double unit = std::ldexp(1.0, -rng.index(53));
@@ -39,8 +46,8 @@ measure::truth::Certified any_certified(Seeded& rng, int exponents) {
 }
 
 /// Something that differs from x by a few units of its last places.
-measure::truth::Certified close_to(Seeded& rng, const measure::truth::Certified& x) {
-    measure::truth::Certified y = x;
+Certified close_to(Seeded& rng, const Certified& x) {
+    Certified y = x;
     if (rng.coin()) y.hi += std::ldexp(rng.sign(), -52);
     if (std::fabs(y.hi) < 1 || std::fabs(y.hi) >= 2) y.hi = x.hi;
     if (rng.coin()) y.lo = rng.signed_magnitude(-60, -54);
@@ -53,10 +60,10 @@ measure::truth::Certified close_to(Seeded& rng, const measure::truth::Certified&
 TEST_CASE("scaled_difference is accurate even where the words cancel") {
     Seeded rng(11);
     for (int i = 0; i < 200'000; ++i) {
-        const measure::truth::Certified x = any_certified(rng, rng.coin() ? 5 : 2000);
-        const measure::truth::Certified y = rng.coin() ? any_certified(rng, 2000) : close_to(rng, x);
+        const Certified x = any_certified(rng, rng.coin() ? 5 : 2000);
+        const Certified y = rng.coin() ? any_certified(rng, 2000) : close_to(rng, x);
         const std::int64_t e = std::max(x.exponent, y.exponent);
-        const double computed = measure::truth::scaled_difference(x, y, e);
+        const double computed = scaled_difference(x, y, e);
         const Dyadic exact = (Dyadic(x) - Dyadic(y)).scaled(-e);
         const Dyadic error = Dyadic(computed) - exact;
         // |error| ≤ 2^-50 |exact| + 2^-1073, squared
@@ -68,22 +75,22 @@ TEST_CASE("scaled_difference is accurate even where the words cancel") {
 }
 
 TEST_CASE("scaled_difference goes to infinity and to zero with its scale") {
-    const measure::truth::Certified x = measure::truth::exactly(3.0), y = measure::truth::exactly(1.0);
-    CHECK(measure::truth::scaled_difference(x, y, -3000) == HUGE_VAL);
-    CHECK(measure::truth::scaled_difference(y, x, -3000) == -HUGE_VAL);
-    CHECK(measure::truth::scaled_difference(x, y, 3000) == 0);
-    CHECK(measure::truth::scaled_difference(x, y, 1) == 1);
-    CHECK(measure::truth::scaled_difference(x, {}, 0) == 3);
-    CHECK(measure::truth::scaled_difference({}, x, 0) == -3);
-    CHECK(measure::truth::scaled_difference({}, {}, 0) == 0);
+    const Certified x = exactly(3.0), y = exactly(1.0);
+    CHECK(scaled_difference(x, y, -3000) == HUGE_VAL);
+    CHECK(scaled_difference(y, x, -3000) == -HUGE_VAL);
+    CHECK(scaled_difference(x, y, 3000) == 0);
+    CHECK(scaled_difference(x, y, 1) == 1);
+    CHECK(scaled_difference(x, {}, 0) == 3);
+    CHECK(scaled_difference({}, x, 0) == -3);
+    CHECK(scaled_difference({}, {}, 0) == 0);
 }
 
 TEST_CASE("compare tells only what both bounds allow, and tells it where they are apart") {
     Seeded rng(12);
     int told = 0, untold = 0;
     for (int i = 0; i < 200'000; ++i) {
-        const measure::truth::Certified x = any_certified(rng, 3);
-        measure::truth::Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
+        const Certified x = any_certified(rng, 3);
+        Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
         if (rng.index(20) == 0) y = {};
         const int order = lostbits::measure::truth::compare(x, y);
         const bool below = compare(upper_end(x), lower_end(y))<0, above = compare(lower_end(x), upper_end(y))> 0;
@@ -105,9 +112,9 @@ TEST_CASE("nearer encloses the smaller of any two numbers within the bounds") {
     Seeded rng(13);
     const auto smaller = [](const Dyadic& a, const Dyadic& b) { return compare(a, b) <= 0 ? a : b; };
     for (int i = 0; i < 200'000; ++i) {
-        const measure::truth::Certified x = any_certified(rng, 3);
-        const measure::truth::Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
-        const measure::truth::Certified r = measure::truth::nearer(x, y);
+        const Certified x = any_certified(rng, 3);
+        const Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
+        const Certified r = nearer(x, y);
         INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.bound << "; " << y.hi << ' ' << y.lo << ' ' << y.bound);
         if (compare(lower_end(r), smaller(lower_end(x), lower_end(y))) > 0) FAIL("lower end");
         if (compare(upper_end(r), smaller(upper_end(x), upper_end(y))) < 0) FAIL("upper end");
@@ -121,7 +128,7 @@ TEST_CASE("both ends round correctly to any format, ties and tails of a thousand
     for (int i = 0; i < 400'000; ++i) {
         const FloatFormat f =
             rng.coin() ? formats[rng.index(5)] : FloatFormat{static_cast<int>(rng.integer(2, 53)), -1022, 1023};
-        measure::truth::Certified x = any_certified(rng, 1100);
+        Certified x = any_certified(rng, 1100);
         if (rng.coin()) x.exponent = rng.integer(f.emin - f.precision - 2, f.emin + 1);
         if (rng.index(8) == 0) x.exponent = f.emax + rng.index(2);
         if (rng.coin()) x.hi = std::copysign(2 - std::ldexp(1.0, -rng.index(53)), x.hi);  // all ones
@@ -144,14 +151,14 @@ TEST_CASE("both ends round correctly to any format, ties and tails of a thousand
         straddled += !rounded;
     }
     CHECK(straddled > 1000);
-    CHECK(measure::truth::round_certified({}, binary16) == 0.0);
+    CHECK(round_certified({}, binary16) == 0.0);
 }
 
 TEST_CASE("certify keeps what a ball or an interval encloses") {
     Seeded rng(15);
     for (int i = 0; i < 20'000; ++i) {
         const Ball exact = Ball(rng.signed_magnitude(-900, 890)) + Ball(rng.signed_magnitude(-1000, 890));
-        if (const auto c = measure::truth::certify(exact)) {
+        if (const auto c = certify(exact)) {
             const Dyadic value = Dyadic(exact.hi()) + Dyadic(exact.lo());
             INFO(std::hexfloat << exact.hi() << ' ' << exact.lo());
             if (compare(lower_end(*c), value) > 0 || compare(upper_end(*c), value) < 0)
@@ -162,69 +169,66 @@ TEST_CASE("certify keeps what a ball or an interval encloses") {
         const Interval far = Interval(rng.signed_magnitude(-1000, 1000)) / Interval(rng.magnitude(-1000, 1000));
         const Interval aside(rng.coin() ? 0.0 : rng.magnitude(-1074, 900));
         const Interval x = far * far / (rng.coin() ? Interval(1) : Interval(-3)) + aside;
-        if (const auto c = measure::truth::certify(x)) {
+        if (const auto c = certify(x)) {
             if (compare(lower_end(*c), Dyadic(x.lower())) > 0 || compare(upper_end(*c), Dyadic(x.upper())) < 0)
                 FAIL("the interval is not enclosed");
             if (!(std::fabs(c->hi) >= 1 && std::fabs(c->hi) < 2)) FAIL("hi is not normalised");
             if (!(c->bound <= 2 * measure::truth::certified_tightness)) FAIL("the bound is not tight");
         }
     }
-    CHECK_FALSE(measure::truth::certify(Ball::unknown()));
-    CHECK_FALSE(measure::truth::certify(Ball(1.0, 0, 0x1p-60)));
-    CHECK_FALSE(measure::truth::certify(Interval::between(-1, 1)));
-    CHECK_FALSE(measure::truth::certify(Interval::between(0, 1)));
-    CHECK_FALSE(measure::truth::certify(Interval::between(1, 1 + 0x1p-52)));
-    CHECK(measure::truth::certify(Ball(0))->is_zero());
-    CHECK(measure::truth::certify(Interval(0))->is_zero());
+    CHECK_FALSE(certify(Ball::unknown()));
+    CHECK_FALSE(certify(Ball(1.0, 0, 0x1p-60)));
+    CHECK_FALSE(certify(Interval::between(-1, 1)));
+    CHECK_FALSE(certify(Interval::between(0, 1)));
+    CHECK_FALSE(certify(Interval::between(1, 1 + 0x1p-52)));
+    CHECK(certify(Ball(0))->is_zero());
+    CHECK(certify(Interval(0))->is_zero());
 }
 
 TEST_CASE("a double is its own certified value, and its binade is known") {
     for (const double x : {1.0, -1.0, 1.5, 0x1p-1074, 0x1.8p-1073, 0x1.fffffffffffffp+1023, -0x1p-1022}) {
-        const measure::truth::Certified c = measure::truth::exactly(x);
+        const Certified c = exactly(x);
         CHECK(compare(Dyadic(c), Dyadic(x)) == 0);
         CHECK(c.bound == 0);
         CHECK(c.floor_log2() == std::ilogb(x));
         CHECK(round_certified(c, binary64) == x);
     }
-    CHECK(measure::truth::exactly(0.0).is_zero());
-    CHECK(measure::truth::Certified{1, -0x1p-70, 0, 5}.floor_log2() == 4);
-    CHECK(measure::truth::Certified{-1, 0x1p-70, 0, 5}.floor_log2() == 4);
-    CHECK(measure::truth::Certified{1, 0x1p-70, 0, 5}.floor_log2() == 5);
-    CHECK(measure::truth::Certified{-1, -0x1p-70, 0, 5}.floor_log2() == 5);
+    CHECK(exactly(0.0).is_zero());
+    CHECK(Certified{1, -0x1p-70, 0, 5}.floor_log2() == 4);
+    CHECK(Certified{-1, 0x1p-70, 0, 5}.floor_log2() == 4);
+    CHECK(Certified{1, 0x1p-70, 0, 5}.floor_log2() == 5);
+    CHECK(Certified{-1, -0x1p-70, 0, 5}.floor_log2() == 5);
 }
 
 TEST_CASE("ordinals are the formats' own bit patterns") {
     Seeded rng(16);
     for (int i = 0; i < 100'000; ++i) {
         const double x = std::bit_cast<double>(rng.bits(64));
-        if (!std::isnan(x))
-            REQUIRE(measure::truth::ordinal(std::fabs(x), binary64) == std::bit_cast<std::int64_t>(std::fabs(x)));
+        if (!std::isnan(x)) REQUIRE(ordinal(std::fabs(x), binary64) == std::bit_cast<std::int64_t>(std::fabs(x)));
         const float y = std::bit_cast<float>(static_cast<std::uint32_t>(rng.bits(32)));
-        if (!std::isnan(y))
-            REQUIRE(measure::truth::ordinal(-std::fabs(y), binary32) == -std::bit_cast<std::int32_t>(std::fabs(y)));
+        if (!std::isnan(y)) REQUIRE(ordinal(-std::fabs(y), binary32) == -std::bit_cast<std::int32_t>(std::fabs(y)));
     }
-    CHECK(measure::truth::ordinal(HUGE_VAL, binary64) == 0x7ff0000000000000);
-    CHECK(measure::truth::ordinal(-HUGE_VAL, binary32) == -0x7f800000);
-    CHECK(measure::truth::ordinal(-0.0, binary64) == 0);
+    CHECK(ordinal(HUGE_VAL, binary64) == 0x7ff0000000000000);
+    CHECK(ordinal(-HUGE_VAL, binary32) == -0x7f800000);
+    CHECK(ordinal(-0.0, binary64) == 0);
     // From zero to infinity, one by one: the position is the number of steps, which is the bit pattern.
     for (const auto& [f, infinity] : {std::pair{binary16, 0x7c00}, {bfloat16, 0x7f80}, {FloatFormat{2, -2, 3}, 14}}) {
         double x = 0;
         for (int n = 0; n <= infinity; ++n, x = rounding::next_up(x, f)) {
-            if (measure::truth::ordinal(x, f) != n || measure::truth::ordinal(-x, f) != -n) FAIL(x << " at " << n);
+            if (ordinal(x, f) != n || ordinal(-x, f) != -n) FAIL(x << " at " << n);
         }
         CHECK(std::isinf(x));
     }
 }
 
 TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, and everything elsewhere") {
-    using measure::truth::exactly;
     using measure::truth::lost_bits;
     using measure::truth::ulp_error;
     for (const FloatFormat& format : {binary32, binary64, FloatFormat(binary16)}) {
         const int p = format.precision;
-        measure::truth::Certified tie{.hi = 2 - std::ldexp(1.0, -p), .exponent = 1 - format.emin};
+        Certified tie{.hi = 2 - std::ldexp(1.0, -p), .exponent = 1 - format.emin};
         if (p == 53) tie = {.hi = 2 - 0x1p-52, .lo = 0x1p-53, .exponent = 1 - format.emin};
-        measure::truth::Certified below = tie, beyond = tie;
+        Certified below = tie, beyond = tie;
         below.lo -= 0x1p-70, beyond.exponent += 5000;
         for (const auto& x : {tie, beyond}) CHECK(ulp_error(HUGE_VAL, x, format) == 0);
         CHECK(ulp_error(HUGE_VAL, below, format) == HUGE_VAL);

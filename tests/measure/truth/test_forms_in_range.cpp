@@ -7,6 +7,7 @@
 #include "intersect/table/in_range.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/seeded.hpp"
+#include "measure/widths.hpp"
 
 namespace lostbits::test::test_forms_in_range {
 
@@ -54,6 +55,30 @@ void for_each_range(const Use& use) {
             for (const auto& [name, open] : open_ends_names) use(Range<double>{tmin, tmax, open});
 }
 
+/// The rays at the plain solid of a shape.
+RayGroup at_solid(scene::rays::RayBlock rays, Shape shape) {
+    RayGroup group;
+    group.rays = std::move(rays);
+    group.rays.width = static_cast<int>(group.rays.size());
+    group.rays.y1 = 1;
+    group.solids = plain_ray(shape, {}).solids;
+    return group;
+}
+
+template <class Use>
+void for_each_form(const Use& use) {
+    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
+        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        INFO(form.info->name);
+        use(form);
+    }
+}
+
+void check_equal(const measure::answer::Answers& a, const measure::answer::Answers& b) {
+    CHECK(a.hit == b.hit);
+    CHECK(std::ranges::equal(a.t, b.t, [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
+}
+
 /// By hand: the surface is at 2 and 8, and all between is the box; what is flat is at 2.
 bool meets(Shape shape, bool closed, const Range<double>& r) {
     if (!r.holds_any()) return false;
@@ -75,9 +100,8 @@ constexpr std::string_view open_at_the_end = "box.tinybvh";
 TEST_CASE("forms of both roots decide as the truth does in every range, forms of one lose the far root",
           "[measure][range]") {
     std::size_t right = 0, lost = 0;
-    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
-        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
-        if (pads_an_end.contains(form.info->name)) continue;
+    for_each_form([&](const intersect::table::Intersector& form) {
+        if (pads_an_end.contains(form.info->name)) return;
         const bool open_box = form.shape == Shape::box && form.info->touching == Touching::miss;
         for_each_range([&](const Range<double>& range) {
             // A third has no format, and a division by 3 rounds.
@@ -94,82 +118,63 @@ TEST_CASE("forms of both roots decide as the truth does in every range, forms of
                                    (range.is_before(2) || range.is_after(2));
             const bool loses =
                 far_alone && form.info->roots != Roots::both && form.info->inside != intersect::Inside::near;
-            INFO(form.info->name << " from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
+            INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
             const Outcome got = outcome_of(form, "f32", plain_ray(form.shape, range));
             if (form.info->inside == intersect::Inside::near && far_alone) return;  // by its word there is nothing
             CHECK(got == (loses ? Outcome::false_miss : hit ? Outcome::agree_hit : Outcome::agree_miss));
             (loses ? lost : right) += 1;
         });
-    }
+    });
     CHECK(right > 3000);
     CHECK(lost > 50);
 }
 
 TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[measure][range]") {
     testing::Seeded rng(1);
-    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
-        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
-        scene::rays::RayGroup group;
+    for_each_form([&rng](const intersect::table::Intersector& form) {
+        scene::rays::RayBlock rays;
         for (int i = 0; i < 300; ++i) {
             const Vec<double> origin = testing::stored(rng.vec(-3, 3), binary32);
-            group.rays.push({origin, testing::stored(rng.vec(-1, 1), binary32)});
+            rays.push({origin, testing::stored(rng.vec(-1, 1), binary32)});
         }
-        group.rays.width = static_cast<int>(group.rays.size());
-        group.rays.y1 = 1;
-        group.solids = plain_ray(form.shape, {}).solids;
-        RayGroup ranged = group;
-        ranged.rays.tmin.assign(group.rays.size(), 0);
-        ranged.rays.tmax.assign(group.rays.size(), HUGE_VAL);
-        const measure::truth::Band without(group), with(ranged);
+        const measure::truth::Band without(at_solid(rays, form.shape));
+        rays.tmin.assign(rays.size(), 0);
+        rays.tmax.assign(rays.size(), HUGE_VAL);
+        const measure::truth::Band with(at_solid(rays, form.shape));
         const bool unit = form.info->direction == intersect::Direction::unit;
-        const auto inputs = [&](const measure::truth::Band& band) {
-            return band.inputs(*find_format("f32"), {.unit_rays = unit});
+        const auto answers = [&](const measure::truth::Band& band) {
+            return measure::answer::evaluate(form, band.inputs(*find_format("f32"), {.unit_rays = unit}));
         };
-        const auto a = measure::answer::evaluate(form, inputs(without)),
-                   b = measure::answer::evaluate(form, inputs(with));
-        INFO(form.info->name);
-        CHECK(a.hit == b.hit);
-        CHECK(std::ranges::equal(a.t, b.t,
-                                 [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
-        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+        check_equal(answers(without), answers(with));
+        for (std::size_t i = 0; i < rays.size(); ++i) {
             const auto x = without.truth(i, form.info->convention()), y = with.truth(i, form.info->convention());
             REQUIRE(x.decision == y.decision);
             REQUIRE((x.t.hi == y.t.hi && x.t.lo == y.t.lo && x.t.bound == y.t.bound && x.bits == y.bits));
         }
-    }
+    });
 }
 
 TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[measure][range]") {
     testing::Seeded rng(2);
-    const auto before = intersect::simd::current_isa();
-    for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
-        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
-        RayGroup group;
+    for_each_form([&rng](const intersect::table::Intersector& form) {
+        scene::rays::RayBlock rays;
         for (int i = 0; i < 600; ++i) {
             const Vec<double> origin = testing::stored(rng.vec(-6, 6), binary32);
-            group.rays.push({origin, testing::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
+            rays.push({origin, testing::stored(Vec<double>(rng.vec(-2, 2) - origin), binary32)});
             const double tmin = testing::stored(rng.uniform(0, 1.5), binary32);
-            group.rays.tmin.push_back(tmin);
-            group.rays.tmax.push_back(testing::stored(tmin + rng.uniform(0, 1), binary32));
+            rays.tmin.push_back(tmin);
+            rays.tmax.push_back(testing::stored(tmin + rng.uniform(0, 1), binary32));
         }
-        group.rays.width = static_cast<int>(group.rays.size());
-        group.rays.y1 = 1;
-        group.solids = plain_ray(form.shape, {}).solids;
-        const measure::truth::Band band(group);
+        const measure::truth::Band band(at_solid(std::move(rays), form.shape));
         const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true});
         std::optional<measure::answer::Answers> first;
-        for (const auto isa : intersect::simd::available_isas()) {
-            intersect::simd::set_isa(isa);
+        testing::at_every_width([&](intersect::simd::Isa) {
             const auto answers = measure::answer::evaluate(form, inputs);
             if (!first) first = answers;
-            INFO(form.info->name);
-            CHECK(answers.hit == first->hit);
-            CHECK(std::ranges::equal(answers.t, first->t,
-                                     [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
+            check_equal(answers, *first);
             CHECK(std::ranges::count(answers.hit, 1) > 10);
-        }
-    }
-    intersect::simd::set_isa(before);
+        });
+    });
 }
 
 }  // namespace lostbits::test::test_forms_in_range

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <span>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/triangle/triangle_rays.hpp"
-#include "measure/seeded.hpp"
 #include "measure/stability/margin.hpp"
-#include "measure/truth/box_families.hpp"
 #include "measure/truth/conditioning.hpp"
-#include "measure/truth/ray_families.hpp"
+#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/sweep/families.hpp"
 
@@ -118,66 +112,37 @@ void try_ray(Both& both, const Ray<double>& ray, const Solid<double>& solid, boo
 
 const int rays_per_family = test::draws(2000);
 
-/// `draw(rng)` is a ray and a solid.
-template <class Draw>
-void try_family(Both& all, std::string_view name, const Draw& draw) {
-    INFO(name);
-    Both both;
-    Seeded rng(0xf0a3);
-    for (int i = 0; i < rays_per_family; ++i) draw(both, rng);
-    CHECK(both.finite.above == 0);
-    CHECK(both.first_order.above == 0);
-    for (auto [sum, part] : {std::pair(&all.finite, &both.finite), std::pair(&all.first_order, &both.first_order)})
-        sum->trials += part->trials, sum->above += part->above, sum->most = std::max(sum->most, part->most);
-}
-
-bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
-    return std::ranges::find(names, name) != names.end();
+/// The hard rays of a shape.
+void check_families(Shape shape, std::initializer_list<FloatFormat> formats, int at_least) {
+    Both all;
+    for (const testing::HardFamily& family : testing::hard_families(shape, formats)) {
+        INFO(family.name);
+        Both both;
+        Seeded rng(0xf0a3);
+        for (int i = 0; i < rays_per_family; ++i) {
+            const auto [ray, solid, range] = family.draw(rng);
+            try_ray(both, ray, solid, family.at_rim, rng);
+        }
+        CHECK(both.finite.above == 0);
+        CHECK(both.first_order.above == 0);
+        for (auto [sum, part] : {std::pair(&all.finite, &both.finite), std::pair(&all.first_order, &both.first_order)})
+            sum->trials += part->trials, sum->above += part->above, sum->most = std::max(sum->most, part->most);
+    }
+    all.check(at_least);
 }
 
 }  // namespace
 
 TEST_CASE("forward error is at most condition times backward error - hostile rays at spheres", "[margin][forward]") {
-    Both all;
-    for (const FloatFormat& format : {binary32, binary64}) {
-        const auto try_all = [&](std::span<const testing::RayFamily> families) {
-            for (const testing::RayFamily& family : families) {
-                const bool anywhere = family.promise == testing::RayFamily::Promise::tangent_line;
-                try_family(all, family.name, [&](Both& both, Seeded& rng) {
-                    const auto s = family.make(rng, format);
-                    try_ray(both, s.ray, s.sphere, anywhere, rng);
-                });
-            }
-        };
-        try_all(testing::near_families), try_all(testing::power_families);
-    }
-    all.check(5 * rays_per_family);
+    check_families(Shape::sphere, {binary32, binary64}, 5 * rays_per_family);
 }
 
 TEST_CASE("forward error is at most condition times backward error - hostile rays at boxes", "[margin][forward]") {
-    Both all;
-    for (const FloatFormat& format : {binary32, binary64})
-        for (const testing::BoxFamily& family : testing::box_families) {
-            const bool anywhere =
-                is_one_of(family.name, {"at edge", "across edge", "across corner", "beside edge", "at end"});
-            try_family(all, family.name, [&](Both& both, Seeded& rng) {
-                const auto s = family.make(rng, format);
-                try_ray(both, s.ray, s.box, anywhere, rng);
-            });
-        }
-    all.check(5 * rays_per_family);
+    check_families(Shape::box, {binary32, binary64}, 5 * rays_per_family);
 }
 
 TEST_CASE("forward error is at most condition times backward error - hostile rays at triangles", "[margin][forward]") {
-    Both all;
-    for (const test::TriangleFamily& family : test::triangle_families) {
-        const bool anywhere = is_one_of(family.name, {"through an edge", "through a vertex"});
-        try_family(all, family.name, [&](Both& both, Seeded& rng) {
-            const auto s = test::in_floats(family.make(rng));
-            try_ray(both, s.ray, s.triangle, anywhere, rng);
-        });
-    }
-    all.check(3 * rays_per_family / 2);
+    check_families(Shape::triangle, {binary32}, 3 * rays_per_family / 2);
 }
 
 TEST_CASE("forward error is at most condition times backward error, of every shape", "[margin][forward]") {

@@ -5,18 +5,14 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/process/parallel.hpp"
-#include "intersect/triangle/triangle_rays.hpp"
-#include "measure/seeded.hpp"
 #include "measure/stability/margin.hpp"
-#include "measure/truth/box_families.hpp"
 #include "measure/truth/brute_force.hpp"
-#include "measure/truth/ray_families.hpp"
+#include "measure/truth/hard_rays.hpp"
 #include "measure/truth/truth.hpp"
 #include "scene/sweep/families.hpp"
 
@@ -167,11 +163,17 @@ const int rays_per_family = [] {
     return asked ? std::atoi(asked) : test::draws(400);
 }();
 
-/// `try_all(found, i)` for each family, on all threads.
-template <class TryAll>
-void check_families(std::size_t families, const TryAll& try_all) {
-    std::vector<Found> parts(families);
-    intersect::process::in_parallel(std::size_t{0}, families, [&](std::size_t i) { try_all(parts[i], i); });
+/// The hard rays of a shape, on all threads.
+void check_families(Shape shape, std::initializer_list<FloatFormat> formats) {
+    const auto families = testing::hard_families(shape, formats);
+    std::vector<Found> parts(families.size());
+    intersect::process::in_parallel(std::size_t{0}, families.size(), [&](std::size_t i) {
+        Seeded rng(0x3a61);
+        for (int k = 0; k < rays_per_family; ++k) {
+            const auto [ray, solid, range] = families[i].draw(rng);
+            if (measure::truth::is_proper(ray) && measure::truth::is_proper(solid)) try_ray(parts[i], ray, solid, rng);
+        }
+    });
     Found found;
     for (const Found& part : parts) found.add(part);
     for (const std::string& contradiction : found.contradictions) FAIL_CHECK(contradiction);
@@ -187,42 +189,17 @@ void check_families(std::size_t families, const TryAll& try_all) {
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - spheres",
           "[margin]") {
-    std::vector<std::pair<testing::RayFamily, FloatFormat>> families;
-    for (const FloatFormat& format : {binary32, binary64}) {
-        for (const testing::RayFamily& family : testing::near_families) families.emplace_back(family, format);
-        for (const testing::RayFamily& family : testing::power_families) families.emplace_back(family, format);
-    }
-    check_families(families.size(), [&](Found& found, std::size_t i) {
-        Seeded rng(0x3a61);
-        for (int k = 0; k < rays_per_family; ++k) {
-            const auto s = families[i].first.make(rng, families[i].second);
-            try_ray(found, s.ray, s.sphere, rng);
-        }
-    });
+    check_families(Shape::sphere, {binary32, binary64});
 }
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - boxes",
           "[margin]") {
-    check_families(2 * std::size(testing::box_families), [&](Found& found, std::size_t i) {
-        Seeded rng(0x3a61);
-        for (int k = 0; k < rays_per_family; ++k) {
-            const auto s = testing::box_families[i / 2].make(rng, i % 2 == 0 ? binary32 : binary64);
-            try_ray(found, s.ray, s.box, rng);
-        }
-    });
+    check_families(Shape::box, {binary32, binary64});
 }
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - triangles",
           "[margin]") {
-    check_families(std::size(test::triangle_families), [&](Found& found, std::size_t i) {
-        Seeded rng(0x3a61);
-        for (int k = 0; k < rays_per_family; ++k) {
-            const auto s = test::in_floats(test::triangle_families[i].make(rng));
-            if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
-                continue;
-            try_ray(found, s.ray, s.triangle, rng);
-        }
-    });
+    check_families(Shape::triangle, {binary32});
 }
 
 TEST_CASE("no change within the margin turns a decision, of every shape", "[margin]") {

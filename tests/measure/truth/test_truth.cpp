@@ -1,12 +1,13 @@
-// Truth against two independent computations: exact integers and Arb. Every ray of every family must agree.
+// Truth of spheres against exact integers, and of boxes against exact fractions: every ray of every family must agree,
+// in any range, and by either word on touching.
 #include <array>
-#include <cstdio>
-#include <ctime>
 #include <span>
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "measure/truth/arb_reference.hpp"
+#include "intersect/box/box_exact.hpp"
+#include "measure/truth/box_families.hpp"
+#include "measure/truth/enclose.hpp"
 #include "measure/truth/exact_reference.hpp"
 #include "measure/truth/ranges.hpp"
 #include "measure/truth/ray_families.hpp"
@@ -16,17 +17,41 @@ namespace test_truth {
 
 using namespace lostbits;
 using namespace lostbits::testing;
+using intersect::Touching;
+using measure::truth::Certified;
+using measure::truth::certified_tightness;
 using measure::truth::Length;
+using measure::truth::Truth;
 
 namespace {
 
-/// What a family's run is known by afterwards.
-struct Tally {
-    int rays = 0, hits = 0, escalated = 0, bits = 0, ties = 0;
-    long arb_bits = 0;
+using Side = std::function<int(const Dyadic&)>;
+
+/// What exact numbers say of the first t, and of the distance: of a hit the sign of each less a number.
+struct Exact {
+    bool hit = false;
+    Side t = {}, distance = {};
 };
 
-bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
+Exact exactly(const RaySample& s, const Range<double>& range, Touching touching) {
+    const ExactHit e(s.ray, s.sphere, range);
+    return {e.hit() && (touching == Touching::hit || !e.is_tangent_line()), [e](const Dyadic& x) { return e.side(x); },
+            [e](const Dyadic& x) { return e.distance_side(x); }};
+}
+
+Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching) {
+    test::BoxCase x = test::exactly(s.ray, s.box, range.tmax);
+    x.tmin = test::Rational(range.tmin), x.open = range.open;
+    const test::Span span = ray_in_box(x, touching == Touching::hit);
+    if (span.is_empty()) return {};
+    const test::Rational t = span.start(), squared = t * t * test::dot(x.direction, x.direction);
+    return {true, [t](const Dyadic& m) { return t.compare(m.fraction()); },
+            [squared](const Dyadic& m) { return m.sign() < 0 ? 1 : squared.compare((m * m).fraction()); }};
+}
+
+/// What the generator of a family promises, so that one which misses its aim is a failure too.
+bool keeps(RayFamily::Promise promise, const RaySample& s) {
+    const ExactHit exact(s.ray, s.sphere);
     switch (promise) {
         case RayFamily::Promise::tangent_line: return exact.is_tangent_line();
         case RayFamily::Promise::on_surface: return exact.on_surface();
@@ -36,105 +61,152 @@ bool keeps(RayFamily::Promise promise, const ExactHit& exact) {
     return false;
 }
 
-/// Empty where everything agrees, else what does not.
-std::string disagreement(const RaySample& s, const ExactHit& exact, const Range<double>& range, Tally& tally,
-                         const ArbReference::Answer* ball = nullptr) {
-    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.sphere, {}, {}, range);
-
-    // Which side of a power of two a length lies on is a question of its own, and more bits are the answer to it.
-    const auto beside_power = [](const measure::truth::Certified& x) {
-        return x.hi == 1 && std::fabs(x.lo) <= measure::truth::certified_tightness;
-    };
-    tally.escalated += truth.bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
-    tally.bits = std::max(tally.bits, truth.bits);
-    if (ball) tally.arb_bits = std::max(tally.arb_bits, ball->bits);
-    if (truth.decision == measure::truth::Truth::Decision::unresolved) return "unresolved";
-    if (ball && ball->decision == ArbReference::Decision::undecided) return "Arb did not decide";
-    if (truth.is_hit() != exact.hit())
-        return truth.is_hit() ? "a hit that exact integers miss" : "a miss that exact integers hit";
-    if (ball && truth.is_hit() != (ball->decision == ArbReference::Decision::hit)) return "Arb decides otherwise";
-    if (!truth.is_hit()) return truth.object == -1 ? "" : "a miss names an object";
-
-    ++tally.hits;
-    if (truth.object != 0) return "a hit without object";
-    if (!encloses(truth.t, exact)) return "t is not within its bound";
-    if (!encloses_distance(truth.distance, exact)) return "the distance is not within its bound";
-    if (truth.t.bound > measure::truth::certified_tightness * std::fabs(truth.t.hi)) return "t is not tight";
-    if (truth.distance.bound > measure::truth::certified_tightness * std::fabs(truth.distance.hi))
-        return "the distance is not tight";
-    const auto side = [&](const Dyadic& x) { return exact.side(x); };
-    const auto distance_side = [&](const Dyadic& x) { return exact.distance_side(x); };
-    if (!is_in_binade(truth.t, side)) return "t is not in the binade that its ulp is taken of";
-    if (!is_in_binade(truth.distance, distance_side)) return "the distance is not in its binade";
-    for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}}) {
-        const double rounded = measure::truth::round_truth(truth, s.ray, s.sphere, f, Length::parameter, {}, range);
-        if (!is_rounded(rounded, side, f))
-            return "t is not correctly rounded to " + std::to_string(f.precision) + " bits";
-        if (f == binary64 && ball && ball->rounded && rounded != ball->t) return "Arb rounds otherwise";
-        const double distance = measure::truth::round_truth(truth, s.ray, s.sphere, f, Length::distance, {}, range);
-        if (!is_rounded(distance, distance_side, f))
-            return "the distance is not correctly rounded to " + std::to_string(f.precision) + " bits";
-        tally.ties += !measure::truth::round_certified(truth.t, f);
+bool keeps(BoxFamily::Promise promise, const BoxSample& s) {
+    const test::BoxCase x = test::exactly(s.ray, s.box, s.tmax), begin = test::exactly(s.ray, s.box, 0);
+    const bool in_closed = !ray_in_box(begin, true).is_empty(), in_open = !ray_in_box(begin, false).is_empty();
+    const auto met = [&x](bool closed) { return !line_in_box(x, closed).is_empty(); };
+    switch (promise) {
+        case BoxFamily::Promise::none: return true;
+        case BoxFamily::Promise::touches: return met(true) && !met(false);
+        case BoxFamily::Promise::inside: return in_open;
+        case BoxFamily::Promise::on_boundary: return in_closed && !in_open;
+        case BoxFamily::Promise::flat: return !met(false);
+        case BoxFamily::Promise::at_end: {
+            const test::Span closed = ray_in_box(x, true);
+            return !closed.is_empty() && ray_in_box(x, false).is_empty() && closed.start() == *x.tmax;
+        }
     }
-    if (ball && !ball->rounded) return "Arb could not round";
+    return false;
+}
+
+Range<double> range_of(const RaySample&) { return {}; }
+Range<double> range_of(const BoxSample& s) { return s.range(); }
+Solid<double> solid_of(const RaySample& s) { return s.sphere; }
+Solid<double> solid_of(const BoxSample& s) { return s.box; }
+int rays_of(const RayFamily& f, const FloatFormat& storage) {
+    return storage == binary32 ? f.rays_binary32 : f.rays_binary64;
+}
+int rays_of(const BoxFamily& f, const FloatFormat&) { return f.rays; }
+std::string paste(const RaySample& s) { return testing::paste(s.ray, s.sphere); }
+
+/// What is wrong with a length that is proved, or nothing.
+std::string trouble_with(const Certified& x, const Side& side) {
+    if (side(lower_end(x)) < 0 || side(upper_end(x)) > 0) return "is not within its bound";
+    if (x.bound > certified_tightness * std::fabs(x.hi)) return "is not tight";
+    return is_in_binade(x, side) ? "" : "is not in the binade that its ulp is taken of";
+}
+
+/// What is wrong with the truth, or nothing; in `escalated` whether it took more than double-double, but to tell on
+/// which side of a power of two a length lies, which is a question of its own.
+std::string disagreement(const Ray<double>& ray, const Solid<double>& solid, const Exact& want,
+                         const Range<double>& range, Touching touching, bool& escalated) {
+    const Truth truth = measure::truth::find_truth(ray, solid, {}, touching, range);
+    const auto beside_power = [](const Certified& x) { return x.hi == 1 && std::fabs(x.lo) <= certified_tightness; };
+    escalated = truth.bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
+    if (truth.decision == Truth::Decision::unresolved) return "unresolved";
+    if (truth.is_hit() != want.hit) return truth.is_hit() ? "a hit that is none" : "a hit is missed";
+    if (truth.object != (want.hit ? 0 : -1)) return "the object is another";
+    if (!want.hit) return "";
+    const std::pair<Length, const Side*> lengths[] = {{Length::parameter, &want.t}, {Length::distance, &want.distance}};
+    for (const auto& [length, side] : lengths) {
+        const std::string name = length == Length::parameter ? "t " : "the distance ";
+        const std::string trouble = trouble_with(length == Length::parameter ? truth.t : truth.distance, *side);
+        if (!trouble.empty()) return name + trouble;
+        for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}})
+            if (!is_rounded(measure::truth::round_truth(truth, ray, solid, f, length, touching, range), *side, f))
+                return name + "is not correctly rounded to " + std::to_string(f.precision) + " bits";
+    }
     return "";
 }
 
-void check(const RayFamily& family, const FloatFormat& storage, int rays, std::uint64_t seed) {
-    Seeded rng(seed);
-    ArbReference arb;
-    Tally tally;
-    const std::clock_t start = std::clock();
-    std::string report;
-    int failures = 0;
-    for (int i = 0; i < rays; ++i) {
-        const RaySample s = family.make(rng, storage);
-        const ExactHit exact(s.ray, s.sphere);
-        const ArbReference::Answer ball = arb.find(s.ray, s.sphere);
-        const std::string what =
-            keeps(family.promise, exact) ? disagreement(s, exact, {}, tally, &ball) : "the generator missed its aim";
-        if (what.empty() || ++failures > 3) continue;
-        report += std::string(family.name) + ", seed " + std::to_string(seed) + ", index " + std::to_string(i) + ": " +
-                  what + "\n    " + paste(s.ray, s.sphere) + "\n";
+/// Too few bits may leave open, and must not get wrong: the inputs themselves are intervals at these precisions.
+std::string contradiction(const Ray<double>& ray, const Solid<double>& solid, const Exact& closed, bool touches,
+                          const Range<double>& range) {
+    for (const long bits : {6, 20, 53, 120}) {
+        const Interval::Precision precision(bits);
+        const auto within = measure::truth::range_over<Interval>(range);
+        const auto e = measure::truth::enclose(lift_ray<Interval>(ray), lift_solid<Interval>(solid),
+                                               within ? &*within : nullptr, measure::truth::convention_in(range, {}));
+        const std::string at = " at " + std::to_string(bits) + " bits";
+        if (e.hit.is_unknown()) continue;
+        if (e.hit.is_yes() != closed.hit) return "guessed" + at;
+        if (!closed.hit) continue;
+        if (e.touching != touches) return "touching guessed" + at;
+        if (closed.t(Dyadic(e.t.lower())) < 0 || closed.t(Dyadic(e.t.upper())) > 0) return "t escapes" + at;
     }
-    tally.rays = rays;
-    std::printf("%-17s f%d  %7d rays  %7d hits  %6d escalated  %5d bits  %6d straddled  %6ld bits in Arb  %5.1f s\n",
-                family.name, storage == binary32 ? 32 : 64, tally.rays, tally.hits, tally.escalated, tally.bits,
-                tally.ties, tally.arb_bits, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    std::fflush(stdout);
-    INFO(failures << " of " << rays << " rays disagree; the first:\n" << report);
-    CHECK(failures == 0);
-    if (storage == binary32) CHECK(tally.escalated <= family.most_escalated);
+    return "";
 }
 
-/// Both roots, or where none are what stands in their place, to a double.
-std::array<double, 2> roots_of(const RaySample& s) {
-    const Vec<double> f = s.ray.origin - s.sphere.centre;
-    const double a = dot(s.ray.direction, s.ray.direction), h = dot(f, s.ray.direction);
-    const measure::truth::Truth truth = measure::truth::find_truth(s.ray, s.sphere);
-    const double first = truth.is_hit() ? measure::truth::round_truth(truth, s.ray, s.sphere, binary64) : -h / a;
-    const double other = -2 * (h / a) - first;
-    return {std::fabs(first), std::isfinite(other) ? std::fabs(other) : 1.0};
+/// What was found of the rays of a family.
+struct Found {
+    int rays = 0, hits = 0, escalated = 0;
+    std::string report;
+
+    template <class Sample>
+    void ask(const Sample& s, const Range<double>& range, bool few_bits) {
+        const Ray<double>& ray = s.ray;
+        const Solid<double> solid = solid_of(s);
+        ++rays;
+        if (!range.holds_any()) {
+            if (measure::truth::find_truth(ray, solid, {}, {}, range).is_hit())
+                add("a hit in a range of none", s, range);
+            return;
+        }
+        const Exact closed = exactly(s, range, Touching::hit), open = exactly(s, range, Touching::miss);
+        const bool touches = closed.hit != open.hit;
+        hits += closed.hit;
+        bool more = false;
+        std::string what = disagreement(ray, solid, closed, range, Touching::hit, more);
+        escalated += more;
+        if (what.empty()) what = disagreement(ray, solid, open, range, Touching::miss, more);
+        for (const Touching touching : {Touching::hit, Touching::miss})
+            if (what.empty() && measure::truth::find_truth(ray, solid, {}, touching, range).touches != touches)
+                what = "the conventions differ otherwise";
+        if (what.empty() && few_bits) what = contradiction(ray, solid, closed, touches, range);
+        if (!what.empty()) add(what, s, range);
+    }
+    template <class Sample>
+    void add(const std::string& what, const Sample& s, const Range<double>& range) {
+        if (report.size() < 2000) report += what + "\n    " + testing::paste(range) + " " + paste(s) + "\n";
+    }
+};
+
+template <class Family>
+void check(const Family& family, const FloatFormat& storage, std::uint64_t seed) {
+    Seeded rng(seed);
+    Found found;
+    for (int i = 0; i < test::draws(rays_of(family, storage)); ++i) {
+        const auto s = family.make(rng, storage);
+        if (!keeps(family.promise, s)) found.add("the generator missed its aim", s, range_of(s));
+        found.ask(s, range_of(s), i % 4 == 0);
+    }
+    INFO(family.name << ", seed " << seed << ", " << storage.precision << " bits:\n" << found.report);
+    CHECK(found.report.empty());
+    if constexpr (requires { family.most_escalated; }) {
+        if (storage == binary32) CHECK(found.escalated <= family.most_escalated);
+    } else {
+        // A family that only ever hits or only ever misses tests half of what it seems to.
+        using Promise = BoxFamily::Promise;
+        const bool always = family.promise == Promise::inside || family.promise == Promise::on_boundary ||
+                            family.promise == Promise::at_end;
+        CHECK(found.hits > found.rays / 20);
+        if (!always) CHECK(found.hits < found.rays);
+    }
 }
 
 /// Every family, each ray in three ranges.
-void check_in_ranges(std::span<const RayFamily> families, const FloatFormat& storage, std::uint64_t seed) {
-    for (const RayFamily& family : families) {
+template <class Families>
+void check_in_ranges(const Families& families, const FloatFormat& storage, std::uint64_t seed) {
+    for (const auto& family : families) {
         Seeded rng(seed);
-        Tally tally;
-        std::string report;
+        Found found;
         for (int i = 0; i < test::draws(400); ++i) {
-            const RaySample s = family.make(rng, storage);
-            const auto roots = roots_of(s);
-            for (int k = 0; k < 3; ++k, ++tally.rays) {
-                const Range<double> range = range_about(rng, roots, storage);
-                const std::string what = disagreement(s, ExactHit(s.ray, s.sphere, range), range, tally);
-                if (what.empty() || report.size() > 2000) continue;
-                report += what + "\n    " + paste(range) + " " + paste(s.ray, s.sphere) + "\n";
-            }
+            const auto s = family.make(rng, storage);
+            for (int k = 0; k < 3; ++k)
+                found.ask(s, range_about_solid(rng, s.ray, solid_of(s), storage), (i + k) % 4 == 0);
         }
-        INFO(family.name << ":\n" << report);
-        CHECK(report.empty());
+        INFO(family.name << ":\n" << found.report);
+        CHECK(found.report.empty());
     }
 }
 
@@ -148,25 +220,45 @@ TEST_CASE("truth in a range: the first root in it, by exact integers", "[range]"
     }
 }
 
-TEST_CASE("truth agrees with exact integers and with Arb on binary32 inputs", "[near][binary32]") {
-    for (const RayFamily& f : near_families) check(f, binary32, test::draws(f.rays_binary32), 1);
+TEST_CASE("truth of boxes in a range: the first t of both, by fractions", "[box][range]") {
+    for (const FloatFormat& storage : {binary32, binary64}) check_in_ranges(box_families, storage, 4);
 }
 
-TEST_CASE("truth agrees with exact integers and with Arb on binary64 inputs", "[near][binary64]") {
-    for (const RayFamily& f : near_families) check(f, binary64, test::draws(f.rays_binary64), 2);
+TEST_CASE("truth agrees with exact integers on binary32 inputs", "[near][binary32]") {
+    for (const RayFamily& f : near_families) check(f, binary32, 1);
+}
+
+TEST_CASE("truth agrees with exact integers on binary64 inputs", "[near][binary64]") {
+    for (const RayFamily& f : near_families) check(f, binary64, 2);
 }
 
 TEST_CASE("the binade of t and of the distance is decided at powers of two, on them and from both sides", "[power]") {
-    for (const RayFamily& f : power_families) {
-        check(f, binary32, test::draws(f.rays_binary32), 5);
-        check(f, binary64, test::draws(f.rays_binary64), 6);
-    }
+    for (const RayFamily& f : power_families) check(f, binary32, 5), check(f, binary64, 6);
 }
 
 TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]") {
-    for (const RayFamily& f : wide_families) {
-        check(f, binary32, test::draws(f.rays_binary32), 3);
-        check(f, binary64, test::draws(f.rays_binary64), 4);
+    for (const RayFamily& f : wide_families) check(f, binary32, 3), check(f, binary64, 4);
+}
+
+TEST_CASE("truth of boxes agrees with fractions", "[box]") {
+    for (const BoxFamily& f : box_families) check(f, binary32, 1), check(f, binary64, 2);
+}
+
+TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
+    const Box<double> box{Vec<double>(-1), Vec<double>(1)};
+    for (const Touching touching : {Touching::hit, Touching::miss}) {
+        const auto shoot = [&](double x, double tmax) {
+            return measure::truth::find_truth({{x, 0, 0}, {1, 0, 0}}, box, {}, touching, {.tmax = tmax}).is_hit();
+        };
+        const bool closed = touching == Touching::hit;
+        CHECK(shoot(0, 0));             // the origin inside is enough
+        CHECK(shoot(-1, 0) == closed);  // on the boundary it is for the closed box alone
+        CHECK(shoot(-1, 0x1p-1074));    // the least bit of length is inside
+        CHECK(shoot(1, 5) == closed);   // leaving
+        CHECK_FALSE(shoot(0, -0x1p-1074));
+        CHECK_FALSE(shoot(0, -HUGE_VAL));
+        CHECK(shoot(0, HUGE_VAL));
+        CHECK(shoot(0, -0.0));
     }
 }
 

@@ -1,12 +1,17 @@
-// The tests' reference for the truth, alone: a ray along z that meets a sphere of radius 1/4 at 5 - 1/4.
+// A root as a ball, to 64 bits: the header and the library that were found are of one Arb.
 #include <cstdio>
 
-#include "measure/truth/arb_reference.hpp"
+#if ARB_IN_FLINT
+#include <flint/arb.h>
+#else
+#include <arb.h>
+#endif
 
 int main() {
-    using lostbits::testing::ArbReference;
-    ArbReference reference;
-    const auto found = reference.find({{0, 0, -5}, {0, 0, 1}}, {{0, 0, 0}, 0.25});
-    std::printf("%s t = %g\n", found.decision == ArbReference::Decision::hit ? "hit" : "no hit", found.t);
+    arb_t x;
+    arb_init(x);
+    arb_sqrt_ui(x, 16, 64);
+    std::printf("root = %g\n", arf_get_d(arb_midref(x), ARF_RND_NEAR));
+    arb_clear(x);
     return 0;
 }

@@ -1,6 +1,7 @@
-#include "measure/evaluate/row_sums.hpp"
+#include "measure/evaluate/row_parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -11,6 +12,66 @@ namespace lostbits::measure::evaluate {
 using answer::Outcome;
 using truth::missing;
 using truth::Truth;
+
+void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+                   const OutcomeColumns& out, FormSummary& summary) {
+    const answer::Answers& answers = of.answers;
+    const std::size_t n = truth.decision.size();
+    const answer::OutcomeTable table(tells_t);
+    out.measured.resize(n);
+    std::uint64_t true_hits = 0;
+    Outcome* const outcomes = out.outcomes.data();
+    double* const measured = out.measured.data();
+    for (std::size_t i = 0; i < n; ++i)
+        outcomes[i] =
+            table[answer::OutcomeTable::place(truth.decision[i], answers.hit[i] != 0, answers.t[i] != answers.t[i])];
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
+        outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
+    }
+    if (tells_t) take_meshes_apart(of, truth, out.outcomes);
+    for (std::size_t i = 0; i < n; ++i) {
+        measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
+    }
+    for (const Truth::Decision decision : truth.decision)
+        true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
+    for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
+        summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
+    summary.true_hits += true_hits;
+    summary.rays += n;
+}
+
+OwnWords::OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
+                   std::size_t i, std::size_t solid, std::int32_t truly) {
+    const intersect::table::Intersector& form = *row.form;
+    const auto& rays = inputs.rays_for(*form.info);
+    const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
+    if ((needs & metric::needs_bound) && form.bounded)
+        bounded_ = form.bounded(row.format, ray, inputs.target_for(form, solid), tmax);
+    if ((needs & metric::needs_way) && form.way) way_ = form.way(row.format, ray, inputs.target_for(form, solid), tmax);
+    if ((needs & metric::needs_levels) && truly >= 0) {
+        const Solid<double> met = inputs.solids[static_cast<std::size_t>(truly)];
+        const intersect::table::Intersector& part = form.of(met.shape);
+        if (intersect::hull::has_box(part)) levels_ = answer::levels_of(part, row.format, ray, met, rays.range(i));
+    }
+    if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
+    const Solid<double> asked = inputs.solids[solid];
+    const intersect::table::Intersector& part = form.of(asked.shape);
+    if ((needs & metric::needs_end_margin) && intersect::hull::has_box(part))
+        end_margin_ = answer::end_margin(part, row.format, ray, asked, rays.range(i));
+    if (!(needs & metric::needs_steps)) return;
+    if (!asked.placed || !part.is_placed) return;
+    // A box in the world is no step of the way.
+    steps_ = answer::steps_of(intersect::hull::within_boxes(part), row.format, ray, asked, rays.range(i));
+}
+
+void OwnWords::into(metric::Sample& sample) const {
+    if (bounded_) sample.bounded = &*bounded_;
+    if (way_) sample.way = &*way_;
+    if (steps_) sample.steps = &*steps_;
+    sample.end_margin = end_margin_;
+    if (levels_) sample.levels = &*levels_;
+}
 
 WorstRay RowSums::worst(std::size_t i) const {
     WorstRay w = named(i, Outcome::agree_hit);

@@ -1,0 +1,42 @@
+// Hard rays in lists, and what two truths of one agree on.
+#pragma once
+
+#include <cstdlib>
+#include <vector>
+
+#include "measure/truth/hard_rays.hpp"
+#include "measure/truth/truth.hpp"
+
+namespace lostbits::testing {
+
+/// LOSTBITS_RAYS says how many.
+inline const std::size_t rays_per_family = [] {
+    const char* const asked = std::getenv("LOSTBITS_RAYS");
+    return asked ? std::strtoull(asked, nullptr, 10) : std::size_t{500};
+}();
+
+/// So many of each family.
+inline std::vector<HardRay> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
+    Seeded rng(14);
+    std::vector<HardRay> problems;
+    for (const HardFamily& f : hard_families(shape, {storage}, Wide::yes))
+        for (std::size_t i = 0; i < each; ++i) problems.push_back(f.draw(rng));
+    return problems;
+}
+
+/// Of the random family alone.
+inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& storage) {
+    Seeded rng(17);
+    std::vector<HardRay> problems;
+    const HardFamily random = hard_families(shape, {storage}).front();
+    while (problems.size() < 20'000) problems.push_back(random.draw(rng));
+    return problems;
+}
+
+/// Whether both are the same, to within their bounds.
+inline bool agree(const measure::truth::Truth& a, const measure::truth::Truth& b) {
+    return a.decision == b.decision && a.object == b.object && a.touches == b.touches && a.on_surface == b.on_surface &&
+           compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;
+}
+
+}  // namespace lostbits::testing

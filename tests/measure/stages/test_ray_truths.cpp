@@ -1,0 +1,112 @@
+// Truths of many rays among solids are those of each ray alone, in doubles and in numbers that no double holds.
+#include <optional>
+
+#include "catch.hpp"
+#include "measure/stages/hard_problems.hpp"
+#include "measure/truth/ranges.hpp"
+#include "measure/truth/truth_columns.hpp"
+
+namespace test_ray_truths {
+
+using namespace lostbits;
+using namespace lostbits::testing;
+using measure::truth::find_truth;
+using measure::truth::StageCounts;
+using measure::truth::Truth;
+
+namespace {
+
+/// A number that no double holds: of two words, and a rest behind them.
+Real between_doubles(Seeded& rng, double x) {
+    if (rng.index(4) == 0 || std::fabs(x) < 0x1p-800) return Real(x);
+    const double second = x * rng.uniform(-0x1p-54, 0x1p-54), rest = second * rng.uniform(-0x1p-54, 0x1p-54);
+    return Real(x) + Real(second) + Real(rest);
+}
+
+/// Such rays, each with its own solid.
+struct Ideal {
+    scene::rays::BasicRayBlock<Real> rays;
+    std::vector<Solid<Real>> solids;
+
+    Ideal(std::span<const HardRay> problems, std::optional<OpenEnds> ranged) {
+        Seeded rng(16);
+        const auto moved = [&rng](double x) { return between_doubles(rng, x); };
+        const auto vec = [&](const Vec<double>& v) {
+            const Real x = moved(v.x), y = moved(v.y), z = moved(v.z);
+            return Vec<Real>(x, y, z);
+        };
+        for (const HardRay& p : problems) {
+            const Vec<Real> origin = vec(p.ray.origin), direction = vec(p.ray.direction);
+            rays.push({origin, direction});
+            solids.push_back(transformed(p.solid, moved));
+            const Range<double> range = ranged ? range_about_solid(rng, p.ray, p.solid, binary64) : p.range;
+            rays.tmin.push_back(range.tmin), rays.tmax.push_back(range.tmax);
+        }
+        rays.open = ranged.value_or(OpenEnds{});
+    }
+    StageCounts find(measure::truth::RayTruths& found) const {
+        const scene::rays::SolidList<Real> list(solids);
+        return find_truths(measure::truth::RaysAndSolids<Real>{rays, list, nullptr, true}, {}, found);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("truth columns: numbers that no double holds, with ranges and without, the same as ray by ray") {
+    std::vector<std::optional<OpenEnds>> ranges{std::nullopt};
+    for (const auto& [name, open] : open_ends_names) ranges.emplace_back(open);
+    for (const Shape shape : {Shape::sphere, Shape::box}) {
+        const auto random = random_problems(shape, binary64);
+        measure::truth::RayTruths settled;
+        const double share = shape == Shape::sphere ? 0.999 : 0.99, count = static_cast<double>(random.size());
+        CHECK(static_cast<double>(Ideal(random, {}).find(settled).double_double) >= share * count);
+        for (const auto& ranged : ranges) {
+            const Ideal ideal(problems_of(shape, binary64, ranged ? 60 : rays_per_family), ranged);
+            measure::truth::RayTruths found;
+            const StageCounts counts = ideal.find(found);
+            CHECK(counts.double_double > ideal.solids.size() / 4);
+            std::size_t different = 0;
+            for (std::size_t i = 0; i < ideal.solids.size(); ++i) {
+                Truth alone = find_truth(ideal.rays[i], ideal.solids[i], {}, {}, ideal.rays.range(i));
+                if (alone.is_hit()) alone.object = static_cast<int>(i);
+                different += !agree(found[i], alone);
+            }
+            CHECK(different == 0);
+        }
+    }
+}
+
+TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") {
+    std::vector<HardRay> problems = problems_of(Shape::sphere, binary32, 40);
+    for (const HardRay& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
+    std::vector<Solid<double>> solids;
+    for (std::size_t i = 0; i < problems.size(); i += 97) solids.push_back(problems[i].solid);
+    // Several that no ray can tell apart, and one that does not exist.
+    solids.push_back(solids[2]);
+    solids.insert(solids.begin() + 1, Solid<double>(Sphere<double>{{0, 0, 0}, -1}));
+    scene::rays::RayBlock rays;
+    for (const HardRay& p : problems) {
+        rays.push(p.ray);
+        rays.tmin.push_back(p.range.tmin);
+        rays.tmax.push_back(p.range.tmax);
+    }
+    measure::truth::RayTruths found;
+    const scene::rays::SolidList<double> list(solids);
+    const StageCounts counts = find_truths(measure::truth::RaysAndSolids<double>{rays, list}, {}, found);
+    CHECK(counts.rays() == problems.size() * solids.size());
+    std::size_t different = 0, hits = 0;
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+        const Truth alone =
+            find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].range);
+        hits += alone.is_hit();
+        const Truth there = found[i];
+        different += !agree(there, alone);
+        if (alone.bits > 106) continue;
+        different += there.t.hi != alone.t.hi || there.t.lo != alone.t.lo || there.t.exponent != alone.t.exponent ||
+                     there.distance.hi != alone.distance.hi || there.distance.lo != alone.distance.lo;
+    }
+    CHECK(different == 0);
+    CHECK(hits > problems.size() / 8);
+}
+
+}  // namespace test_ray_truths

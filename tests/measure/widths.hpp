@@ -1,0 +1,21 @@
+// What must be so at every width of the registers.
+#pragma once
+
+#include "catch.hpp"
+#include "intersect/simd/packed.hpp"
+
+namespace lostbits::testing {
+
+/// Calls `run(isa)` with each that the processor has in use, the one of single numbers first.
+template <class Run>
+void at_every_width(const Run& run) {
+    const auto before = intersect::simd::current_isa();
+    for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
+        intersect::simd::set_isa(isa);
+        INFO("--isa " << name_of(isa));
+        run(isa);
+    }
+    intersect::simd::set_isa(before);
+}
+
+}  // namespace lostbits::testing
