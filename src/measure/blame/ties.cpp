@@ -1,12 +1,13 @@
-#include "measure/blame/ties.hpp"
-
+// Which of several operations that contribute the same is the culprit.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "measure/blame/attribution.hpp"
 #include "measure/blame/operation_error.hpp"
 
 namespace lostbits::measure::blame {
+
 namespace {
 
 /// f(operand), for each operand whose error goes through node i, in the formula's order.

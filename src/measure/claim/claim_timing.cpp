@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/speed/timing_threads.hpp"
+#include "measure/speed/timing.hpp"
 #include "measure/speed/timing_work.hpp"
 
 namespace lostbits::measure::claim {

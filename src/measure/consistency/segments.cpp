@@ -1,12 +1,14 @@
-// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|.
-#include "measure/consistency/segments.hpp"
-
+// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|; and the closest hit against shadow tests
+// that end just after it, at it, and just before it.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "measure/consistency/check.hpp"
+#include "measure/consistency/segments.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/side.hpp"
+#include "number/rounded.hpp"
 #include "number/with_number.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -32,10 +34,6 @@ std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphe
         return truth::side_of<E>(lift_ray<E>(ray), lift_solid<E>(sphere), E(m), truth::Length::parameter);
     });
 }
-
-}  // namespace
-
-namespace {
 
 /// Of solids of one shape.
 Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
@@ -153,6 +151,48 @@ void check_light(const RowOnBand& on, AccordOfPixels& out) {
     const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
     compare_segments(
         on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+}
+
+namespace {
+
+/// What a map says of a pixel against a shadow test whose end is made of its t. `expected`: what the test should say.
+template <class End>
+void compare_with_ends(const RowOnBand& on, const End& end, bool expected, AccordOfPixels& out) {
+    scene::rays::RayBlock rays = on.rays();
+    rays.tmax.assign(rays.size(), HUGE_VAL);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (on.closest.hit[i] != 0) rays.tmax[i] = end(on.closest.t[i]);
+    }
+    const auto meets = meets_before_end(on.form, rays, on.solids);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (on.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
+        const Accord how = (meets[i] != 0) == expected ? Accord::agree
+                           : expected                  ? Accord::first_alone
+                                                       : Accord::second_alone;
+        out.set(i, how, [&] {
+            return TwoRays{i, on.shown(on.inputs.rays[i], HUGE_VAL), on.shown(on.inputs.rays[i], rays.tmax[i])};
+        });
+    }
+}
+
+}  // namespace
+
+void check_beyond(const RowOnBand& on, AccordOfPixels& out) {
+    // No end lies after an infinite t or a NaN: any hit at all must do.
+    compare_with_ends(
+        on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
+}
+
+void check_end(const RowOnBand& on, AccordOfPixels& out) {
+    compare_with_ends(
+        on, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
+}
+
+void check_before(const RowOnBand& on, AccordOfPixels& out) {
+    // Before t = 0 there is no ray.
+    compare_with_ends(
+        on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },
+        false, out);
 }
 
 }  // namespace lostbits::measure::consistency

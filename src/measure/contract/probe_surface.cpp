@@ -1,4 +1,5 @@
-// What a form answers from inside, where it touches, and from the surface itself.
+// What a form answers from inside, where it touches, and from the surface itself; and what it leaves the processor in.
+#include "intersect/doors/guard.hpp"
 #include "measure/contract/trial.hpp"
 
 namespace lostbits::measure::contract {
@@ -237,6 +238,16 @@ void try_close(Trial& trial) {
     if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");
     trial.broken(surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
                  ": it seems to have a least t, as a tmin or an epsilon; no word says that, let the caller have it");
+}
+
+Observation observe_state(const intersect::doors::ForeignForm& form) {
+    const std::string& loaded = form.contract.state;
+    const std::string where =
+        loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it is run so";
+    const std::string noted = intersect::doors::change_noted(intersect::doors::name_in_messages(form));
+    if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
+    if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as its users run it; nothing else is"};
+    return {"state", Observation::Verdict::kept, "the processor rounds to nearest in it and keeps subnormal numbers"};
 }
 
 }  // namespace lostbits::measure::contract

@@ -1,4 +1,4 @@
-#include "measure/mend/rewrite.hpp"
+#include "measure/mend/mend.hpp"
 
 #include <algorithm>
 #include <array>

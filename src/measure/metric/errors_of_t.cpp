@@ -1,12 +1,11 @@
-#include "measure/metric/errors_of_t.hpp"
-
+// How far an answer is from t*, and which part of that the inputs, the formula and its rounding have.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "measure/bits/log2.hpp"
-#include "measure/stability/derivatives.hpp"
-#include "measure/stability/root.hpp"
+#include "measure/metric/values.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
@@ -60,6 +59,8 @@ double rounding_error(const Sample& s) {
     return in_ulps(s, truth::exactly(s.t), *s.self);
 }
 
+namespace {
+
 double error_at_zero(const Sample& s) {
     if (!s.truth->is_zero() || !s.solid) return missing;
     if (s.t == 0) return 0;
@@ -70,7 +71,7 @@ double error_at_zero(const Sample& s) {
         for (std::size_t k = first; k < first + key.count(); ++k)
             if (key.kind != Key::Kind::direction && !s.solid->placed) see(s.solid->numbers[k]);
     });
-    return std::ldexp(distance_error(s) / most, s.format->shape.precision);
+    return in_roundoffs(distance_error(s) / most, s);
 }
 
 double root(const Sample& s) {
@@ -100,7 +101,33 @@ double derivative_error(const Sample& s) {
     for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
         if (key.kind != Key::Kind::direction) see(6 + first, key.count());
     });
-    return std::ldexp(worst, s.format->shape.precision);
+    return in_roundoffs(worst, s);
 }
+
+/// In the order of the values of `root`.
+constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
+
+/// Where an ulp of t* says nothing, or not enough.
+constexpr Metric rows_of_t[] = {
+    tabled(
+        {"error_at_zero", "u", "err.at_zero"},
+        "of a hit at t* = 0, where no ulp measures: |t| |d| over u times the largest number of the origin and of the "
+        "points and lengths of the solid",
+        error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
+    tabled(
+        {"root", "", "err.root"},
+        "whether a correct hit has the t of another crossing of the same solid: to a quarter of what lies between that "
+        "and the true one (wrong); no_hit: of no correct hit",
+        root, {.ramp = Ramp::categories, .over = Over::every, .categories = root_names}),
+    tabled(
+        {"derivative_error", "u", "err.derivative"},
+        "dt/dx of every number of origin, direction, points and lengths, as the form yields them by forward "
+        "differentiation in the format: the largest error of one, over the largest of its vector; of a form for unit "
+        "directions without those of the direction, of a solid under no matrix",
+        derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
+
+}  // namespace
+
+std::span<const Metric> metrics_of_t() { return rows_of_t; }
 
 }  // namespace lostbits::measure::metric

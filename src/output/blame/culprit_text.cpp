@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/blame/ties.hpp"
+#include "measure/blame/attribution.hpp"
 #include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "measure/blame/neighbours.hpp"
-#include "measure/stability/root.hpp"
+#include "measure/blame/explanation.hpp"
+#include "measure/stability/stability.hpp"
 #include "output/blame/culprit_text.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"

@@ -4,7 +4,6 @@
 
 #include "catch.hpp"
 #include "measure/blame/explanation.hpp"
-#include "measure/blame/neighbours.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "scene/file/scene.hpp"

@@ -1,5 +1,5 @@
 // Predictions of errors: coins that fall as they should, and a bound that is the root of a sum of squares.
-#include "measure/stability/prediction.hpp"
+#include "measure/stability/stability.hpp"
 
 #include <cmath>
 

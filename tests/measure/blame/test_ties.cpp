@@ -1,6 +1,6 @@
 // Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
 // its tape happens to stand.
-#include "measure/blame/ties.hpp"
+#include "measure/blame/attribution.hpp"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include "catch.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
-#include "measure/stability/prediction.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::test::test_predictions {

@@ -9,7 +9,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/hull/behind.hpp"
-#include "measure/metric/published_bounds.hpp"
+#include "measure/metric/values.hpp"
 #include "measure/rows.hpp"
 #include "measure/sweep/float_band.hpp"
 #include "measure/truth/lost_bits.hpp"

@@ -12,7 +12,7 @@
 #include "counts.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/seeded.hpp"
-#include "measure/stability/margin.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/ray_families.hpp"

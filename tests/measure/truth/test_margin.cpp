@@ -13,7 +13,7 @@
 #include "intersect/process/parallel.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/seeded.hpp"
-#include "measure/stability/margin.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/box_families.hpp"
 #include "measure/truth/brute_force.hpp"
 #include "measure/truth/ray_families.hpp"
