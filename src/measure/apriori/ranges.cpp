@@ -44,53 +44,6 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     return seen;
 }
 
-}  // namespace
-
-void SeenErrors::append(const SeenErrors& after) {
-    hits += after.hits;
-    bounded_hits += after.bounded_hits;
-    error = std::fmax(error, after.error);
-    share = std::fmax(share, after.share);
-    running_hits += after.running_hits;
-    running = std::fmax(running, after.running);
-    wider += after.wider;
-}
-
-SeenErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
-    std::vector<SeenErrors> each(rays.size());
-    intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
-        asking.stop.check();
-        each[i] = see_one(asking, rays[i]);
-    });
-    SeenErrors all;
-    for (const SeenErrors& one : each) all.append(one);
-    return all;
-}
-
-std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each) {
-    auto leaves = asking.parts.leaves();
-    std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
-    std::ranges::stable_sort(
-        leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
-    if (leaves.size() > boxes) leaves.resize(boxes);
-    scene::rays::Random random(1);
-    std::vector<std::vector<double>> all;
-    for (const BoundedPart* const part : leaves) {
-        for (int k = 0; k < each; ++k) {
-            std::vector<double> inputs;
-            for (const auto& [low, high] : part->box) {
-                // Rounding may lead out of the box, but not out of the ranges, whose ends are numbers of the format.
-                const double x = low == high ? low : random.between(low, high);
-                inputs.push_back(rounding::to_format(x, 0, asking.format.shape));
-            }
-            all.push_back(std::move(inputs));
-        }
-    }
-    return all;
-}
-
-namespace {
-
 constexpr std::size_t most_solids = 64;
 /// So many rays are drawn in each of so many boxes.
 constexpr std::size_t drawn_boxes = 64;
@@ -204,6 +157,49 @@ void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, doub
 }
 
 }  // namespace
+
+void SeenErrors::append(const SeenErrors& after) {
+    hits += after.hits;
+    bounded_hits += after.bounded_hits;
+    error = std::fmax(error, after.error);
+    share = std::fmax(share, after.share);
+    running_hits += after.running_hits;
+    running = std::fmax(running, after.running);
+    wider += after.wider;
+}
+
+SeenErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
+    std::vector<SeenErrors> each(rays.size());
+    intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
+        asking.stop.check();
+        each[i] = see_one(asking, rays[i]);
+    });
+    SeenErrors all;
+    for (const SeenErrors& one : each) all.append(one);
+    return all;
+}
+
+std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each) {
+    auto leaves = asking.parts.leaves();
+    std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
+    std::ranges::stable_sort(
+        leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
+    if (leaves.size() > boxes) leaves.resize(boxes);
+    scene::rays::Random random(1);
+    std::vector<std::vector<double>> all;
+    for (const BoundedPart* const part : leaves) {
+        for (int k = 0; k < each; ++k) {
+            std::vector<double> inputs;
+            for (const auto& [low, high] : part->box) {
+                // Rounding may lead out of the box, but not out of the ranges, whose ends are numbers of the format.
+                const double x = low == high ? low : random.between(low, high);
+                inputs.push_back(rounding::to_format(x, 0, asking.format.shape));
+            }
+            all.push_back(std::move(inputs));
+        }
+    }
+    return all;
+}
 
 RangesBound bound_over_ranges(const RangesRequest& request) {
     const GivenRays given(request);

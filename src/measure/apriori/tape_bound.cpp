@@ -155,6 +155,23 @@ std::vector<bool> nodes_of_answer(const Tape& tape) {
     return needed;
 }
 
+/// The number whose range is widest by its range in the whole; −1 where no range can be halved.
+int widest(const InputBox& box, const InputBox& whole) {
+    int found = -1;
+    double most = 0;
+    for (std::size_t k = 0; k < box.size(); ++k) {
+        const double middle = box[k].low / 2 + box[k].high / 2;
+        const double width = (box[k].high - box[k].low) / (whole[k].high - whole[k].low);
+        if (!(box[k].low < middle && middle < box[k].high) || !(width > most)) continue;
+        most = width;
+        found = static_cast<int>(k);
+    }
+    return found;
+}
+
+/// What a box that is not known counts as in bits, more than any bound is too wide by.
+constexpr double unknown_bits = 64;
+
 }  // namespace
 
 TapeBound::TapeBound(const Tape& tape) : tape_(tape), needed_(nodes_of_answer(tape)) {}
@@ -188,27 +205,6 @@ std::vector<double> TapeBound::shares(const InputBox& box) const {
     for (std::size_t i = 0; slope && i < all.size(); ++i) made[i] = most_of((*slope)[i] * all[i].own);
     return made;
 }
-
-namespace {
-
-/// The number whose range is widest by its range in the whole; −1 where no range can be halved.
-int widest(const InputBox& box, const InputBox& whole) {
-    int found = -1;
-    double most = 0;
-    for (std::size_t k = 0; k < box.size(); ++k) {
-        const double middle = box[k].low / 2 + box[k].high / 2;
-        const double width = (box[k].high - box[k].low) / (whole[k].high - whole[k].low);
-        if (!(box[k].low < middle && middle < box[k].high) || !(width > most)) continue;
-        most = width;
-        found = static_cast<int>(k);
-    }
-    return found;
-}
-
-/// What a box that is not known counts as in bits, more than any bound is too wide by.
-constexpr double unknown_bits = 64;
-
-}  // namespace
 
 Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes,
                        const intersect::process::StopToken& stop) {

@@ -56,6 +56,20 @@ private:
     std::vector<std::uint8_t> hit_;
 };
 
+/// The same bits; a NaN is a NaN.
+bool is_same(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+Accord compare_answers(const intersect::Info& info, const AllAnswers& a, const AllAnswers& b, std::size_t i) {
+    if (a.hit[i] != b.hit[i]) return a.hit[i] != 0 ? Accord::first_alone : Accord::second_alone;
+    if (a.hit[i] == 0 || !tells_t(info)) return Accord::agree;
+    const bool both = info.roots == intersect::Roots::both;
+    const bool same =
+        is_same(a.t[i], b.t[i]) && (!both || (is_same(a.near[i], b.near[i]) && is_same(a.far[i], b.far[i])));
+    return same ? Accord::agree : Accord::other_number;
+}
+
 }  // namespace
 
 AllAnswers ask(const AskedForm& asked, const RayBlock& rays, std::span<const Solid<double>> solids, Calls calls) {
@@ -102,24 +116,6 @@ std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const RayBloc
     }
     return meets;
 }
-
-namespace {
-
-/// The same bits; a NaN is a NaN.
-bool is_same(double a, double b) {
-    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
-}
-
-Accord compare_answers(const intersect::Info& info, const AllAnswers& a, const AllAnswers& b, std::size_t i) {
-    if (a.hit[i] != b.hit[i]) return a.hit[i] != 0 ? Accord::first_alone : Accord::second_alone;
-    if (a.hit[i] == 0 || !tells_t(info)) return Accord::agree;
-    const bool both = info.roots == intersect::Roots::both;
-    const bool same =
-        is_same(a.t[i], b.t[i]) && (!both || (is_same(a.near[i], b.near[i]) && is_same(a.far[i], b.far[i])));
-    return same ? Accord::agree : Accord::other_number;
-}
-
-}  // namespace
 
 void check_packs(const RowOnBand& on, AccordOfPixels& out) {
     const intersect::Info& info = *on.row.form->info;

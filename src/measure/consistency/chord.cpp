@@ -10,6 +10,9 @@
 
 namespace lostbits::measure::consistency {
 
+using scene::rays::RayBlock;
+using truth::Truth;
+
 namespace {
 
 template <class E>
@@ -50,20 +53,6 @@ std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told,
     if (ahead_back && !take(forth->far + back->near, told.far, told.near_back)) return std::nullopt;
     return most;
 }
-
-}  // namespace
-
-std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
-    for (const double t : {told.near, told.far, told.near_back, told.far_back}) {
-        if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
-    }
-    return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
-}
-
-using scene::rays::RayBlock;
-using truth::Truth;
-
-namespace {
 
 /// A ball around a solid as a ray sees it, in doubles: it only says where the segment ends.
 struct Around {
@@ -146,6 +135,13 @@ Accord accord_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ToldC
 }
 
 }  // namespace
+
+std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
+    for (const double t : {told.near, told.far, told.near_back, told.far_back}) {
+        if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
+    }
+    return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
+}
 
 void check_reverse(const RowOnBand& on, AccordOfPixels& out) {
     out.apart.assign(on.pixels(), truth::missing);

@@ -51,38 +51,6 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
 
-}  // namespace
-
-Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
-                                   intersect::Convention convention) {
-    bool unresolved = false;
-    for (const ShapeRow& row : shape_rows) {
-        std::vector<Solid<double>> alike;
-        std::ranges::copy_if(solids, std::back_inserter(alike),
-                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
-        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
-        if (meets == Truth::Decision::hit) return meets;
-        unresolved = unresolved || meets == Truth::Decision::unresolved;
-    }
-    return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
-}
-
-SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
-    return with_number(format, [&]<class T>() {
-        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
-        const T size = length(way);
-        T share(1);
-        if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
-        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
-        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
-                                .difference_end = as_double(share),
-                                .by_unit = {p, as_doubles<T>(unit)},
-                                .unit_end = as_double(share * size)};
-    });
-}
-
-namespace {
-
 /// The point that a pixel shows: o + t*·d of its own ray, each coordinate rounded to the format; nothing where the ray
 /// truly misses.
 std::optional<Vec<double>> seen_point(const RowOnBand& on, std::size_t i) {
@@ -135,26 +103,6 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, A
     }
 }
 
-}  // namespace
-
-void check_segment(const RowOnBand& on, AccordOfPixels& out) {
-    compare_segments(
-        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
-}
-
-void check_short(const RowOnBand& on, AccordOfPixels& out) {
-    compare_segments(
-        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
-}
-
-void check_light(const RowOnBand& on, AccordOfPixels& out) {
-    const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
-    compare_segments(
-        on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
-}
-
-namespace {
-
 /// What a map says of a pixel against a shadow test whose end is made of its t. `expected`: what the test should say.
 template <class End>
 void compare_with_ends(const RowOnBand& on, const End& end, bool expected, AccordOfPixels& out) {
@@ -176,6 +124,50 @@ void compare_with_ends(const RowOnBand& on, const End& end, bool expected, Accor
 }
 
 }  // namespace
+
+Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+                                   intersect::Convention convention) {
+    bool unresolved = false;
+    for (const ShapeRow& row : shape_rows) {
+        std::vector<Solid<double>> alike;
+        std::ranges::copy_if(solids, std::back_inserter(alike),
+                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
+        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
+        if (meets == Truth::Decision::hit) return meets;
+        unresolved = unresolved || meets == Truth::Decision::unresolved;
+    }
+    return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
+}
+
+SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+    return with_number(format, [&]<class T>() {
+        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
+        const T size = length(way);
+        T share(1);
+        if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
+        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
+        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
+                                .difference_end = as_double(share),
+                                .by_unit = {p, as_doubles<T>(unit)},
+                                .unit_end = as_double(share * size)};
+    });
+}
+
+void check_segment(const RowOnBand& on, AccordOfPixels& out) {
+    compare_segments(
+        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
+}
+
+void check_short(const RowOnBand& on, AccordOfPixels& out) {
+    compare_segments(
+        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
+}
+
+void check_light(const RowOnBand& on, AccordOfPixels& out) {
+    const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
+    compare_segments(
+        on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+}
 
 void check_beyond(const RowOnBand& on, AccordOfPixels& out) {
     // No end lies after an infinite t or a NaN: any hit at all must do.

@@ -103,6 +103,20 @@ std::string word_for(Facing facing) {
                                    : "LB_FACING_BACK (facing_back, facing=back)";
 }
 
+/// What is flat is neither entered nor left.
+void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
+    const intersect::doors::Contract& c = trial.contract;
+    const std::string surface = "a surface at the origin ";
+    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
+        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
+    const bool counts = ray.hit == 1;
+    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
+               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
+                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
+    if ((back.hit == 1) != (counts && c.facing == Facing::both))
+        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
+}
+
 }  // namespace
 
 void try_inside(Trial& trial) {
@@ -162,24 +176,6 @@ void try_touching(Trial& trial) {
                what + (touch.hit == 1 ? " hits; say LB_HIT (touching=hit)"
                                       : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
-
-namespace {
-
-/// What is flat is neither entered nor left.
-void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
-    const intersect::doors::Contract& c = trial.contract;
-    const std::string surface = "a surface at the origin ";
-    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
-        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
-    const bool counts = ray.hit == 1;
-    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
-               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
-                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
-    if ((back.hit == 1) != (counts && c.facing == Facing::both))
-        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
-}
-
-}  // namespace
 
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;

@@ -267,6 +267,13 @@ private:
     JudgeResult result_;
 };
 
+std::string file_word(const std::string& name) {
+    std::string word = "file.";
+    for (const char c : name)
+        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+    return word;
+}
+
 }  // namespace
 
 void JudgeResult::append(JudgeResult&& after) {
@@ -311,17 +318,6 @@ void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResul
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks) {
     return Run(dump, request, sinks).run();
 }
-
-namespace {
-
-std::string file_word(const std::string& name) {
-    std::string word = "file.";
-    for (const char c : name)
-        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-    return word;
-}
-
-}  // namespace
 
 FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)
     : name_(file_word(name)), info_(info) {

@@ -73,6 +73,17 @@ std::optional<answer::Answers> answers_among_many(const TapeForm& form, const tr
     return answers;
 }
 
+struct Compared {
+    Worth worth;  ///< of the form
+    bool same;
+};
+Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
+    Bits first, second;
+    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
+    return {worth.front(), first == second};
+}
+
 }  // namespace
 
 const std::string& MendRequest::id() const { return scene ? scene->id : rays->id; }
@@ -168,21 +179,6 @@ bool is_more_accurate(const Worth& a, const Worth& b) {
     const auto bits = [](const Worth& w) { return std::isnan(w.kept_bits) ? -1 : w.kept_bits; };
     return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction() : bits(a) > bits(b);
 }
-
-namespace {
-
-struct Compared {
-    Worth worth;  ///< of the form
-    bool same;
-};
-Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
-    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
-    Bits first, second;
-    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
-    return {worth.front(), first == second};
-}
-
-}  // namespace
 
 bool answers_as(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
     return compared(form, tape, request, judge).same;

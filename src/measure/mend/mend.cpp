@@ -9,6 +9,8 @@
 
 namespace lostbits::measure::mend {
 
+using scene::file::Scene;
+
 namespace {
 
 std::vector<NodeId> without(std::vector<NodeId> set, std::size_t k) {
@@ -123,17 +125,6 @@ private:
     std::vector<NodeId> all_;
 };
 
-}  // namespace
-
-WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const Worth& with_all, const MendRequest& request,
-                      Judge& judge, std::uint64_t affordable) {
-    return Search(tape, wider, request, judge).smallest(with_all, affordable);
-}
-
-using scene::file::Scene;
-
-namespace {
-
 /// The scene in fewer pixels, an odd number each way, so that hardly a pixel lies where one did.
 Scene in_other_pixels(Scene scene) {
     const auto fewer = [](int n) { return std::max(n * 7 / 8, 1) | 1; };
@@ -158,6 +149,11 @@ void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& requ
 }
 
 }  // namespace
+
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const Worth& with_all, const MendRequest& request,
+                      Judge& judge, std::uint64_t affordable) {
+    return Search(tape, wider, request, judge).smallest(with_all, affordable);
+}
 
 bool are_inverses(const MendRequest& request) {
     if (!request.row.form->is_placed) return false;

@@ -38,12 +38,12 @@ scene::rays::RayGroup some_of(const scene::rays::RayGroup& all, int rays) {
     return some;
 }
 
+}  // namespace
+
 bool divides_by_zero(const Tape& tape) {
     return std::ranges::any_of(
         tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
 }
-
-}  // namespace
 
 Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
     for (TapeNode& n : tape.nodes)

@@ -28,4 +28,7 @@ private:
 /// The tape with other inputs, and all values that follow: as the format has them, or without rounding.
 Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds);
 
+/// Whether its values are of a division by zero.
+bool divides_by_zero(const Tape& tape);
+
 }  // namespace lostbits::measure::mend

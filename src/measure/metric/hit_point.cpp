@@ -80,34 +80,6 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
     });
 }
 
-}  // namespace
-
-double residual(const Sample& s) {
-    const Vec<double> p = hit_point(s);
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    return residual_of(p, *s.solid);
-}
-
-double normal_error(const Sample& s) {
-    if (s.solid->placed) return missing;
-    const auto normal_at = [](const auto& ray, const auto& solid, const auto& p) {
-        return lift_vec<Real>(visit(solid, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
-    };
-    const Ray<Real> ray = lift_ray<Real>(*s.ray);
-    const truth::Certified& t = *s.truth;
-    const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
-    const Vec<Real> exact = normal_at(ray, lift_solid<Real>(*s.solid), Vec<Real>(ray.origin + t_true * ray.direction));
-    return in_format(s, [&]<class F>() {
-        const Solid<F> solid = transformed(*s.solid, [](double x) { return static_cast<F>(x); });
-        const Ray<F> given{stored<F>(s.ray->origin), stored<F>(s.ray->direction)};
-        const Vec<Real> n = normal_at(given, solid, stored<F>(hit_point(s)));
-        if (!(dot(n, n) > 0)) return HUGE_VAL;
-        return Real(atan2(length(cross(n, exact)), dot(n, exact))).template convert_to<double>();
-    });
-}
-
-namespace {
-
 /// What the form computed under the name that it has for the weight of a vertex.
 std::optional<double> told(const Sample& s, std::size_t vertex) {
     if (!s.blame || s.weights[vertex].empty()) return std::nullopt;
@@ -194,6 +166,30 @@ double padding_in(const Ray<F>& ray, const Hull<F>& box) {
 }
 
 }  // namespace
+
+double residual(const Sample& s) {
+    const Vec<double> p = hit_point(s);
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
+    return residual_of(p, *s.solid);
+}
+
+double normal_error(const Sample& s) {
+    if (s.solid->placed) return missing;
+    const auto normal_at = [](const auto& ray, const auto& solid, const auto& p) {
+        return lift_vec<Real>(visit(solid, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
+    };
+    const Ray<Real> ray = lift_ray<Real>(*s.ray);
+    const truth::Certified& t = *s.truth;
+    const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
+    const Vec<Real> exact = normal_at(ray, lift_solid<Real>(*s.solid), Vec<Real>(ray.origin + t_true * ray.direction));
+    return in_format(s, [&]<class F>() {
+        const Solid<F> solid = transformed(*s.solid, [](double x) { return static_cast<F>(x); });
+        const Ray<F> given{stored<F>(s.ray->origin), stored<F>(s.ray->direction)};
+        const Vec<Real> n = normal_at(given, solid, stored<F>(hit_point(s)));
+        if (!(dot(n, n) > 0)) return HUGE_VAL;
+        return Real(atan2(length(cross(n, exact)), dot(n, exact))).template convert_to<double>();
+    });
+}
 
 double point_error(const Sample& s) {
     const Vec<double> p = hit_point(s);

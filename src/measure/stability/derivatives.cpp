@@ -55,17 +55,6 @@ private:
     std::vector<double> of_;
 };
 
-}  // namespace
-
-std::vector<double> forward_derivatives(const Tape& tape) {
-    std::vector<double> all;
-    for (NodeId i = 0; i < tape.size(); ++i)
-        if (tape[i].op == TapeOp::input) all.push_back(Tangents(tape, i).at(tape.outputs.t));
-    return all;
-}
-
-namespace {
-
 /// `see(crossing)` for the first three crossings after `begin`, until it says yes.
 template <class See>
 bool any_crossing(const Ray<double>& ray, const Solid<double>& solid, Range<double> range, const See& see) {
@@ -82,6 +71,13 @@ bool any_crossing(const Ray<double>& ray, const Solid<double>& solid, Range<doub
 }
 
 }  // namespace
+
+std::vector<double> forward_derivatives(const Tape& tape) {
+    std::vector<double> all;
+    for (NodeId i = 0; i < tape.size(); ++i)
+        if (tape[i].op == TapeOp::input) all.push_back(Tangents(tape, i).at(tape.outputs.t));
+    return all;
+}
 
 bool is_wrong_root(const Ray<double>& ray, const Solid<double>& solid, const truth::Certified& truth, double t) {
     const double meant = std::ldexp(truth.hi, static_cast<int>(truth.exponent));

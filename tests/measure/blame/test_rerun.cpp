@@ -6,34 +6,18 @@
 #include "catch.hpp"
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/recorded_rays.hpp"
+#include "number/oracle.hpp"
 
 namespace lostbits::test::test_rerun {
 
-using intersect::table::Intersector;
 using measure::blame::Rerun;
 
 namespace {
 
-Tape tape_of(const Intersector& form, const Format& format, Random& random) {
-    const Setting s = draw_setting(random, form, format, 4);
-    Tape tape;
-    form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
-    return tape;
-}
-
 template <class See>
 void on_every_form(const See& see) {
-    for (const char* name : {"f32", "f64", "bf16", "p30"}) {
-        const Format format = *find_format(name);
-        for (const Intersector& form : intersect::table::catalogue()) {
-            if (!form.exists_in(format)) continue;
-            Random random(2027);
-            for (int i = 0; i < 6; ++i) {
-                INFO(form.info->name << " in " << name << ", ray " << i);
-                see(tape_of(form, format, random));
-            }
-        }
-    }
+    on_recorded_rays({{"f32", "f64", "bf16", "p30"}, 6, 4, 2027, intersect::table::catalogue()},
+                     [&](const auto&, const Format&, const Setting&, const Tape& tape) { see(tape); });
 }
 
 }  // namespace
