@@ -8,7 +8,6 @@
 #include "catch.hpp"
 #include "intersect/table/recording.hpp"
 #include "measure/mend/mend.hpp"
-#include "measure/mend/sample.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
