@@ -101,9 +101,8 @@ private:
         return {((void)I, F(0))...};
     }
     static Gradient constant() { return constant(std::make_index_sequence<N>{}); }
-    /// Not inlined: the loop is long against a call, and functions of a formula would be made of dozens of them.
     template <class Rule>
-    [[gnu::noinline]] static Dual with(const F& value, const Rule& rule) {
+    static Dual with(const F& value, const Rule& rule) {
         Dual d(value);
         for (std::size_t i = 0; i < N; ++i) d.gradient_[i] = rule(i);
         return d;

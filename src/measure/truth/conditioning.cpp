@@ -147,10 +147,14 @@ std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E
     return Asked::of(*found);
 }
 
-/// How many numbers there is room for: each width is compiled by itself. Under a matrix, and in intervals, which are
-/// asked seldom, all shapes have the same.
-constexpr std::size_t room_for(std::size_t numbers) { return numbers <= 10 ? 10 : 6 + most_numbers; }
+/// How many numbers there is room for: each width is compiled by itself, and few more are little slower.
+constexpr std::size_t room_for(std::size_t numbers) {
+    for (const std::size_t room : {10, 13, 15, 24})
+        if (numbers <= room) return room;
+    return 6 + most_stored;
+}
 
+/// The functions of a shape. Intervals are asked seldom: theirs have room for any solid.
 template <class E>
 using Finder = std::optional<Sensitivity<E>> (*)(const Given&, Convention, const Range<double>&);
 struct OfShape {
@@ -159,8 +163,9 @@ struct OfShape {
 };
 OfShape of_shape(Shape shape) {
     return visit_shape(Solid<double>(shape), []<template <class> class Of>() -> OfShape {
-        return {sensitivity<Ball, room_for(6 + row_of(shape_as<Of>).numbers), Of>,
-                sensitivity<Ball, 6 + most_stored, Of>, sensitivity<Interval, 6 + most_stored, Of>};
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
+        return {sensitivity<Ball, room_for(N), Of>, sensitivity<Ball, room_for(under_matrix), Of>,
+                sensitivity<Interval, 6 + most_stored, Of>};
     });
 }
 

@@ -309,7 +309,7 @@ double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<One, N>>&
     return std::max(moved_root(problem, s.enter), moved_root(problem, s.leave));
 }
 
-/// Of a solid of that shape. Under a matrix all shapes have room for as many numbers: each width is compiled by itself.
+/// Of a solid of that shape. Each width is compiled by itself: under a matrix there are two.
 template <std::size_t N, template <class> class Of>
 double reach_in(const Numbers& numbers, const Certified& t) {
     const Perturbable<N> problem(numbers);
@@ -322,8 +322,9 @@ double reach_in(const Numbers& numbers, const Certified& t) {
 
 double reach_of(const Numbers& numbers, const Certified& t) {
     return visit_shape(Solid<double>(numbers.shape()), [&]<template <class> class Of>() {
-        return numbers.is_placed() ? reach_in<6 + most_stored, Of>(numbers, t)
-                                   : reach_in<6 + row_of(shape_as<Of>).numbers, Of>(numbers, t);
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
+        return numbers.is_placed() ? reach_in < under_matrix <= 24 ? 24 : 6 + most_stored,
+               Of > (numbers, t)   : reach_in<N, Of>(numbers, t);
     });
 }
 
