@@ -3,6 +3,7 @@
 #include "measure/blame/attribution.hpp"
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/recorded_rays.hpp"
@@ -73,8 +74,8 @@ TEST_CASE("the exact value of an answer is that of the form without rounding", "
 
 TEST_CASE("contributions sum to the error, and to first order derivatives do", "[attribution]") {
     int seen = 0, first_order = 0;
-    on_recorded_rays({{"f32", "f64", "bf16", "p18"}, 25}, [&](const Intersector& form, const Format&, const Setting&,
-                                                              const Tape& tape) {
+    on_recorded_rays({{"f32", "f64", "bf16", "p18"}, is_long() ? 25 : 8}, [&](const Intersector& form, const Format&,
+                                                                              const Setting&, const Tape& tape) {
         for (const bool full : {false, true}) {
             const Attribution a = measure::blame::attribute(tape, tape.outputs.t, {.full = full});
             if (a.cut_short || !std::isfinite(a.error)) continue;
