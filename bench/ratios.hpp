@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "measure/speed/timing.hpp"
-#include "measure/speed/timing_threads.hpp"
 #include "shapes/solid.hpp"
 
 namespace bench {

@@ -4,14 +4,17 @@
 #include <tbb/global_control.h>
 
 #include <initializer_list>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "intersect/table/sets.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/evaluate/evaluate.hpp"
+#include "scene/file/scene.hpp"
 #include "scratch.hpp"
 
 namespace lostbits::testing {
@@ -23,6 +26,12 @@ inline const intersect::table::Intersector& form_named(std::string_view name) {
     if (const auto plus = name.find('+'); plus != std::string_view::npos)
         return intersect::table::set_of({&form_named(name.substr(0, plus)), &form_named(name.substr(plus + 1))});
     throw std::logic_error("no form " + std::string(name));
+}
+
+/// A scene of the data by its name, `file.variant` too, in that size.
+inline scene::file::Scene scene_named(const std::string& name, std::optional<std::pair<int, int>> size = {}) {
+    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
+    return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .size = size}).front());
 }
 
 inline measure::evaluate::TestedForm row(std::string_view form, std::string_view format) {

@@ -83,22 +83,17 @@ file(WRITE ${WORK}/src/measure/metric/lateness.hpp [=[
 #pragma once
 #include "measure/metric/metrics.hpp"
 namespace lostbits::measure::metric {
-inline constexpr Metric metrics_of_lateness[] = {{.name = "lateness",
-                                                  .unit = "length",
-                                                  .layer = "recipe.lateness",
-                                                  .meaning = "t - RN(t*)",
-                                                  .needs = needs_rounded_truth,
-                                                  .ramp = Ramp::magnitude,
-                                                  .low = 0x1p-30,
-                                                  .high = 1,
-                                                  .value = [](const Sample& s) { return s.t - s.truth_rounded; }}};
+inline constexpr Metric metrics_of_lateness[] = {
+    tabled({"lateness", "length", "recipe.lateness"}, "t - RN(t*)",
+           [](const Sample& s) { return s.t - s.truth_rounded; },
+           {.needs = needs_rounded_truth, .ramp = Ramp::magnitude, .low = 0x1p-30, .high = 1})};
 }
 ]=])
 set(metrics ${WORK}/src/measure/metric/metrics.cpp)
 file(READ ${metrics} text)
-string(REPLACE "#include \"measure/metric/march.hpp\"\n"
-    "#include \"measure/metric/lateness.hpp\"\n#include \"measure/metric/march.hpp\"\n" text "${text}")
-string(REPLACE "metrics_of_rays);" "metrics_of_rays, metrics_of_lateness);" text "${text}")
+string(REPLACE "#include \"measure/metric/values.hpp\"\n"
+    "#include \"measure/metric/lateness.hpp\"\n#include \"measure/metric/values.hpp\"\n" text "${text}")
+string(REPLACE "metrics_of_weights()});" "metrics_of_weights(), metrics_of_lateness});" text "${text}")
 file(WRITE ${metrics} "${text}")
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0" -DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF

@@ -6,7 +6,6 @@
 #include "measure/blame/exact_arithmetic.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/blame/operations.hpp"
-#include "measure/blame/ties.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::blame {

@@ -54,15 +54,6 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
     return fits == setting.solids.end() ? std::nullopt : std::optional(Target<double>(*fits));
 }
 
-}  // namespace
-
-SettingOf::SettingOf(const scene::file::Scene& scene)
-    : solids_(scene::rays::shared_solids(scene)), scene_(std::shared_ptr<void>(), &scene) {
-    if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
-}
-
-namespace {
-
 /// A ray of the setting's camera in binary32, where formats make its rays.
 std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const Setting& setting) {
     const auto* const maker = scene::rays::maker_of(form);
@@ -93,6 +84,11 @@ auto of_parts(const Intersector& set, const Setting& setting, const Names& names
 }
 
 }  // namespace
+
+SettingOf::SettingOf(const scene::file::Scene& scene)
+    : solids_(scene::rays::shared_solids(scene)), scene_(std::shared_ptr<void>(), &scene) {
+    if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
+}
 
 std::vector<std::string> operation_names(const Intersector& form, const Setting& setting) {
     if (form.is_set()) return of_parts(form, setting, operation_names);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 
 #include "intersect/doors/contract.hpp"
@@ -10,7 +11,6 @@
 #include "intersect/table/sets.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/blame/culprits.hpp"
-#include "measure/blame/neighbours.hpp"
 #include "measure/blame/operation_error.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
@@ -26,6 +26,22 @@ using truth::FormatInputs;
 using truth::missing;
 
 namespace {
+
+/// -1, 0 or 1, the same in every run: Knuth's generator (MMIX), whose high bits are the good ones.
+class Moves {
+public:
+    int next() {
+        state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<int>((state_ >> 33) % 3) - 1;
+    }
+
+private:
+    std::uint64_t state_ = 1;
+};
+
+double moved(double x, int ulps, const FloatFormat& format) {
+    return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
+}
 
 /// Of a form that tells no t its decision alone.
 Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
@@ -144,6 +160,25 @@ std::optional<TrueSolid> missed_solid(const Intersector& form, const Format& for
 }
 
 }  // namespace
+
+std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
+                                          const FloatFormat& format, const std::vector<Solid<double>>& solids) {
+    std::vector<answer::OneRay> all;
+    Moves moves;
+    const Ray<double> middle = in.all.rays[in.index];
+    for (int k = 0; k < neighbours; ++k) {
+        Ray<double> beside = middle;
+        for (Vec<double>* const v : {&beside.origin, &beside.direction}) {
+            for (double* const x : {&v->x, &v->y, &v->z}) *x = moved(*x, moves.next(), format);
+        }
+        scene::rays::RayGroup group = scene::rays::group_of(beside);
+        group.rays.push_range(in.all.rays, in.index);
+        group.solids = solids;
+        group.march = in.all.march;
+        all.emplace_back(std::move(group)).judge_by(ray.judged());
+    }
+    return all;
+}
 
 bool Standing::beats(const Standing& other) const {
     if (is_right() != other.is_right()) return is_right();

@@ -35,7 +35,7 @@ double rounding_from(const std::array<double, 3>& x, double value) {
         if (const auto known = with_operands<op>(residual, operand)) return *known;
     }
     const Deep exact =
-        with_operands<op>([](auto... of) -> Deep { return Operation<op>::template exact<ResidualExact>(of...); },
+        with_operands<op>([](auto... of) -> Deep { return Operation<op>::exact(ResidualExact(), of...); },
                           [&](std::size_t k) { return Deep(x[k]); });
     if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is no overflow
     return mpfr_get_d(Deep(Deep(value) - exact).backend().data(), MPFR_RNDN);
@@ -114,22 +114,11 @@ double ulp_at(double x, const FloatFormat& format) {
 }
 
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
-    const auto computed = [&]<TapeOp known>() {
+    using enum OperationKind;
+    return with<rounded, exact, moved, sign>(op, [&]<TapeOp known>() {
         return with_operands<known>([&](auto... of) { return Operation<known>::computed(of..., format); },
                                     [&](std::size_t k) { return x[k]; });
-    };
-    switch (kind_of(op)) {
-        case OperationKind::rounded: return with<OperationKind::rounded>(op, computed);
-        case OperationKind::exact: return with<OperationKind::exact>(op, computed);
-        case OperationKind::moved: return with<OperationKind::moved>(op, computed);
-        case OperationKind::sign: return with<OperationKind::sign>(op, computed);
-        case OperationKind::called:
-        case OperationKind::given:
-        case OperationKind::choice:
-        case OperationKind::comparison:
-        case OperationKind::logic: break;
-    }
-    throw std::logic_error("an operation that computes nothing from numbers alone");
+    });
 }
 
 Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken) {
@@ -138,9 +127,10 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId t
                                  [&](std::size_t k) -> const Step& { return x[k]; });
     };
     switch (kind_of(n.op)) {
-        case OperationKind::rounded: return with<OperationKind::rounded>(n.op, own);
-        case OperationKind::exact: return with<OperationKind::exact>(n.op, own);
-        case OperationKind::sign: return with<OperationKind::sign>(n.op, own);
+        case OperationKind::rounded:
+        case OperationKind::exact:
+        case OperationKind::sign:
+            return with<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
         case OperationKind::moved: return {1};
         case OperationKind::comparison: return {1, -1};  // it stands for the difference of its sides
         case OperationKind::choice: {

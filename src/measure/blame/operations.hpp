@@ -5,21 +5,20 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measure/blame/operations_of_numbers.hpp"
-#include "measure/blame/operations_that_decide.hpp"
+#include "measure/blame/operation_rows.hpp"
 
 // A switch over kinds or operations names them all.
 #pragma GCC diagnostic error "-Wswitch"
 
 namespace lostbits::measure::blame {
 
-/// f<op>(), for an operation of that kind.
-template <OperationKind kind, class F>
+/// f<op>(), for an operation of one of these kinds.
+template <OperationKind... kinds, class F>
 decltype(auto) with(TapeOp op, const F& f) {
     switch (op) {
-#define LOSTBITS_CASE(name, kind_of_name, operands)                                                      \
-    case TapeOp::name:                                                                                   \
-        if constexpr (OperationKind::kind_of_name == kind) return f.template operator()<TapeOp::name>(); \
+#define LOSTBITS_CASE(name, kind_of_name, operands)                                                                  \
+    case TapeOp::name:                                                                                               \
+        if constexpr (((OperationKind::kind_of_name == kinds) || ...)) return f.template operator()<TapeOp::name>(); \
         else break;
         LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
 #undef LOSTBITS_CASE
@@ -39,14 +38,12 @@ template <class Exact, class Operand>
 typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
     using Number = typename Exact::Number;
     const auto made = [&]<TapeOp op>() -> Number {
-        if constexpr (is_given(op)) return Operation<op>::template exact<Exact>(n);
+        if constexpr (is_given(op)) return Operation<op>::exact(Exact(), n);
         else
-            return with_operands<op>(
-                [](const auto&... x) -> Number { return Operation<op>::template exact<Exact>(x...); }, operand);
+            return with_operands<op>([](const auto&... x) -> Number { return Operation<op>::exact(Exact(), x...); },
+                                     operand);
     };
-    if (is_given(n.op)) return with<OperationKind::given>(n.op, made);
-    return kind_of(n.op) == OperationKind::exact ? with<OperationKind::exact>(n.op, made)
-                                                 : with<OperationKind::rounded>(n.op, made);
+    return with<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, made);
 }
 
 constexpr const OperationText& text_of(TapeOp op) {
@@ -71,8 +68,8 @@ static_assert(std::ranges::all_of(tape_operations,
 /// Whether a decision holds.
 template <class Judge>
 bool holds(TapeOp op, const Judge& judge) {
-    const auto asked = [&]<TapeOp decision>() { return Operation<decision>::holds(judge); };
-    return is_comparison(op) ? with<OperationKind::comparison>(op, asked) : with<OperationKind::logic>(op, asked);
+    return with<OperationKind::comparison, OperationKind::logic>(
+        op, [&]<TapeOp decision>() { return Operation<decision>::holds(judge); });
 }
 
 /// The operand that a choice takes.

@@ -40,6 +40,17 @@ std::string in_latex(const std::string& name) {
     return index.empty() ? escaped : escaped + "_{" + index + "}";
 }
 
+/// What means something else in a program that `explain` writes: to C, to FPCore, or to its own functions.
+bool is_taken(std::string_view word) {
+    static constexpr std::array<std::string_view, 42> taken{
+        "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
+        "else",   "enum",    "extern",   "float",  "for",     "if",       "int",     "let",     "long",
+        "return", "short",   "static",   "struct", "switch",  "void",     "while",   "main",    "printf",
+        "fabs",   "fma",     "fmin",     "fmax",   "sqrt",    "copysign", "isnan",   "signbit", "nextafter",
+        "sum",    "product", "quotient", "root",   "rounded", "show"};
+    return std::ranges::find(taken, word) != taken.end();
+}
+
 }  // namespace
 
 TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style style)
@@ -125,21 +136,6 @@ std::string TapeText::shown(NodeId i) const { return style_ == Style::latex ? in
 std::string TapeText::vector_shown(const std::string& base) const {
     return style_ == Style::latex ? "\\mathbf{" + base + "}" : base;
 }
-
-namespace {
-
-/// What means something else in a program that `explain` writes: to C, to FPCore, or to its own functions.
-bool is_taken(std::string_view word) {
-    static constexpr std::array<std::string_view, 42> taken{
-        "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
-        "else",   "enum",    "extern",   "float",  "for",     "if",       "int",     "let",     "long",
-        "return", "short",   "static",   "struct", "switch",  "void",     "while",   "main",    "printf",
-        "fabs",   "fma",     "fmin",     "fmax",   "sqrt",    "copysign", "isnan",   "signbit", "nextafter",
-        "sum",    "product", "quotient", "root",   "rounded", "show"};
-    return std::ranges::find(taken, word) != taken.end();
-}
-
-}  // namespace
 
 std::string TapeText::identifier(NodeId i) const {
     std::string id = name(i);

@@ -1,12 +1,13 @@
-#include "measure/blame/ties.hpp"
-
+// Which of several operations that contribute the same is the culprit.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "measure/blame/attribution.hpp"
 #include "measure/blame/operation_error.hpp"
 
 namespace lostbits::measure::blame {
+
 namespace {
 
 /// f(operand), for each operand whose error goes through node i, in the formula's order.
@@ -60,6 +61,17 @@ private:
     std::vector<int> read_;   ///< its place among those that are read
 };
 
+bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
+    double sum = 0, largest = 0;
+    for (const NodeId i : equals) {
+        const OperationError& e = found.of[static_cast<std::size_t>(i)];
+        if (!e.turned) return false;
+        sum += e.contribution;
+        largest = std::max(largest, std::fabs(e.contribution));
+    }
+    return equals.size() > 1 && std::fabs(sum) <= equal_contributions * largest;
+}
+
 }  // namespace
 
 std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below) {
@@ -86,21 +98,6 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& f
     std::ranges::sort(equals, {}, [&](NodeId i) { return ways.place_of(i); });
     return equals;
 }
-
-namespace {
-
-bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
-    double sum = 0, largest = 0;
-    for (const NodeId i : equals) {
-        const OperationError& e = found.of[static_cast<std::size_t>(i)];
-        if (!e.turned) return false;
-        sum += e.contribution;
-        largest = std::max(largest, std::fabs(e.contribution));
-    }
-    return equals.size() > 1 && std::fabs(sum) <= equal_contributions * largest;
-}
-
-}  // namespace
 
 std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& found) {
     const std::vector<NodeId> largest = largest_contributions(tape, found);

@@ -13,7 +13,7 @@
 #include "intersect/table/sets.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/speed/timing_threads.hpp"
+#include "measure/speed/timing.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
-#include "measure/metric/spread.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "scene/claim/claims_file.hpp"

@@ -5,7 +5,7 @@
 
 #include "measure/choice/candidates.hpp"
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/speed/timing_threads.hpp"
+#include "measure/speed/timing.hpp"
 #include "measure/speed/timing_work.hpp"
 
 namespace lostbits::measure::claim {

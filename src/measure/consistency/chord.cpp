@@ -1,11 +1,17 @@
-#include "measure/consistency/chord.hpp"
-
+// One segment from either end: p to q with the direction q − p as it rounds, and q to p with exactly its opposite.
 #include <algorithm>
 #include <cmath>
 
+#include "measure/consistency/segments.hpp"
+#include "measure/offset/ball_of.hpp"
 #include "measure/truth/side.hpp"
+#include "measure/truth/unit_direction.hpp"
+#include "number/with_number.hpp"
 
 namespace lostbits::measure::consistency {
+
+using scene::rays::RayBlock;
+using truth::Truth;
 
 namespace {
 
@@ -48,6 +54,86 @@ std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told,
     return most;
 }
 
+/// A ball around a solid as a ray sees it, in doubles: it only says where the segment ends.
+struct Around {
+    double middle, half;  ///< t of the place nearest to its centre, and its radius in lengths of the direction
+    double aside;         ///< how far the line passes from the centre, in radii, squared
+
+    Around(const Ray<double>& ray, const Solid<double>& solid) {
+        const auto [centre, radius] = offset::ball_of(solid);
+        const Vec<double> f = centre - ray.origin;
+        const double a = square(ray.direction);
+        middle = dot(f, ray.direction) / a;
+        half = radius / std::sqrt(a);
+        aside = square(cross<double>(f, ray.direction)) / (a * radius * radius);
+    }
+    [[nodiscard]] bool is_ahead() const { return middle + half > 0; }
+    /// As far behind the solid as p lies in front of it, and at least half of it behind.
+    [[nodiscard]] double end() const { return middle + std::max(middle, 2 * half); }
+};
+
+/// The solid that the pixel shows or, where it shows none, the one ahead that its ray passes nearest to.
+std::optional<std::size_t> solid_of(const RowOnBand& on, std::size_t i) {
+    const Truth truth = on.band.truth(i, on.row.convention());
+    if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
+    std::optional<std::size_t> nearest;
+    double least = HUGE_VAL;
+    for (std::size_t k = 0; k < on.solids.size(); ++k) {
+        const Around around(on.inputs.rays[i], on.solids[k]);
+        if (around.is_ahead() && around.aside < least) least = around.aside, nearest = k;
+    }
+    return nearest;
+}
+
+/// q is the end of the segment, rounded to the format; nothing where there is none.
+std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
+    const auto k = solid_of(on, i);
+    if (!k) return std::nullopt;
+    const Ray<double> ray = on.inputs.rays[i];
+    const Around around(ray, on.solids[*k]);
+    if (!around.is_ahead()) return std::nullopt;
+    const Vec<double> p = ray.origin;
+    Vec<double> q{0, 0, 0}, way{0, 0, 0};
+    with_number(on.row.format, [&]<class T>() {
+        for (int axis = 0; axis < 3; ++axis) {
+            const T end = static_cast<T>(std::fma(around.end(), ray.direction[axis], p[axis]));
+            q[axis] = as_double(end);
+            way[axis] = as_double(end - static_cast<T>(p[axis]));
+        }
+    });
+    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.solids[*k]};
+    if (!truth::is_proper(ends.forth) || !truth::is_proper(ends.back)) return std::nullopt;
+    return ends;
+}
+
+RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
+    truth::make_unit({rays.dx, rays.dy, rays.dz}, format);
+    return rays;
+}
+
+/// The segments of a band seen from one of their ends: what is true, and what the form answers.
+struct FromOneEnd {
+    truth::Band band;
+    AllAnswers answers;
+
+    FromOneEnd(const RowOnBand& on, const RayBlock& rays, const std::vector<Solid<double>>& solids)
+        : band(scene::rays::RayGroup{.rays = rays, .solids = solids, .paired = true}),
+          answers(ask(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, solids)) {}
+};
+
+Accord accord_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ToldChord& told, double& apart,
+                         double& excess) {
+    const double size = on.is_unit() ? length(ends.forth.direction) : 1;
+    const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(on.format(), std::ilogb(size))));
+    const auto error = chord_error(ends, told, on.is_unit(), ulp);
+    if (!error) return Accord::unresolved;
+    apart = error->apart;
+    excess = error->excess;
+    // Each t is at most L: rounded correctly it is off by half an ulp of L at most, and two of them by one.
+    constexpr double most = 1;
+    return error->excess > most ? Accord::other_number : error->apart > most ? Accord::by_inputs : Accord::agree;
+}
+
 }  // namespace
 
 std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
@@ -55,6 +141,44 @@ std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& to
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
     return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
+}
+
+void check_reverse(const RowOnBand& on, AccordOfPixels& out) {
+    out.apart.assign(on.pixels(), truth::missing);
+    out.excess.assign(on.pixels(), truth::missing);
+    std::vector<std::size_t> pixels;
+    std::vector<EitherEnd> segments;
+    std::vector<Solid<double>> solids;
+    RayBlock there, back;
+    for (std::size_t i = 0; i < on.pixels(); ++i) {
+        const auto ends = segment_of(on, i);
+        if (!ends) continue;
+        pixels.push_back(i);
+        segments.push_back(*ends);
+        solids.push_back(ends->solid);
+        there.push(ends->forth);
+        back.push(ends->back);
+    }
+    if (pixels.empty()) return;
+    const FromOneEnd from_p(on, there, solids), from_q(on, back, solids);
+    const bool numbers = on.row.form->info->roots == intersect::Roots::both;
+    const AllAnswers &a = from_p.answers, &b = from_q.answers;
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+        const std::size_t i = pixels[k];
+        const auto p = from_p.band.truth(k, on.row.convention()).decision;
+        const auto q = from_q.band.truth(k, on.row.convention()).decision;
+        Accord how = accord_of(a.hit[k] != 0, b.hit[k] != 0, p == Truth::Decision::hit, q == Truth::Decision::hit);
+        if (p == Truth::Decision::unresolved || q == Truth::Decision::unresolved) how = Accord::unresolved;
+        const bool all_hit = a.hit[k] != 0 && b.hit[k] != 0 && p == Truth::Decision::hit && q == Truth::Decision::hit;
+        if (numbers && all_hit)
+            how = accord_of_numbers(on, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]}, out.apart[i],
+                                    out.excess[i]);
+        out.set(i, how, [&] {
+            TwoRays two{i, scene::rays::group_of(segments[k].forth), scene::rays::group_of(segments[k].back)};
+            two.first.solids = two.second.solids = {segments[k].solid};
+            return two;
+        });
+    }
 }
 
 }  // namespace lostbits::measure::consistency

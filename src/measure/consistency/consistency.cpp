@@ -34,49 +34,6 @@ ConsistencyBand measure_band(const ConsistencyRequest& request, const evaluate::
     return out;
 }
 
-}  // namespace
-
-std::uint64_t CheckSummary::asked() const {
-    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
-}
-
-std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
-                                     std::vector<const Check*> among) {
-    std::erase_if(among, [&](const Check* check) {
-        return std::ranges::none_of(rows,
-                                    [&](const evaluate::TestedForm& row) { return check->applies(scene, *row.form); });
-    });
-    return among;
-}
-
-bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
-
-std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {
-    const scene::file::Scene& scene = *request.scene;
-    offset::require_few_solids(scene);
-    std::vector<RowChecks> all(request.rows.size());
-    for (RowChecks& row : all) row.resize(request.checks.size());
-    for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
-        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
-        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
-            ConsistencyBand measured = measure_band(request, request.rows[r], band);
-            if (sink) sink->band(r, measured);
-            for (std::size_t c = 0; c < measured.checks.size(); ++c)
-                add_check(measured.checks[c], y0, scene.width, all[r][c]);
-            request.progress(band.pixels());
-        });
-    }
-    for (RowChecks& row : all) {
-        for (CheckSummary& s : row) {
-            s.apart.seal();
-            s.excess.seal();
-        }
-    }
-    return all;
-}
-
-namespace {
-
 using C = CheckSummary;
 
 double as_number(std::uint64_t n) { return static_cast<double>(n); }
@@ -123,6 +80,45 @@ constexpr ConsistencyColumn column_rows[] = {
 };
 
 }  // namespace
+
+std::uint64_t CheckSummary::asked() const {
+    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
+}
+
+std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
+                                     std::vector<const Check*> among) {
+    std::erase_if(among, [&](const Check* check) {
+        return std::ranges::none_of(rows,
+                                    [&](const evaluate::TestedForm& row) { return check->applies(scene, *row.form); });
+    });
+    return among;
+}
+
+bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
+
+std::vector<RowChecks> run_consistency(const ConsistencyRequest& request, ConsistencySink* sink) {
+    const scene::file::Scene& scene = *request.scene;
+    offset::require_few_solids(scene);
+    std::vector<RowChecks> all(request.rows.size());
+    for (RowChecks& row : all) row.resize(request.checks.size());
+    for (int y0 = 0; y0 < scene.height; y0 += lines_of_band) {
+        const Band band(scene, y0, std::min(scene.height, y0 + lines_of_band), request.limit);
+        intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t r) {
+            ConsistencyBand measured = measure_band(request, request.rows[r], band);
+            if (sink) sink->band(r, measured);
+            for (std::size_t c = 0; c < measured.checks.size(); ++c)
+                add_check(measured.checks[c], y0, scene.width, all[r][c]);
+            request.progress(band.pixels());
+        });
+    }
+    for (RowChecks& row : all) {
+        for (CheckSummary& s : row) {
+            s.apart.seal();
+            s.excess.seal();
+        }
+    }
+    return all;
+}
 
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }
 

@@ -5,7 +5,6 @@
 #include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
 #include "measure/consistency/check.hpp"
-#include "measure/consistency/other_place.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -42,8 +41,9 @@ bool is_diagonal(const Affine<double>& m) {
            m.rows[2].y == 0;
 }
 
-}  // namespace
-
+/// The solid whose numbers say where one under a stored matrix stands, each rounded once to the format. Nothing where
+/// there is none: a shape with lengths or directions under a matrix that is no turn and common scale to within 4u, a
+/// box under one that is not diagonal, radii by axis; and of a stored inverse.
 std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFormat& format) {
     if (!solid.placed || solid.placed->is_inverse) return std::nullopt;
     const Affine<double> m = solid.placed->map();
@@ -68,8 +68,6 @@ std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFor
             if (image.numbers[i] > image.numbers[i + 3]) std::swap(image.numbers[i], image.numbers[i + 3]);
     return transformed(image, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
-
-namespace {
 
 /// The form that takes solids under matrices and others: itself, or through the usual way.
 const Intersector& form_for(const Intersector& form) {

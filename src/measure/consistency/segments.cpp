@@ -1,12 +1,14 @@
-// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|.
-#include "measure/consistency/segments.hpp"
-
+// One segment, written as q − p up to 1 and as (q − p)/|q − p| up to |q − p|; and the closest hit against shadow tests
+// that end just after it, at it, and just before it.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "measure/consistency/check.hpp"
+#include "measure/consistency/segments.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/side.hpp"
+#include "number/rounded.hpp"
 #include "number/with_number.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -33,10 +35,6 @@ std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphe
     });
 }
 
-}  // namespace
-
-namespace {
-
 /// Of solids of one shape.
 Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
                                   const intersect::Convention& own) {
@@ -52,38 +50,6 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
-
-}  // namespace
-
-Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
-                                   intersect::Convention convention) {
-    bool unresolved = false;
-    for (const ShapeRow& row : shape_rows) {
-        std::vector<Solid<double>> alike;
-        std::ranges::copy_if(solids, std::back_inserter(alike),
-                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
-        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
-        if (meets == Truth::Decision::hit) return meets;
-        unresolved = unresolved || meets == Truth::Decision::unresolved;
-    }
-    return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
-}
-
-SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
-    return with_number(format, [&]<class T>() {
-        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
-        const T size = length(way);
-        T share(1);
-        if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
-        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
-        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
-                                .difference_end = as_double(share),
-                                .by_unit = {p, as_doubles<T>(unit)},
-                                .unit_end = as_double(share * size)};
-    });
-}
-
-namespace {
 
 /// The point that a pixel shows: o + t*·d of its own ray, each coordinate rounded to the format; nothing where the ray
 /// truly misses.
@@ -137,7 +103,55 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, A
     }
 }
 
+/// What a map says of a pixel against a shadow test whose end is made of its t. `expected`: what the test should say.
+template <class End>
+void compare_with_ends(const RowOnBand& on, const End& end, bool expected, AccordOfPixels& out) {
+    scene::rays::RayBlock rays = on.rays();
+    rays.tmax.assign(rays.size(), HUGE_VAL);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (on.closest.hit[i] != 0) rays.tmax[i] = end(on.closest.t[i]);
+    }
+    const auto meets = meets_before_end(on.form, rays, on.solids);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (on.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
+        const Accord how = (meets[i] != 0) == expected ? Accord::agree
+                           : expected                  ? Accord::first_alone
+                                                       : Accord::second_alone;
+        out.set(i, how, [&] {
+            return TwoRays{i, on.shown(on.inputs.rays[i], HUGE_VAL), on.shown(on.inputs.rays[i], rays.tmax[i])};
+        });
+    }
+}
+
 }  // namespace
+
+Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+                                   intersect::Convention convention) {
+    bool unresolved = false;
+    for (const ShapeRow& row : shape_rows) {
+        std::vector<Solid<double>> alike;
+        std::ranges::copy_if(solids, std::back_inserter(alike),
+                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
+        const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
+        if (meets == Truth::Decision::hit) return meets;
+        unresolved = unresolved || meets == Truth::Decision::unresolved;
+    }
+    return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
+}
+
+SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+    return with_number(format, [&]<class T>() {
+        const Vec<T> from = in_format<T>(p), way = in_format<T>(q) - from;
+        const T size = length(way);
+        T share(1);
+        if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
+        const Vec<T> unit(way.x / size, way.y / size, way.z / size);
+        return SegmentInTwoWays{.by_difference = {p, as_doubles<T>(way)},
+                                .difference_end = as_double(share),
+                                .by_unit = {p, as_doubles<T>(unit)},
+                                .unit_end = as_double(share * size)};
+    });
+}
 
 void check_segment(const RowOnBand& on, AccordOfPixels& out) {
     compare_segments(
@@ -153,6 +167,24 @@ void check_light(const RowOnBand& on, AccordOfPixels& out) {
     const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
     compare_segments(
         on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+}
+
+void check_beyond(const RowOnBand& on, AccordOfPixels& out) {
+    // No end lies after an infinite t or a NaN: any hit at all must do.
+    compare_with_ends(
+        on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
+}
+
+void check_end(const RowOnBand& on, AccordOfPixels& out) {
+    compare_with_ends(
+        on, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
+}
+
+void check_before(const RowOnBand& on, AccordOfPixels& out) {
+    // Before t = 0 there is no ray.
+    compare_with_ends(
+        on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },
+        false, out);
 }
 
 }  // namespace lostbits::measure::consistency

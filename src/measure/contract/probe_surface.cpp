@@ -1,4 +1,5 @@
-// What a form answers from inside, where it touches, and from the surface itself.
+// What a form answers from inside, where it touches, and from the surface itself; and what it leaves the processor in.
+#include "intersect/doors/guard.hpp"
 #include "measure/contract/trial.hpp"
 
 namespace lostbits::measure::contract {
@@ -102,6 +103,20 @@ std::string word_for(Facing facing) {
                                    : "LB_FACING_BACK (facing_back, facing=back)";
 }
 
+/// What is flat is neither entered nor left.
+void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
+    const intersect::doors::Contract& c = trial.contract;
+    const std::string surface = "a surface at the origin ";
+    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
+        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
+    const bool counts = ray.hit == 1;
+    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
+               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
+                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
+    if ((back.hit == 1) != (counts && c.facing == Facing::both))
+        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
+}
+
 }  // namespace
 
 void try_inside(Trial& trial) {
@@ -162,24 +177,6 @@ void try_touching(Trial& trial) {
                                       : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
-namespace {
-
-/// What is flat is neither entered nor left.
-void try_on_flat(Trial& trial, const Reply& ray, const Reply& back) {
-    const intersect::doors::Contract& c = trial.contract;
-    const std::string surface = "a surface at the origin ";
-    if (trial.tells_t && ray.hit == 1 && std::fabs(ray.near) > 0x1p-20)
-        return trial.broken(surface + "is answered with t = " + text_of(ray.near) + "; 0 or a miss would be right");
-    const bool counts = ray.hit == 1;
-    trial.hold(counts == (c.at_origin != AtOrigin::miss), surface + (counts ? "counts" : "is passed over"),
-               surface + (counts ? "counts; say LB_HIT (at_origin=hit)"
-                                 : "is passed over; say LB_MISS (origin_misses, at_origin=miss)"));
-    if ((back.hit == 1) != (counts && c.facing == Facing::both))
-        trial.broken(surface + (back.hit == 1 ? "counts on its other side" : "counts on one of its sides alone"));
-}
-
-}  // namespace
-
 void try_at_origin(Trial& trial) {
     const intersect::doors::Contract& c = trial.contract;
     const bool leaves = has_inside(trial.shape) && c.inside != Inside::miss && c.roots != Roots::near_only;
@@ -237,6 +234,16 @@ void try_close(Trial& trial) {
     if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");
     trial.broken(surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
                  ": it seems to have a least t, as a tmin or an epsilon; no word says that, let the caller have it");
+}
+
+Observation observe_state(const intersect::doors::ForeignForm& form) {
+    const std::string& loaded = form.contract.state;
+    const std::string where =
+        loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it is run so";
+    const std::string noted = intersect::doors::change_noted(intersect::doors::name_in_messages(form));
+    if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
+    if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as its users run it; nothing else is"};
+    return {"state", Observation::Verdict::kept, "the processor rounds to nearest in it and keeps subnormal numbers"};
 }
 
 }  // namespace lostbits::measure::contract

@@ -10,7 +10,6 @@
 
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
-#include "measure/metric/agreement.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
 #include "measure/shard/share.hpp"

@@ -3,6 +3,7 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -266,6 +267,13 @@ private:
     JudgeResult result_;
 };
 
+std::string file_word(const std::string& name) {
+    std::string word = "file.";
+    for (const char c : name)
+        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+    return word;
+}
+
 }  // namespace
 
 void JudgeResult::append(JudgeResult&& after) {
@@ -309,6 +317,15 @@ void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResul
 
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const std::vector<JudgeSink*>& sinks) {
     return Run(dump, request, sinks).run();
+}
+
+FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)
+    : name_(file_word(name)), info_(info) {
+    info_.name = name_;
+    info_.title = "the answers of a file";
+    info_.source = "a file";
+    form_.info = &info_;
+    form_.shape = shape;
 }
 
 }  // namespace lostbits::measure::judge

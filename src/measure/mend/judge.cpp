@@ -7,6 +7,8 @@
 #include <string>
 
 #include "intersect/process/parallel.hpp"
+#include "intersect/space/space.hpp"
+#include "intersect/space/spaced.hpp"
 #include "intersect/table/in_range.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/evaluate/measure_row.hpp"
@@ -69,6 +71,17 @@ std::optional<answer::Answers> answers_among_many(const TapeForm& form, const tr
     if (in.format.engine == Format::Engine::native32) ask_among<float>(form, in, answers);
     else ask_among<double>(form, in, answers);
     return answers;
+}
+
+struct Compared {
+    Worth worth;  ///< of the form
+    bool same;
+};
+Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
+    Bits first, second;
+    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
+    return {worth.front(), first == second};
 }
 
 }  // namespace
@@ -167,21 +180,6 @@ bool is_more_accurate(const Worth& a, const Worth& b) {
     return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction() : bits(a) > bits(b);
 }
 
-namespace {
-
-struct Compared {
-    Worth worth;  ///< of the form
-    bool same;
-};
-Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
-    const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
-    Bits first, second;
-    const auto worth = judge.worth_of({form, row_like(form, other)}, {&first, &second});
-    return {worth.front(), first == second};
-}
-
-}  // namespace
-
 bool answers_as(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
     return compared(form, tape, request, judge).same;
 }
@@ -192,6 +190,36 @@ Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge) {
     throw InputError(std::string(request.row.form->info->name) +
                      ": its operations are not the same for every ray, since it decides by itself how far to go; name "
                      "a form that does the same to all");
+}
+
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {
+    std::vector<evaluate::TestedForm> rows;
+    const auto made = intersect::space::made_of(*row.form);
+    for (const auto& form : intersect::table::catalogue()) {
+        if (form.shape != row.form->shape || !form.exists_in(row.format)) continue;
+        rows.push_back({made.form ? &intersect::space::through(*made.space, form) : &form, row.format});
+    }
+    for (const auto& space : intersect::space::spaces())
+        if (made.form && &space != made.space)
+            rows.push_back({&intersect::space::through(space, *made.form), row.format});
+    return rows;
+}
+
+std::vector<Ranked> ranked_catalogue(const MendRequest& request) {
+    choice::ChoiceRequest all{.scene = request.scene, .rows = catalogue_beside(request.row), .wish = request.wish};
+    all.limit = request.limit;
+    const auto worth = request.scene ? worth_of(all) : request.rays->worth;
+    std::vector<Ranked> ranked;
+    for (std::size_t k = 0; k < worth.size(); ++k) ranked.push_back({all.rows[k], worth[k]});
+    std::ranges::stable_sort(ranked, is_more_accurate, &Ranked::worth);
+    return ranked;
+}
+
+std::vector<choice::Room> rooms_of_tape(const MendRequest& request, const Tape& tape) {
+    choice::ChoiceRequest asked{.scene = request.scene, .rays = request.rays, .wish = request.wish};
+    asked.limit = request.limit;
+    const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");
+    return rooms_of(asked, {.form = &form.row(), .format = request.row.format});
 }
 
 }  // namespace lostbits::measure::mend

@@ -1,4 +1,5 @@
-// What a wish is, and what tapes are worth to it on all rays of a scene, or on those kept of files.
+// What a wish is, what tapes are worth to it on all rays of a scene, or on those kept of files, and what stands beside
+// a mended form: the catalogue's forms for the same solids, and how far it holds.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "measure/choice/file_rays.hpp"
+#include "measure/choice/room.hpp"
 #include "measure/tape/tape_form.hpp"
 
 namespace lostbits::measure::mend {
@@ -76,5 +78,19 @@ Worth own_worth(const MendRequest& request, const Tape& tape, Judge& judge);
 
 /// Whether a form with the contract of the request's answers on all its rays as a tape does, to the bit.
 bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge);
+
+/// All forms of the catalogue for the same solids and format; of solids under matrices through the same space, and the
+/// form itself through all.
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row);
+
+struct Ranked {
+    evaluate::TestedForm row;
+    Worth worth;
+};
+/// These with what they are worth on the request's rays, the most accurate first.
+std::vector<Ranked> ranked_catalogue(const MendRequest& request);
+
+/// How far a form with the contract of the request's holds that does what the tape does.
+std::vector<choice::Room> rooms_of_tape(const MendRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::mend

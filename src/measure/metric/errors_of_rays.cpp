@@ -1,7 +1,8 @@
-#include "measure/metric/errors_of_rays.hpp"
+// How far a ray that a form is given is from the ideal one.
 
 #include <cmath>
 
+#include "measure/metric/values.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "shapes/lift.hpp"
 
@@ -33,7 +34,7 @@ Vec<Real> unit(const Vec<Real>& v) { return (1 / length(v)) * v; }
 
 bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !vanishes(s.ray->direction); }
 
-}  // namespace
+// Each is infinite, or the bits of the format, where a component is NaN or infinite.
 
 double origin_error(const Sample& s) {
     if (!s.true_ray) return missing;
@@ -61,6 +62,7 @@ double direction_lost_bits(const Sample& s) {
     return bits_off(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->shape);
 }
 
+/// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye; f is where the camera looks.
 double pixel_error(const Sample& s) {
     if (!s.true_ray || !s.frame) return missing;
     if (!has_direction(s)) return HUGE_VAL;
@@ -70,5 +72,31 @@ double pixel_error(const Sample& s) {
     const Real off = length((1 / depth) * d - (1 / dot(truth, ahead)) * truth);
     return Real(off / s.frame->pitch).convert_to<double>();
 }
+
+/// Of every ray, whatever the form makes of it.
+constexpr Metric rows_of_rays[] = {
+    tabled(
+        {"origin_error", "length", "ray.origin"},
+        "|o - o*|: how far the ray that the form is given begins from where the ideal one does, in the scene's unit of "
+        "length",
+        origin_error, {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .over = Over::every}),
+    tabled({"origin_lost_bits", "bits", "ray.origin_bits"},
+           "clamp(log2(2 e), 0, p), e the largest component of o - o* in ulps of the largest of o*", origin_lost_bits,
+           {.needs = needs_true_ray, .over = Over::every}),
+    tabled({"direction_error", "radian", "ray.direction"},
+           "the angle between the direction that the form is given and the ideal one", direction_error,
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .over = Over::every}),
+    tabled({"direction_lost_bits", "bits", "ray.direction_bits"},
+           "clamp(log2(2 e), 0, p), e the largest component of d/|d| - d*/|d*| in ulps of the largest of d*/|d*|",
+           direction_lost_bits, {.needs = needs_true_ray, .over = Over::every}),
+    tabled({"pixel_error", "pixels", "ray.pixel"},
+           "of a camera whose rays each format makes: how far from the middle of its pixel the direction meets the "
+           "picture; infinite where it points away from it",
+           pixel_error,
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .low = 0x1p-10, .high = 0x1p+6, .over = Over::every})};
+
+}  // namespace
+
+std::span<const Metric> metrics_of_rays() { return rows_of_rays; }
 
 }  // namespace lostbits::measure::metric

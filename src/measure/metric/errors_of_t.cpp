@@ -1,12 +1,11 @@
-#include "measure/metric/errors_of_t.hpp"
-
+// How far an answer is from t*, and which part of that the inputs, the formula and its rounding have.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "measure/bits/log2.hpp"
-#include "measure/stability/derivatives.hpp"
-#include "measure/stability/root.hpp"
+#include "measure/metric/values.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
@@ -21,6 +20,71 @@ namespace {
 double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certified& y) {
     return truth::scaled_difference(x, y, ulp_exponent(s.format->shape, s.truth->floor_log2()));
 }
+
+double error_at_zero(const Sample& s) {
+    if (!s.truth->is_zero() || !s.solid) return missing;
+    if (s.t == 0) return 0;
+    double most = 0;
+    const auto see = [&most](double x) { most = std::max(most, std::fabs(x)); };
+    for (int axis = 0; axis < 3; ++axis) see(s.ray->origin[axis]);
+    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+        for (std::size_t k = first; k < first + key.count(); ++k)
+            if (key.kind != Key::Kind::direction && !s.solid->placed) see(s.solid->numbers[k]);
+    });
+    return in_roundoffs(distance_error(s) / most, s);
+}
+
+double root(const Sample& s) {
+    if (s.march) return missing;
+    if (s.outcome != answer::Outcome::agree_hit || !s.solid) return 0;
+    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // crossings so near to each other are one to the format
+    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 2 : 1;
+}
+
+double derivative_error(const Sample& s) {
+    if (!s.blame || s.march || !s.solid || s.solid->placed) return missing;
+    if (s.blame->attribution->subject != s.blame->tape->outputs.t) return missing;
+    const std::vector<double> exact = truth::gradient(*s.ray, *s.solid, s.convention, s.range);
+    if (exact.empty()) return missing;
+    const std::vector<double> own = stability::forward_derivatives(*s.blame->tape);
+    double worst = 0;
+    const auto see = [&](std::size_t first, std::size_t count) {
+        double size = 0, off = 0;
+        for (std::size_t k = first; k < first + count; ++k) {
+            size = std::max(size, std::fabs(exact[k]));
+            off = std::isnan(own[k]) ? HUGE_VAL : std::max(off, std::fabs(own[k] - exact[k]));
+        }
+        worst = std::max(worst, off == 0 ? 0 : off / size);
+    };
+    see(0, 3);
+    if (s.direction != intersect::Direction::unit) see(3, 3);
+    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+        if (key.kind != Key::Kind::direction) see(6 + first, key.count());
+    });
+    return in_roundoffs(worst, s);
+}
+
+/// In the order of the values of `root`.
+constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
+
+/// Where an ulp of t* says nothing, or not enough.
+constexpr Metric rows_of_t[] = {
+    tabled(
+        {"error_at_zero", "u", "err.at_zero"},
+        "of a hit at t* = 0, where no ulp measures: |t| |d| over u times the largest number of the origin and of the "
+        "points and lengths of the solid",
+        error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
+    tabled(
+        {"root", "", "err.root"},
+        "whether a correct hit has the t of another crossing of the same solid: to a quarter of what lies between that "
+        "and the true one (wrong); no_hit: of no correct hit",
+        root, {.ramp = Ramp::categories, .over = Over::every, .categories = root_names}),
+    tabled(
+        {"derivative_error", "u", "err.derivative"},
+        "dt/dx of every number of origin, direction, points and lengths, as the form yields them by forward "
+        "differentiation in the format: the largest error of one, over the largest of its vector; of a form for unit "
+        "directions without those of the direction, of a solid under no matrix",
+        derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace
 
@@ -60,47 +124,6 @@ double rounding_error(const Sample& s) {
     return in_ulps(s, truth::exactly(s.t), *s.self);
 }
 
-double error_at_zero(const Sample& s) {
-    if (!s.truth->is_zero() || !s.solid) return missing;
-    if (s.t == 0) return 0;
-    double most = 0;
-    const auto see = [&most](double x) { most = std::max(most, std::fabs(x)); };
-    for (int axis = 0; axis < 3; ++axis) see(s.ray->origin[axis]);
-    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
-        for (std::size_t k = first; k < first + key.count(); ++k)
-            if (key.kind != Key::Kind::direction && !s.solid->placed) see(s.solid->numbers[k]);
-    });
-    return std::ldexp(distance_error(s) / most, s.format->shape.precision);
-}
-
-double root(const Sample& s) {
-    if (s.march) return missing;
-    if (s.outcome != answer::Outcome::agree_hit || !s.solid) return 0;
-    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // crossings so near to each other are one to the format
-    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 2 : 1;
-}
-
-double derivative_error(const Sample& s) {
-    if (!s.blame || s.march || !s.solid || s.solid->placed) return missing;
-    if (s.blame->attribution->subject != s.blame->tape->outputs.t) return missing;
-    const std::vector<double> exact = truth::gradient(*s.ray, *s.solid, s.convention, s.range);
-    if (exact.empty()) return missing;
-    const std::vector<double> own = stability::forward_derivatives(*s.blame->tape);
-    double worst = 0;
-    const auto see = [&](std::size_t first, std::size_t count) {
-        double size = 0, off = 0;
-        for (std::size_t k = first; k < first + count; ++k) {
-            size = std::max(size, std::fabs(exact[k]));
-            off = std::isnan(own[k]) ? HUGE_VAL : std::max(off, std::fabs(own[k] - exact[k]));
-        }
-        worst = std::max(worst, off == 0 ? 0 : off / size);
-    };
-    see(0, 3);
-    if (s.direction != intersect::Direction::unit) see(3, 3);
-    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
-        if (key.kind != Key::Kind::direction) see(6 + first, key.count());
-    });
-    return std::ldexp(worst, s.format->shape.precision);
-}
+std::span<const Metric> metrics_of_t() { return rows_of_t; }
 
 }  // namespace lostbits::measure::metric

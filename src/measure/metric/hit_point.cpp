@@ -1,18 +1,25 @@
-#include "measure/metric/hit_point.hpp"
-
+// Where a form says that the ray meets the solid, how far that is off the surface, of which vertices it is made, and
+// what the bounds that renderers rely on are bounds of.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "measure/columns/residual.hpp"
+#include "measure/metric/values.hpp"
 #include "measure/truth/enclose.hpp"
+#include "number/ball.hpp"
 #include "number/rounded.hpp"
 #include "number/tape.hpp"
+#include "shapes/box/forms/slab.hpp"
 
 namespace lostbits::measure::metric {
 
 using truth::missing;
 
+namespace {
+
+/// P = o + t·d as the format computes it: a product and a sum, each rounded.
 Vec<double> hit_point(const Sample& s) {
     const FloatFormat& f = s.format->shape;
     const auto along = [&](double o, double d) {
@@ -30,7 +37,21 @@ Vec<double> hit_point(const Sample& s) {
                        along(s.ray->origin.z, s.ray->direction.z));
 }
 
-namespace {
+/// `in.operator()<F>()` in the machine's own format; missing in every other.
+template <class In>
+double in_format(const Sample& s, const In& in) {
+    switch (s.format->engine) {
+        case Format::Engine::native32: return in.template operator()<float>();
+        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::rounded: break;
+    }
+    return missing;
+}
+
+template <class F>
+Vec<F> stored(const Vec<double>& v) {
+    return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
+}
 
 /// The number that `find.operator()<E>()` encloses, to 2^-40 of itself or 2^-90; missing where it is unbounded.
 template <class Find>
@@ -59,6 +80,91 @@ double residual_of(const Vec<double>& p, const Solid<double>& solid) {
     });
 }
 
+/// What the form computed under the name that it has for the weight of a vertex.
+std::optional<double> told(const Sample& s, std::size_t vertex) {
+    if (!s.blame || s.weights[vertex].empty()) return std::nullopt;
+    const auto& nodes = s.blame->tape->nodes;
+    const auto found = std::ranges::find(nodes, s.weights[vertex], &TapeNode::label);
+    return found == nodes.end() ? std::nullopt : std::optional(found->value);
+}
+
+/// How far a number is from the weight of a vertex.
+double error_of(double x, const Sample& s, std::size_t vertex) {
+    if (!std::isfinite(x)) return HUGE_VAL;
+    return visit_shape(*s.solid, [&]<template <class> class Of>() {
+        if constexpr (requires(const Of<double>& shape) { shape.weights(Ray<double>()); }) {
+            return std::fabs(enclosed([&]<class E>() {
+                return in_its_space<Of>(lift_ray<E>(*s.ray), lift_solid<E>(*s.solid),
+                                        [&](const Of<E>& shape, const Ray<E>& ray) -> E {
+                                            return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                        });
+            }));
+        } else {
+            return missing;
+        }
+    });
+}
+
+/// The largest |x − x*| of the weights x of a, b and c that the form computes, in u = 2^-p: a weight of a point within
+/// is at most 1, whatever the size of the triangle. x* is of the ray and the triangle as the form received them.
+/// Infinite where one is no number; missing of a form that names none, or whose operations cannot be asked.
+double barycentric_error(const Sample& s) {
+    double most = missing;
+    for (std::size_t vertex = 0; vertex < s.weights.size(); ++vertex)
+        if (const auto x = told(s, vertex)) most = std::fmax(most, error_of(*x, s, vertex));
+    return in_roundoffs(most, s);
+}
+
+/// |x + y + z − 1|, in u, of a form that computes all three.
+double barycentric_sum(const Sample& s) {
+    const auto x = told(s, 0), y = told(s, 1), z = told(s, 2);
+    if (!x || !y || !z) return missing;
+    if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) return HUGE_VAL;
+    // A Real holds the sum of three doubles near 1, or what is left of it to 2^-200.
+    return in_roundoffs(std::fabs(Real(Real(*x) + Real(*y) + Real(*z) - 1).convert_to<double>()), s);
+}
+
+constexpr Metric rows_of_weights[] = {
+    tabled(
+        {"barycentric_error", "u", "weights.error"},
+        "of a triangle: the largest error of the barycentric coordinates (u, v) that the form computes, |u - u*| over "
+        "2^-p",
+        barycentric_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2}),
+    tabled({"barycentric_sum", "u", "weights.sum"},
+           "of a triangle: |u + v + w - 1| over 2^-p, of a form that computes all three barycentric coordinates",
+           barycentric_sum, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4})};
+
+template <class F>
+inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
+
+/// In object space, where the centre is the origin, as pbrt has it: p = o + t d, then p r/|p|.
+template <class F>
+double projected(const Sample& s) {
+    const auto [centre, radius] = ball_around(*s.solid);
+    const auto r = static_cast<F>(radius), t = static_cast<F>(s.t);
+    const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(centre), d = stored<F>(s.ray->direction);
+    const Vec<F> p = o + Vec<F>(t * d.x, t * d.y, t * d.z);
+    const F scale = r / length(p);
+    const Ball exact = Ball(double{r}) / length(Vec<Ball>(Ball(double{p.x}), Ball(double{p.y}), Ball(double{p.z})));
+    double worst = 0;
+    for (int i = 0; i < 3; ++i) {
+        if (p[i] == 0) continue;
+        const Ball off = Ball(double{p[i] * scale}) / (Ball(double{p[i]}) * exact) - Ball(1);
+        if (!off.is_bounded()) return missing;
+        worst = std::max(worst, std::fabs(off.hi()));
+    }
+    return worst / roundoff<F>;
+}
+
+/// Of the clipping of slabs alone, which is the box's.
+template <class F>
+double padding_in(const Ray<F>& ray, const Hull<F>& box) {
+    F tmin = 0, tmax = std::numeric_limits<F>::infinity();
+    intersect::box::clip_by_signs<F>(ray, box, tmin, tmax);
+    if (!(tmin > tmax)) return 0;
+    return tmax > 0 ? (double{tmin} - double{tmax}) / double{tmax} / roundoff<F> : HUGE_VAL;
+}
+
 }  // namespace
 
 double residual(const Sample& s) {
@@ -85,50 +191,45 @@ double normal_error(const Sample& s) {
     });
 }
 
-namespace {
-
-/// What the form computed under the name that it has for the weight of a vertex.
-std::optional<double> told(const Sample& s, std::size_t vertex) {
-    if (!s.blame || s.weights[vertex].empty()) return std::nullopt;
-    const auto& nodes = s.blame->tape->nodes;
-    const auto found = std::ranges::find(nodes, s.weights[vertex], &TapeNode::label);
-    return found == nodes.end() ? std::nullopt : std::optional(found->value);
+double point_error(const Sample& s) {
+    const Vec<double> p = hit_point(s);
+    const truth::Certified& t = *s.truth;
+    double worst = 0, largest = 0;
+    for (int i = 0; i < 3; ++i) {
+        const Ball scale(std::ldexp(1, static_cast<int>(std::clamp<std::int64_t>(t.exponent, -800, 800))));
+        const Ball exact = Ball(s.ray->origin[i]) + (Ball(t.hi) + Ball(t.lo)) * scale * Ball(s.ray->direction[i]);
+        const Ball off = Ball(p[i]) - exact;
+        if (!off.is_bounded()) return HUGE_VAL;
+        worst = std::max(worst, std::fabs(off.hi()));
+        largest = std::max(largest, std::fabs(p[i]));
+    }
+    return worst / ((1 + largest) * std::ldexp(1, -s.format->shape.precision));
 }
 
-/// How far a number is from the weight of a vertex.
-double error_of(double x, const Sample& s, std::size_t vertex) {
-    if (!std::isfinite(x)) return HUGE_VAL;
-    return visit_shape(*s.solid, [&]<template <class> class Of>() {
-        if constexpr (requires(const Of<double>& shape) { shape.weights(Ray<double>()); }) {
-            return std::fabs(enclosed([&]<class E>() {
-                return in_its_space<Of>(lift_ray<E>(*s.ray), lift_solid<E>(*s.solid),
-                                        [&](const Of<E>& shape, const Ray<E>& ray) -> E {
-                                            return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
-                                        });
-            }));
-        } else {
-            return missing;
-        }
-    });
+double projected_error(const Sample& s) {
+    if (!row_of(s.solid->shape).round) return missing;
+    return in_format(s, [&]<class F>() { return projected<F>(s); });
 }
 
-double in_roundoffs(double x, const Sample& s) { return std::ldexp(x, s.format->shape.precision); }
-
-}  // namespace
-
-double barycentric_error(const Sample& s) {
-    double most = missing;
-    for (std::size_t vertex = 0; vertex < s.weights.size(); ++vertex)
-        if (const auto x = told(s, vertex)) most = std::fmax(most, error_of(*x, s, vertex));
-    return in_roundoffs(most, s);
+double padding(const Sample& s) {
+    const auto of = [&s](const Ray<double>& ray, const Hull<double>& box) {
+        return in_format(s, [&]<class F>() {
+            return padding_in<F>({stored<F>(ray.origin), stored<F>(ray.direction)},
+                                 {stored<F>(box.lo), stored<F>(box.hi)});
+        });
+    };
+    if (s.levels) {
+        double most = 0;
+        for (const auto& asked : s.levels->boxes)
+            if (const double here = of(asked.ray, asked.box); !(here <= most)) most = here;
+        return most;
+    }
+    if (!s.truth || !s.solid || !s.solid->is<Box>()) return missing;
+    return of(*s.ray, s.solid->box());
 }
 
-double barycentric_sum(const Sample& s) {
-    const auto x = told(s, 0), y = told(s, 1), z = told(s, 2);
-    if (!x || !y || !z) return missing;
-    if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) return HUGE_VAL;
-    // A Real holds the sum of three doubles near 1, or what is left of it to 2^-200.
-    return in_roundoffs(std::fabs(Real(Real(*x) + Real(*y) + Real(*z) - 1).convert_to<double>()), s);
-}
+double padding(const Ray<float>& ray, const Hull<float>& box) { return padding_in(ray, box); }
+
+std::span<const Metric> metrics_of_weights() { return rows_of_weights; }
 
 }  // namespace lostbits::measure::metric

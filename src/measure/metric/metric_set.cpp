@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "measure/metric/errors_of_t.hpp"
+#include "measure/metric/values.hpp"
 #include "number/error.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -49,41 +49,20 @@ constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[]
 /// What there is of each label: `name` and `layer` lack it. The first are about a number, the others about an
 /// operation.
 constexpr Metric labelled[] = {
-    {.name = "tolerance:",
-     .layer = "err.tolerance",
-     .meaning = "whether the hit point is at most so far from the true one, along the ray, in the scene's unit of "
-                "length: ",
-     .ramp = Ramp::categories,
-     .value = beyond,
-     .categories = within_names},
-    {.name = "enough_bits:",
-     .layer = "bits.enough",
-     .meaning = "whether t keeps so many bits (correct_bits): ",
-     .ramp = Ramp::categories,
-     .value = too_few,
-     .categories = enough_names},
-    {.name = "contribution:",
-     .unit = "ulp",
-     .layer = "contribution.",
-     .meaning = "what of the error of t is assigned to operations of that name, in ulps of t without rounding",
-     .needs = needs_attribution,
-     .ramp = Ramp::magnitude,
-     .low = 0x1p-4,
-     .value = contribution},
-    {.name = "cancellation:",
-     .unit = "bits",
-     .layer = "cancellation.",
-     .meaning = "bits that the operation of that name cancels of operands that were already wrong",
-     .needs = needs_attribution,
-     .value = cancellation},
-    {.name = "step:",
-     .unit = "ulp",
-     .layer = "space.",
-     .meaning = "what of the error of t is assigned to that step into the space of a solid under a matrix and back",
-     .needs = needs_steps,
-     .ramp = Ramp::magnitude,
-     .low = 0x1p-4,
-     .value = step_error}};
+    tabled({"tolerance:", "", "err.tolerance"},
+           "whether the hit point is at most so far from the true one, along the ray, in the scene's unit of length: ",
+           beyond, {.ramp = Ramp::categories, .categories = within_names}),
+    tabled({"enough_bits:", "", "bits.enough"}, "whether t keeps so many bits (correct_bits): ", too_few,
+           {.ramp = Ramp::categories, .categories = enough_names}),
+    tabled({"contribution:", "ulp", "contribution."},
+           "what of the error of t is assigned to operations of that name, in ulps of t without rounding", contribution,
+           {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+    tabled({"cancellation:", "bits", "cancellation."},
+           "bits that the operation of that name cancels of operands that were already wrong", cancellation,
+           {.needs = needs_attribution}),
+    tabled({"step:", "ulp", "space."},
+           "what of the error of t is assigned to that step into the space of a solid under a matrix and back",
+           step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
 
 bool is_of_operation(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
 

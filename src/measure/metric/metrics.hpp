@@ -104,6 +104,16 @@ struct Metric {
     std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
 };
 
+/// A row of a table; `how` is all but these.
+struct MetricNames {
+    std::string_view name, unit, layer;
+};
+constexpr Metric tabled(MetricNames names, std::string_view meaning, double (*value)(const Sample&), Metric how = {}) {
+    how.name = names.name, how.unit = names.unit, how.layer = names.layer;
+    how.meaning = meaning, how.value = value;
+    return how;
+}
+
 /// Every metric that needs no label, in the order of layers and columns.
 std::span<const Metric> metrics();
 

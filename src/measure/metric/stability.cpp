@@ -1,9 +1,8 @@
-#include "measure/metric/stability.hpp"
-
+// How far a form's answers are from those of a problem nearby, and what is foretold of errors without the exact answer.
 #include <cmath>
 
-#include "measure/stability/margin.hpp"
-#include "measure/stability/prediction.hpp"
+#include "measure/metric/values.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::metric {
@@ -12,20 +11,16 @@ using truth::missing, truth::Perturbed, stability::Turned;
 
 namespace {
 
-double in_units(double relative, const Sample& s) { return std::ldexp(relative, s.format->shape.precision); }
-
 double backward(const Sample& s, Perturbed perturbed) {
     if (!s.solid || s.march) return missing;
-    return in_units(stability::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
+    return in_roundoffs(stability::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
 }
 
 double margin(const Sample& s, Turned turned) {
     if (!s.solid || s.march) return missing;
-    return in_units(
+    return in_roundoffs(
         stability::decision_margin(*s.ray, *s.solid, turned, Perturbed::componentwise, s.convention, s.range), s);
 }
-
-}  // namespace
 
 double backward_error(const Sample& s) { return backward(s, Perturbed::componentwise); }
 double backward_error_normwise(const Sample& s) { return backward(s, Perturbed::normwise); }
@@ -37,14 +32,10 @@ double wrong_decision(const Sample& s) {
     return margin(s, Turned::decision) > 1 ? 2 : 1;
 }
 
-namespace {
-
 /// Whether the tape is of a t whose decision rounding did not turn.
 bool explains_t(const Sample& s) {
     return s.blame && !s.march && s.blame->attribution->subject == s.blame->tape->outputs.t;
 }
-
-}  // namespace
 
 double cestac_bits(const Sample& s) {
     if (!explains_t(s)) return missing;
@@ -77,5 +68,62 @@ double statistical_ratio(const Sample& s) {
     const double error = std::fabs(s.blame->attribution->error);
     return error == 0 ? 0 : error / bound;
 }
+
+constexpr std::string_view wrong_decision_names[] = {"right", "within_u", "beyond_u"};
+constexpr std::string_view cestac_decision_names[] = {"stable_right", "stable_wrong", "unstable_right",
+                                                      "unstable_wrong"};
+constexpr std::string_view cestac_digit_names[] = {"kept", "overrated"};
+
+constexpr Metric rows_of_stability[] = {
+    tabled(
+        {"backward_error", "u", "stability.backward"},
+        "the least relative change of every number of the ray and the solid, as the format holds them, for which t is "
+        "exactly the answer, in u = 2^-p: a proved lower bound, to first order the least one",
+        backward_error, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
+    tabled({"backward_error_normwise", "u", "stability.normwise"},
+           "the same of changes of each vector by a part of its length: no component keeps its 0",
+           backward_error_normwise, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
+    tabled(
+        {"decision_margin", "u", "stability.margin"},
+        "the least relative change of every number of the ray and the solid, as the format holds them, that turns hit "
+        "or miss or which root is met, in u = 2^-p: a proved lower bound; of the solid that the form hits, or truly is "
+        "hit, or else the first",
+        decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
+    tabled(
+        {"wrong_decision", "", "stability.wrong"},
+        "whether a false hit, a false miss or a wrong solid is proved to be wrong for all problems within u of every "
+        "number (beyond_u), or may be right for one of them (within_u)",
+        wrong_decision, {.ramp = Ramp::categories, .over = Over::every, .categories = wrong_decision_names}),
+    tabled({"cestac_bits", "bits", "prediction.cestac"},
+           "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "
+           "|mean|/(4.303 s)), from 0 to p (CESTAC)",
+           cestac_bits, {.needs = needs_attribution, .ramp = Ramp::kept}),
+    tabled(
+        {"cestac_error", "bits", "prediction.cestac_error"},
+        "cestac_bits less the bits that the mean of the three runs has in common with the form without rounding: above "
+        "0 more is promised than there is",
+        cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
+    tabled(
+        {"cestac_digit", "", "prediction.cestac_digit"},
+        "whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of cestac_error are "
+        "of its size, and promises that are too modest are among them",
+        cestac_digit,
+        {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .categories = cestac_digit_names}),
+    tabled({"cestac_decision", "", "prediction.cestac_decision"},
+           "whether three runs with random rounding all hit or all miss (stable), and whether the form's decision is "
+           "right",
+           cestac_decision,
+           {.needs = needs_attribution,
+            .ramp = Ramp::categories,
+            .over = Over::blamed,
+            .categories = cestac_decision_names}),
+    tabled({"statistical_ratio", "1", "prediction.statistical"},
+           "|t - the form without rounding| over the root of the sum of the squares of what each operation can cost: "
+           "rounding errors that were independent would exceed x with probability 2 exp(-x^2/2) at most",
+           statistical_ratio, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-6, .high = 0x1p+2})};
+
+}  // namespace
+
+std::span<const Metric> metrics_of_stability() { return rows_of_stability; }
 
 }  // namespace lostbits::measure::metric

@@ -1,18 +1,51 @@
-// Counts, moments and quantiles of a stream, in memory that does not grow with it.
+// Counts, moments and quantiles of a stream, in memory that does not grow with it; on how many hits they are, and what
+// a number comes to when its random rays are drawn again.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "measure/columns/raw_columns.hpp"
-#include "measure/metric/exact_total.hpp"
+#include "measure/truth/missing.hpp"
+#include "number/error_free.hpp"
 
 namespace lostbits::measure::metric {
+
+/// A number Σ limbs[i]·2^(32·i − 1074), in which every sum of up to 2^64 finite doubles has room (Kulisch's long
+/// accumulator, with room for carries in every limb). Its sign is that of the top limb.
+class ExactTotal {
+public:
+    /// x is finite.
+    void add(double x);
+    void add(const ExactTotal& other);
+    /// The total over n, rounded to a double: off by at most an ulp where it is normal. The total is not negative.
+    [[nodiscard]] double over(std::uint64_t n) const;
+
+    template <class Bits>
+    void fields(Bits& bits) {
+        settle();
+        bits(limbs_);
+    }
+
+private:
+    void settle();
+
+    static constexpr int limb_bits = 32;
+    static constexpr std::uint32_t most_unsettled = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
+
+    std::array<std::int64_t, 68> limbs_{};
+    std::uint32_t unsettled_ = 0;  // terms since all limbs were from 0 to 2^32 − 1
+};
 
 /// The mean of sizes, finite or not. Each list that is added is summed in two doubles a lane, to n·2^-104 of itself;
 /// the lists are summed without error. So the mean is off by at most an ulp and n·2^-104 of itself, neither the order
@@ -151,5 +184,52 @@ private:
     double sealed_mean_ = 0;
     Bounds sealed_bounds_{};
 };
+
+/// A form that misses nearly everything may be exact on the few hits that are left to it. Below this share of the rays
+/// that truly hit, pictures, plots, tables on the terminal and the page withhold quantiles over agreed hits, and say
+/// so. CSV files have them all the same, beside the counts.
+inline constexpr double least_agreement = 0.1;
+
+struct Agreement {
+    std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
+    std::uint64_t true_hits;  ///< rays that truly hit
+
+    /// NaN where no ray truly hits.
+    [[nodiscard]] double share() const { return truth::fraction(agreed, true_hits); }
+    /// Whether a quantile over the agreed hits may stand for the form.
+    [[nodiscard]] bool is_enough() const {
+        return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
+    }
+    /// `of 55 agreed hits`: stands beside a quantile.
+    [[nodiscard]] std::string of_agreed_hits() const { return "of " + counted(agreed, "agreed hit"); }
+    /// `55 of 16384 hits agree`: stands in place of a withheld one.
+    [[nodiscard]] std::string too_few() const {
+        return std::to_string(agreed) + " of " + counted(true_hits, "hit") + (agreed == 1 ? " agrees" : " agree");
+    }
+
+private:
+    static std::string counted(std::uint64_t n, const char* what) {
+        return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+    }
+};
+
+/// Smallest, middle and largest of several draws. The middle one is a measured number: the lower of two.
+struct Spread {
+    double low, median, high;
+    int draws;  ///< on which the number exists
+};
+
+/// Of a file's own draw and of further ones; NaN is a draw on which the number does not exist. All NaN where none has
+/// it.
+inline Spread spread_of(double own, const std::vector<double>& further) {
+    std::vector<double> all;
+    const auto exists = [](double x) { return !std::isnan(x); };
+    if (exists(own)) all.push_back(own);
+    std::ranges::copy_if(further, std::back_inserter(all), exists);
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    if (all.empty()) return {none, none, none, 0};
+    std::ranges::sort(all);
+    return {all.front(), all[(all.size() - 1) / 2], all.back(), static_cast<int>(all.size())};
+}
 
 }  // namespace lostbits::measure::metric

@@ -1,4 +1,5 @@
-// Time, measured so that a disturbance hits all alike: every piece of work once a round, over many rounds.
+// Time, measured so that a disturbance hits all alike: every piece of work once a round, over many rounds; and what all
+// processors do together against what one does alone.
 #pragma once
 
 #include <cstddef>
@@ -70,5 +71,22 @@ Timing timing_of(std::vector<double> samples);
 
 /// Of a[i]/b[i], quotients within a round: what slows a round down slows both. As many of both, at least one.
 Timing ratio_of(std::span<const double> a, std::span<const double> b);
+
+/// The processors that the calling thread may use; {0} where the system does not say.
+std::vector<int> allowed_processors();
+
+struct ThreadPlan {
+    int repetitions = 15;
+    double least_seconds = 0.02;  ///< of a measurement: long against the start of a thread
+    std::size_t threads = 0;      ///< together; 0: one on each allowed processor
+    intersect::process::StopToken stop = {};
+};
+
+/// The work of thread `i`: what it returns is called over and over on that thread, on memory of its own.
+using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
+
+/// Passes a second of all threads together, each on a processor of its own, over those of one alone; one quotient a
+/// repetition, the one taking turns on the processors. Perfect scaling is the number of threads. By steady_clock.
+std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
 
 }  // namespace lostbits::measure::speed

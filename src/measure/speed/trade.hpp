@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/speed/timing.hpp"
-#include "measure/speed/trade_rays.hpp"
+#include "measure/speed/timing_work.hpp"
 
 namespace lostbits::measure::speed {
 

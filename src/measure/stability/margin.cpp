@@ -1,4 +1,4 @@
-#include "measure/stability/margin.hpp"
+#include "measure/stability/stability.hpp"
 
 #include <algorithm>
 #include <array>

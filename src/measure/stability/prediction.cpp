@@ -1,4 +1,4 @@
-#include "measure/stability/prediction.hpp"
+#include "measure/stability/stability.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "intersect/hull/behind.hpp"
-#include "measure/metric/published_bounds.hpp"
+#include "measure/metric/values.hpp"
 #include "measure/sweep/float_columns.hpp"
 
 namespace lostbits::measure::sweep {

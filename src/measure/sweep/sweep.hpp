@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/metric/spread.hpp"
+#include "measure/metric/statistics.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 

@@ -57,6 +57,32 @@ struct Problem {
     }
 };
 
+/// t and its derivatives by each number; none of a miss, and where t does not move as its inputs do.
+template <class E>
+struct Sensitivity {
+    enum class Kind { miss, endless, known } kind;
+    E t = E(0);
+    std::vector<E> x = {}, by = {};
+};
+
+/// At one precision; nothing where that is too low. The solid is of that shape.
+template <class E, std::size_t N, template <class> class Of>
+std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convention, const Range<double>& of_ray) {
+    using Kind = typename Sensitivity<E>::Kind;
+    const Problem<E, N> problem(given);
+    const auto range = range_over<Dual<E, N>, E>(of_ray);
+    const auto span = span_of<Of>(problem.ray, problem.solid);
+    const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
+    if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
+    if (!found.hit.is_yes()) return std::nullopt;
+    const bool at_double_root = may_touch_before<std::remove_const_t<decltype(span)>> && found.touching;
+    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
+        return Sensitivity<E>{Kind::endless};
+    Sensitivity<E> all{Kind::known, found.t.value(), problem.x};
+    for (std::size_t i = 0; i < all.x.size(); ++i) all.by.push_back(found.t.derivative(i));
+    return all;
+}
+
 constexpr double tightness = 0x1p-20;
 
 std::optional<double> close_enough(const Ball& k) {
@@ -72,30 +98,15 @@ std::optional<double> close_enough(const Interval& k) {
     return mpfr_get_d(k.lower(), MPFR_RNDN);
 }
 
-/// What `Asked` makes of t and its derivatives at one precision; nothing where that is too low. The solid is of that
-/// shape.
-template <class Asked, class E, std::size_t N, template <class> class Of>
-std::optional<typename Asked::Answer> asked_in(const Given& given, Convention convention, const Range<double>& of_ray) {
-    const Problem<E, N> problem(given);
-    const auto range = range_over<Dual<E, N>, E>(of_ray);
-    const auto span = span_of<Of>(problem.ray, problem.solid);
-    const auto found = enclose<Dual<E, N>>(span, range ? &*range : nullptr, convention);
-    if (found.hit.is_no()) return Asked::none();
-    if (!found.hit.is_yes()) return std::nullopt;
-    const bool at_double_root = may_touch_before<std::remove_const_t<decltype(span)>> && found.touching;
-    if (at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes())) return Asked::endless();
-    return Asked::of(found.t, problem.x);
-}
-
 struct OfCondition {
     using Answer = double;
     static double none() { return missing; }
     static double endless() { return std::numeric_limits<double>::infinity(); }
-    template <class T, class E>
-    static std::optional<double> of(const T& t, const std::vector<E>& x) {
+    template <class E>
+    static std::optional<double> of(const Sensitivity<E>& t) {
         E sum(0);
-        for (std::size_t i = 0; i < x.size(); ++i) sum = sum + abs(x[i] * t.derivative(i));
-        return close_enough(sum / t.value());
+        for (std::size_t i = 0; i < t.x.size(); ++i) sum = sum + abs(t.x[i] * t.by[i]);
+        return close_enough(sum / t.t);
     }
 };
 
@@ -110,33 +121,52 @@ struct OfGradient {
     using Answer = std::vector<double>;
     static Answer none() { return {}; }
     static Answer endless() { return {}; }
-    template <class T, class E>
-    static std::optional<Answer> of(const T& t, const std::vector<E>& x) {
+    template <class E>
+    static std::optional<Answer> of(const Sensitivity<E>& t) {
         Answer all;
         double largest = 0, width = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            all.push_back(middle_of(t.derivative(i)));
+        for (const E& slope : t.by) {
+            all.push_back(middle_of(slope));
             largest = std::max(largest, std::fabs(all.back()));
-            width = std::max(width, width_of(t.derivative(i)));
+            width = std::max(width, width_of(slope));
         }
         const bool near = std::isfinite(largest) && width <= 0x1p-40 * largest;
         return near ? std::optional(std::move(all)) : std::nullopt;
     }
 };
 
-/// Intervals are asked seldom, so that one function serves solids with and without a matrix.
-template <class Asked, template <class> class Of>
-typename Asked::Answer find_in(const Given& given, Convention convention, const Range<double>& range) {
-    constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
-    const auto quick = given.placed ? asked_in<Asked, Ball, under_matrix, Of>(given, convention, range)
-                                    : asked_in<Asked, Ball, N, Of>(given, convention, range);
-    if (quick) return *quick;
-    for (int bits = 384; bits <= 24576; bits *= 4) {
-        const Interval::Precision precision(bits);
-        if (const auto found = asked_in<Asked, Interval, under_matrix, Of>(given, convention, range)) return *found;
+/// What `Asked` makes of it; nothing where the precision is too low for that.
+template <class Asked, class E>
+std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E>>& found) {
+    if (!found) return std::nullopt;
+    switch (found->kind) {
+        case Sensitivity<E>::Kind::miss: return Asked::none();
+        case Sensitivity<E>::Kind::endless: return Asked::endless();
+        case Sensitivity<E>::Kind::known: break;
     }
-    // What no precision settles is a division by a root that is exactly zero: a tangent.
-    return Asked::endless();
+    return Asked::of(*found);
+}
+
+/// How many numbers there is room for: each width is compiled by itself, and few more are little slower.
+constexpr std::size_t room_for(std::size_t numbers) {
+    for (const std::size_t room : {10, 13, 15, 24})
+        if (numbers <= room) return room;
+    return 6 + most_stored;
+}
+
+/// The functions of a shape. Intervals are asked seldom: theirs have room for any solid.
+template <class E>
+using Finder = std::optional<Sensitivity<E>> (*)(const Given&, Convention, const Range<double>&);
+struct OfShape {
+    Finder<Ball> plain, placed;
+    Finder<Interval> exact;
+};
+OfShape of_shape(Shape shape) {
+    return visit_shape(Solid<double>(shape), []<template <class> class Of>() -> OfShape {
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
+        return {sensitivity<Ball, room_for(N), Of>, sensitivity<Ball, room_for(under_matrix), Of>,
+                sensitivity<Interval, 6 + most_stored, Of>};
+    });
 }
 
 template <class Asked, class S>
@@ -145,8 +175,15 @@ typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Conve
     convention = convention_in(range, convention);
     convention.touching = intersect::Touching::hit;
     const Given given(ray, solid);
-    return visit_shape(solid,
-                       [&]<template <class> class Of>() { return find_in<Asked, Of>(given, convention, range); });
+    const OfShape of = of_shape(solid.shape);
+    if (const auto quick = asked_of<Asked>((solid.placed ? of.placed : of.plain)(given, convention, range)))
+        return *quick;
+    for (int bits = 384; bits <= 24576; bits *= 4) {
+        const Interval::Precision precision(bits);
+        if (const auto found = asked_of<Asked>(of.exact(given, convention, range))) return *found;
+    }
+    // What no precision settles is a division by a root that is exactly zero: a tangent.
+    return Asked::endless();
 }
 
 }  // namespace

@@ -31,4 +31,23 @@ inline double lost_bits(double ulps, int precision) {
     return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
+/// The bits that a `reach` (reach.hpp) can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
+inline double inherent_bits(double reach, const Certified& truth, const FloatFormat& format) {
+    return lost_bits(std::ldexp(reach, -static_cast<int>(ulp_exponent(format, truth.floor_log2()))), format.precision);
+}
+
+/// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
+/// still held against `reach`: log2(|t − t*| / reach), from 0 to p.
+inline double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach) {
+    const int precision = format.precision;
+    const double inherent = inherent_bits(reach, truth, format);
+    if (inherent < precision) return std::max(0.0, lost_bits(ulp_error(t, truth, format), precision) - inherent);
+    if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
+    if (std::isinf(reach)) return 0;
+    const int scale = std::ilogb(reach);
+    const double times = std::fabs(scaled_difference(exactly(t), truth, scale)) / std::ldexp(reach, -scale);
+    if (!(times > 1)) return 0;
+    return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
+}
+
 }  // namespace lostbits::measure::truth

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <type_traits>
 
 #include "geometry/capped_span.hpp"
@@ -26,6 +28,8 @@ constexpr double anywhere = std::numeric_limits<double>::infinity();
 constexpr int exponent_of_zero = -1000000;
 constexpr double tiny = std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
 
+using One = Bounded<double>;
+
 double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
 int binary_exponent(double x) { return x == 0 ? exponent_of_zero : std::ilogb(x); }
@@ -35,40 +39,42 @@ int binary_exponent(const Real& x) {
     return x == 0 ? exponent_of_zero : e - 1;
 }
 
-/// A problem with N numbers (origin, direction, the solid's, its matrix's), in units in which its largest length and
-/// its largest component of d are about 1, each number as all that it may be: f(x') of any x' within the errors is in
-/// f(ray, solid). Under a matrix the lengths of the solid have a unit of their own, and A that of a quotient; no number
-/// is above 1 then, so that nothing overflows, and what small ones lose to underflow is in the bounds.
-template <std::size_t N>
-class Perturbable {
-public:
-    using One = Bounded<double>;
-    using Each = Dual<One, N>;
-    Ray<Each> ray;
-    Solid<Each> solid;
+double length_of(std::span<const double> x, std::size_t first, std::size_t end) {
+    double squares = 0;
+    for (std::size_t i = first; i < end; ++i) squares += x[i] * x[i];
+    return std::sqrt(squares);
+}
 
+/// The numbers of a problem (origin, direction, the solid's, its matrix's), in units in which its largest length and
+/// its largest component of d are about 1, and how far each may be off. Under a matrix the lengths of the solid have a
+/// unit of their own, and A that of a quotient; no number is above 1 then, so that nothing overflows, and what small
+/// ones lose to underflow is in the bounds.
+class Numbers {
+public:
     template <class S>
-    Perturbable(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed)
-        : solid(s.shape), normwise_(perturbed == Perturbed::normwise), matrix_(6 + row_of(s.shape).numbers) {
+    Numbers(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed)
+        : matrix_(6 + row_of(s.shape).numbers),
+          count_(matrix_ + (s.placed ? Affine<S>::numbers : 0)),
+          shape_(s.shape),
+          normwise_(perturbed == Perturbed::normwise) {
         const auto number = [&](std::size_t i) {
             return i < 3         ? r.origin[static_cast<int>(i)]
                    : i < 6       ? r.direction[static_cast<int>(i - 3)]
                    : i < matrix_ ? s.numbers[i - 6]
                                  : s.placed->matrix[place_in_matrix(i - matrix_)];
         };
-        placed_ = s.placed.has_value();
-        inverse_ = placed_ && s.placed->is_inverse;
-        std::array<int, N> exponents;
-        for (std::size_t i = 0; i < N; ++i) {
+        if (s.placed) placed_ = transformed(*s.placed, [](const S&) { return 0; });
+        std::array<int, room> exponents{};
+        for (std::size_t i = 0; i < count_; ++i) {
             exponents[i] = binary_exponent(number(i));
             int& unit = units_[unit_place(i)];
             unit = std::max(unit, exponents[i]);
         }
         if (placed_) put_units_of_matrix();
         // Within these nothing that decides underflows: a triangle multiplies four numbers.
-        for (int* const unit : {&length_, &direction_})
+        for (int* const unit : {&units_[0], &units_[1]})  // of lengths and of directions
             if (std::abs(*unit) < 32 && !placed_) *unit = 0;
-        for (std::size_t i = 0; i < N; ++i) {
+        for (std::size_t i = 0; i < count_; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
             const int exponent = exponents[i] - unit_of(i);
             spread_ |= exponents[i] > exponent_of_zero && exponent < -600;
@@ -76,49 +82,39 @@ public:
         }
         if (normwise_)
             for_each_vector([&](std::size_t first, std::size_t end) {
-                double squares = 0;
-                for (std::size_t i = first; i < end; ++i) squares += x_[i] * x_[i];
                 std::fill(&step_[first], &step_[first] + (end - first),
-                          scaled(std::sqrt(squares), -format.precision) + tiny);
+                          scaled(length_of(x_, first, end), -format.precision) + tiny);
             });
-        const auto input = [&](std::size_t i) {
+        for (std::size_t i = 0; i < count_; ++i) {
             const double stored = std::is_same_v<S, double> ? 0 : std::fabs(x_[i]) * 0x1p-53;
-            return Each::input(One(x_[i], (step_[i] + stored) * outward + tiny), i);
-        };
-        ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
-        for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
-        if (!s.placed) return;
-        solid.placed = transformed(*s.placed, [](const S&) { return Each(0); });
-        for (std::size_t i = matrix_; i < N; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
+            off_[i] = (step_[i] + stored) * outward + tiny;
+        }
     }
 
+    [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
+    [[nodiscard]] Shape shape() const { return shape_; }
+    /// All that number i may be.
+    [[nodiscard]] One at(std::size_t i) const { return {x_[i], off_[i]}; }
     /// Whether beside the largest of its numbers others are so small that what is made of them underflows.
     [[nodiscard]] bool is_spread() const { return spread_; }
     /// log2 of the unit of t.
-    [[nodiscard]] int time() const { return length_ - direction_; }
-    [[nodiscard]] Each of(const Certified& t) const {
+    [[nodiscard]] int time() const { return units_[0] - units_[1]; }
+    [[nodiscard]] One of(const Certified& t) const {
         const auto e = std::clamp<std::int64_t>(t.exponent - time(), -5000, 5000);
         const double value = std::ldexp(t.hi, static_cast<int>(e));
-        return Each(One(value, std::fabs(value) * 0x1p-51));
-    }
-
-    /// Where the ray from its point at t on is inside of the solid, of that shape.
-    template <template <class> class Of>
-    [[nodiscard]] auto span_from(const Each& t) const {
-        return span_of<Of>(Ray<Each>{ray.origin + t * ray.direction, ray.direction}, solid);
+        return One(value, std::fabs(value) * 0x1p-51);
     }
 
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); of
     /// vectors Σ hᵥ |∇ᵥ f|.
-    [[nodiscard]] double moved(const Each& f) const {
+    [[nodiscard]] double moved(const One* slopes) const {
         double sum = 0;
         const auto by = [&](std::size_t i) {
-            const One& slope = f.derivative(i);
-            const double most = std::fabs(slope.value()) + slope.error();
+            const double most = std::fabs(slopes[i].value()) + slopes[i].error();
             return most == 0 ? 0 : step_[i] * most + tiny;
         };
         if (!normwise_)
-            for (std::size_t i = 0; i < N; ++i) sum += by(i);
+            for (std::size_t i = 0; i < count_; ++i) sum += by(i);
         else
             for_each_vector([&](std::size_t first, std::size_t end) {
                 double squares = 0;
@@ -130,45 +126,48 @@ public:
 
     /// How far f(x') can be from 0, of an f that is 0 where t is its root. Where it is not (the range begins there, or
     /// another face is met), what the enclosure of f(x') leaves beyond 0 bounds it too, and is often nothing.
-    [[nodiscard]] double aside(const Each& f) const {
+    template <std::size_t N>
+    [[nodiscard]] double aside(const Dual<One, N>& f) const {
         const One& all = f.value();
-        return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
+        return std::min(moved(&f.derivative(0)), std::max(0.0, all.error() * outward - std::fabs(all.value())));
     }
 
     /// Both points of the solid that are met, X = o + t d and X' = o' + t' d', lie within a ball of radius R, X' but
     /// for what the solid itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|.
-    [[nodiscard]] double across(const Each& t) const {
-        if (solid.placed) return anywhere;
-        const auto length_of = [](const auto& x, std::size_t first, std::size_t end) {
-            double squares = 0;
-            for (std::size_t i = first; i < end; ++i) squares += x[i] * x[i];
-            return std::sqrt(squares);
-        };
-        Solid<double> plain(solid.shape);
+    [[nodiscard]] double across(const One& t) const {
+        if (placed_) return anywhere;
+        Solid<double> plain(shape_);
         std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
-        double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, N);
+        double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_);
         for_each_vector([&](std::size_t first, std::size_t end) {
             if (first != 3) away += length_of(step_, first, end);
         });
         const double turn = length_of(step_, 3, 6);
-        away += std::fabs(t.value().value()) * turn;
+        away += std::fabs(t.value()) * turn;
         const double d = length_of(x_, 3, 6) - turn;
         return d > 0 ? away * (1 + 0x1p-30) / d : anywhere;
     }
 
+protected:
+    std::size_t matrix_, count_;            ///< where those of a matrix begin, and how many there are
+    std::optional<Placement<int>> placed_;  ///< without its numbers
+
 private:
+    static constexpr std::size_t room = 6 + most_stored;
+
     /// Of the world's lengths, directions, the solid's lengths under a matrix, its linear part.
     [[nodiscard]] std::size_t unit_place(std::size_t i) const {
         if (i >= 3 && i < 6) return 1;
         if (!placed_ || i < 3) return 0;
         if (i < matrix_) return 2;
-        return i < matrix_ + 9 ? 3 : inverse_ ? 2 : 0;
+        return i < matrix_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
     }
     [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
     /// x of the world is A x' + τ of the solid, or the other way: A's unit is the quotient of both, and where A is
     /// larger the unit of what it makes grows.
     void put_units_of_matrix() {
-        int &made = units_[inverse_ ? 2 : 0], &from = units_[inverse_ ? 0 : 2], &linear = units_[3];
+        const bool inverse = placed_->is_inverse;
+        int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
         from = std::max(from, -1000);  // of zeros
         made = std::max(made, linear + from);
         linear = made - from;
@@ -176,16 +175,38 @@ private:
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
-        for_each_key(solid.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
-        if (matrix_ < N) act(matrix_, matrix_ + 9), act(matrix_ + 9, N);
+        for_each_key(shape_, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+        if (placed_) act(matrix_, matrix_ + 9), act(matrix_ + 9, count_);
     }
 
+    Shape shape_;
     bool normwise_, spread_ = false;
-    std::size_t matrix_;  ///< the place of its first number
-    bool placed_ = false, inverse_ = false;
     std::array<int, 4> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
-    int &length_ = units_[0], &direction_ = units_[1];
-    std::array<double, N> x_, step_;
+    std::array<double, room> x_, step_, off_;
+};
+
+/// A problem as functions of its numbers, of which there are at most N: f(x') of any x' within the errors is in
+/// f(ray, solid).
+template <std::size_t N>
+struct Perturbable : Numbers {
+    using Each = Dual<One, N>;
+    Ray<Each> ray;
+    Solid<Each> solid;
+
+    explicit Perturbable(const Numbers& numbers) : Numbers(numbers), solid(numbers.shape()) {
+        const auto input = [&](std::size_t i) { return Each::input(at(i), i); };
+        ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
+        for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
+        if (!placed_) return;
+        solid.placed = transformed(*placed_, [](int) { return Each(0); });
+        for (std::size_t i = matrix_; i < count_; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
+    }
+
+    /// Where the ray from its point at t on is inside of the solid, of that shape.
+    template <template <class> class Of>
+    [[nodiscard]] auto span_from(const One& t) const {
+        return span_of<Of>(Ray<Each>{ray.origin + Each(t) * ray.direction, ray.direction}, solid);
+    }
 };
 
 /// The ray begins at t here, so that all is of the size of the solid, however far away it is. With P' and s' of the
@@ -197,7 +218,7 @@ private:
 ///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
 /// and |s'|/a' twice more where s' may have the other sign. P and −P have the same roots: a' > 0 is no loss.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<One, N>>& s) {
     const double B = problem.aside(s.c);
     if (B == 0) return 0;
     const auto &slope = s.h.value(), &a = s.a.value();
@@ -212,8 +233,8 @@ double moved_root(const Perturbable<N>& problem, const QuadraticSpan<Dual<Bounde
 /// circle |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to
 /// first order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<Bounded<double>, N>>& s) {
-    using Each = Dual<Bounded<double>, N>;
+double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<One, N>>& s) {
+    using Each = Dual<One, N>;
     const double B = problem.aside(s.f.at(s.b));
     if (B == 0) return 0;
     std::array<double, 5> most{B}, least{};
@@ -246,7 +267,7 @@ double moved_root(const Perturbable<N>& problem, const QuarticSpan<Dual<Bounded<
 
 /// t' − t = n'/m' of t = n/m, where n is 0 as the ray begins at t.
 template <std::size_t N>
-double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded<double>, N>>& at) {
+double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<One, N>>& at) {
     const double B = problem.aside(at.n);
     if (B == 0) return 0;
     const double least = at.m.value().value() * (1 - 0x1p-40) - at.m.value().error();
@@ -255,7 +276,7 @@ double moved_quotient(const Perturbable<N>& problem, const Fraction<Dual<Bounded
 
 /// t is one of these, the largest or the smallest: it moves as far as any that can come to where it is.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<One, N>>& s) {
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         if (!s.crossed[i].value()) continue;
@@ -265,13 +286,13 @@ double moved_root(const Perturbable<N>& problem, const SlabSpan<Dual<Bounded<dou
 }
 
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const FlatSpan<Dual<One, N>>& s) {
     return moved_quotient(problem, s.at);
 }
 
 /// t is a root or on a cap: as far as either can come to where it is.
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<One, N>>& s) {
     double most = moved_root(problem, s.side);
     if (!s.crossed.value()) return most;
     for (const auto* cap : {&s.entry, &s.exit}) most = std::max(most, moved_quotient(problem, *cap));
@@ -279,31 +300,31 @@ double moved_root(const Perturbable<N>& problem, const CappedSpan<Dual<Bounded<d
 }
 
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const WallSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const WallSpan<Dual<One, N>>& s) {
     return moved_root(problem, s.solid.side);
 }
 
 template <std::size_t N>
-double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<Bounded<double>, N>>& s) {
+double moved_root(const Perturbable<N>& problem, const JoinedSpan<Dual<One, N>>& s) {
     return std::max(moved_root(problem, s.enter), moved_root(problem, s.leave));
 }
 
-template <class S>
-double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, const FloatFormat& format,
-                Perturbed perturbed) {
-    return visit_shape(solid, [&]<template <class> class Of>() {
-        const auto of_numbers = [&]<std::size_t N>() {
-            const Perturbable<N> problem(ray, solid, format, perturbed);
-            const auto at = problem.of(t);
-            const double root =
-                problem.is_spread() ? anywhere : moved_root(problem, problem.template span_from<Of>(at));
-            const double most = root == 0 ? 0 : std::min(root, problem.across(at));
-            const double in_time = std::ldexp(most * outward, problem.time());
-            return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
-        };
-        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers;
-        return solid.placed ? of_numbers.template operator()<N + Affine<S>::numbers>()
-                            : of_numbers.template operator()<N>();
+/// Of a solid of that shape. Each width is compiled by itself: under a matrix there are two.
+template <std::size_t N, template <class> class Of>
+double reach_in(const Numbers& numbers, const Certified& t) {
+    const Perturbable<N> problem(numbers);
+    const One at = problem.of(t);
+    const double root = problem.is_spread() ? anywhere : moved_root(problem, problem.template span_from<Of>(at));
+    const double most = root == 0 ? 0 : std::min(root, problem.across(at));
+    const double in_time = std::ldexp(most * outward, problem.time());
+    return most > 0 && in_time < 0x1p-980 ? in_time + tiny : in_time;
+}
+
+double reach_of(const Numbers& numbers, const Certified& t) {
+    return visit_shape(Solid<double>(numbers.shape()), [&]<template <class> class Of>() {
+        constexpr std::size_t N = 6 + row_of(shape_as<Of>).numbers, under_matrix = N + Affine<double>::numbers;
+        return numbers.is_placed() ? reach_in < under_matrix <= 24 ? 24 : 6 + most_stored,
+               Of > (numbers, t)   : reach_in<N, Of>(numbers, t);
     });
 }
 
@@ -311,27 +332,11 @@ double reach_of(const Ray<S>& ray, const Solid<S>& solid, const Certified& t, co
 
 double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& t, const FloatFormat& format,
              Perturbed perturbed) {
-    return reach_of(ray, solid, t, format, perturbed);
+    return reach_of(Numbers(ray, solid, format, perturbed), t);
 }
 double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t, const FloatFormat& format,
              Perturbed perturbed) {
-    return reach_of(ray, solid, t, format, perturbed);
-}
-
-double inherent_bits(double reach, const Certified& truth, const FloatFormat& format) {
-    return lost_bits(std::ldexp(reach, -static_cast<int>(ulp_exponent(format, truth.floor_log2()))), format.precision);
-}
-
-double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach) {
-    const int precision = format.precision;
-    const double inherent = inherent_bits(reach, truth, format);
-    if (inherent < precision) return std::max(0.0, lost_bits(ulp_error(t, truth, format), precision) - inherent);
-    if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
-    if (std::isinf(reach)) return 0;
-    const int scale = std::ilogb(reach);
-    const double times = std::fabs(scaled_difference(exactly(t), truth, scale)) / std::ldexp(reach, -scale);
-    if (!(times > 1)) return 0;
-    return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
+    return reach_of(Numbers(ray, solid, format, perturbed), t);
 }
 
 }  // namespace lostbits::measure::truth

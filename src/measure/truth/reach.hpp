@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "measure/truth/certified.hpp"
+#include "measure/truth/lost_bits.hpp"
 #include "number/format.hpp"
 #include "shapes/solid.hpp"
 
@@ -26,12 +26,5 @@ double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified
              Perturbed perturbed = Perturbed::componentwise);
 double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& t, const FloatFormat& format,
              Perturbed perturbed = Perturbed::componentwise);
-
-/// The bits that such errors can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
-double inherent_bits(double reach, const Certified& truth, const FloatFormat& format);
-
-/// Lost bits beyond `inherent_bits`. Where those are all (t* = 0, or below what it can move by), a loss of all bits is
-/// still held against `reach`: log2(|t − t*| / reach), from 0 to p.
-double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach);
 
 }  // namespace lostbits::measure::truth

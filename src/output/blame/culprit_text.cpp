@@ -8,8 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/blame/ties.hpp"
+#include "measure/blame/attribution.hpp"
 #include "output/blame/explain_text.hpp"
+#include "output/blame/operation_words.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::blame {

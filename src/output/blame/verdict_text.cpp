@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "measure/blame/neighbours.hpp"
-#include "measure/stability/root.hpp"
+#include "measure/blame/explanation.hpp"
+#include "measure/stability/stability.hpp"
 #include "output/blame/explain_command.hpp"
 #include "output/blame/explain_text.hpp"
 #include "output/file/number_text.hpp"

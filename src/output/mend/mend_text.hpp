@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "measure/mend/beside.hpp"
 #include "measure/mend/mend.hpp"
 #include "measure/mend/price.hpp"
 

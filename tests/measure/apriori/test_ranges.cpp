@@ -12,6 +12,7 @@
 #include "intersect/hostile_rays.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/apriori/ranges.hpp"
+#include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/rounded.hpp"
 #include "output/blame/ranges_text.hpp"
@@ -31,6 +32,7 @@ using measure::apriori::SeenErrors;
 using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
 using test::Random;
+using testing::form_named;
 
 namespace {
 
@@ -38,13 +40,6 @@ constexpr std::array spheres{"sphere.schoolbook", "sphere.half_b",   "sphere.pre
                              "sphere.unified",    "sphere.two_step", "sphere.pythagoras", "sphere.factored_c"};
 constexpr std::array boxes{"box.signs", "box.max_mult", "box.pbrt_padded", "box.embree_fma"};
 constexpr std::array triangles{"triangle.moller_trumbore", "triangle.undivided", "triangle.baldwin_weber"};
-
-const Intersector& form_named(const std::string& name) {
-    const auto all = intersect::table::catalogue();
-    const auto found = std::ranges::find(all, name, [](const Intersector& form) { return form.info->name; });
-    REQUIRE(found != all.end());
-    return *found;
-}
 
 /// Numbers of the format on either side of some of the inputs, near or far.
 InputBox around(const std::vector<double>& inputs, Random& random, const FloatFormat& format) {
@@ -133,11 +128,7 @@ TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori
 
 namespace {
 
-scene::file::Scene scene_named(const std::string& id) {
-    auto scene = scene::file::load_scene(std::filesystem::path(LOSTBITS_DATA_DIR) / "scenes" / (id + ".toml")).front();
-    scene.width = scene.height = 24;
-    return scene;
-}
+scene::file::Scene scene_named(const std::string& id) { return testing::scene_named(id, std::pair{24, 24}); }
 
 RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
     return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});

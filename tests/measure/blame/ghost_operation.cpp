@@ -1,5 +1,5 @@
 // An operation that a copy of number/tape.hpp has one row more for; see ghost_operation.cmake.
-#include "measure/blame/operations_of_numbers.hpp"
+#include "measure/blame/operation_rows.hpp"
 
 namespace lostbits::measure::blame {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "catch.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/truth/band.hpp"
 #include "number/random.hpp"
@@ -69,6 +70,34 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
     s.march = intersect::MarchConstants<double>{in_format(1e-3), in_format(100), in_format(1e-3), in_format(1e-3),
                                                 in_format(1.4)};
     return s;
+}
+
+/// On which rays forms are recorded.
+struct RecordedRays {
+    std::vector<const char*> formats;
+    int count;  ///< of each form in each format that it exists in
+    double far = 1;
+    std::uint64_t seed = 2026;
+    std::span<const intersect::table::Intersector> forms = intersect::table::intersectors();
+};
+
+/// `see(form, format, setting, tape)` of all of them.
+template <class See>
+void on_recorded_rays(const RecordedRays& of, const See& see) {
+    for (const char* const name : of.formats) {
+        const Format format = *find_format(name);
+        for (const intersect::table::Intersector& form : of.forms) {
+            if (!form.exists_in(format)) continue;
+            Random random(of.seed);
+            for (int i = 0; i < of.count; ++i) {
+                const Setting s = draw_setting(random, form, format, of.far);
+                Tape tape;
+                form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
+                INFO(form.info->name << " in " << name << ", ray " << i);
+                see(form, format, s, tape);
+            }
+        }
+    }
 }
 
 /// The answer of the plain row.

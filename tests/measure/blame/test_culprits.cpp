@@ -9,7 +9,7 @@
 #include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "measure/evaluate/culprit_order.hpp"
-#include "scene/file/scene.hpp"
+#include "measure/rows.hpp"
 
 namespace lostbits::test::test_culprits {
 
@@ -28,60 +28,47 @@ lostbits::measure::blame::Setting given(const Setting& s) { return {s.solids, &s
 TEST_CASE("every culprit is among the operations of its form, and no plain miss has one", "[culprits]") {
     int blamed = 0, misses = 0;
     const int rays = is_long() ? 40 : 10;
-    for (const char* name : {"f32", "p12"}) {
-        const Format format = *find_format(name);
-        for (const Intersector& form : intersect::table::intersectors()) {
-            if (!form.exists_in(format)) continue;
-            Random random(7);
-            for (int i = 0; i < rays; ++i) {
-                const Setting s = draw_setting(random, form, format, 1);
-                MetricSet made;
-                const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
-                measure::blame::Blamer blamer(form, format, culprit->categories);
-                const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
-                INFO(form.info->name << " in " << name << ", ray " << i);
-                if (measure::blame::is_plain_miss(*blame.tape, *blame.attribution)) {
-                    CHECK(std::isnan(blame.culprit));
-                    CHECK(blame.attribution->culprit == no_node);
-                    ++misses;
-                    continue;
-                }
-                if (blame.attribution->culprit == no_node) continue;
-                REQUIRE(blame.culprit >= 1);
-                const auto operations = measure::blame::operation_names(form, given(s));
-                CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
-                      operations.end());
-                ++blamed;
-            }
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+        MetricSet made;
+        const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
+        measure::blame::Blamer blamer(form, format, culprit->categories);
+        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
+        if (measure::blame::is_plain_miss(*blame.tape, *blame.attribution)) {
+            CHECK(std::isnan(blame.culprit));
+            CHECK(blame.attribution->culprit == no_node);
+            ++misses;
+            return;
         }
-    }
+        if (blame.attribution->culprit == no_node) return;
+        REQUIRE(blame.culprit >= 1);
+        const auto operations = measure::blame::operation_names(form, given(s));
+        CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
+              operations.end());
+        ++blamed;
+    };
+    on_recorded_rays({{"f32", "p12"}, rays, 1, 7}, see);
     CHECK(blamed > 37 * rays);
     CHECK(misses > 2 * rays);
 }
 
 TEST_CASE("cancellation and contributions of labels: parts of what there is", "[culprits]") {
-    const Format format = *find_format("f32");
     int cancelled = 0;
-    for (const Intersector& form : intersect::table::intersectors()) {
-        Random random(11);
-        for (int i = 0; i < 40; ++i) {
-            const Setting s = draw_setting(random, form, format, 100);
-            measure::blame::Blamer blamer(form, format, {});
-            const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
-            const int worst = measure::blame::worst_cancellation(*blame.attribution);
-            for (const std::string_view label : measure::blame::labels_of(form, given(s))) {
-                INFO(form.info->name << " " << label);
-                const double bits = measure::blame::cancellation_of(*blame.tape, *blame.attribution, label);
-                const bool there =
-                    std::ranges::any_of(blame.tape->nodes, [&](const TapeNode& n) { return n.label == label; });
-                CHECK(std::isnan(bits) == !there);
-                if (there) CHECK(bits <= worst);
-                cancelled += bits > 0;
-            }
-            CHECK(std::isnan(measure::blame::cancellation_of(*blame.tape, *blame.attribution, "no such label")));
-            CHECK(std::isnan(measure::blame::contribution_of(*blame.tape, *blame.attribution, "no such label")));
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+        measure::blame::Blamer blamer(form, format, {});
+        const measure::blame::Blame blame = blamer.of(s.ray, s.target(form), HUGE_VAL);
+        const int worst = measure::blame::worst_cancellation(*blame.attribution);
+        for (const std::string_view label : measure::blame::labels_of(form, given(s))) {
+            INFO(label);
+            const double bits = measure::blame::cancellation_of(*blame.tape, *blame.attribution, label);
+            const bool there = std::ranges::find(blame.tape->nodes, label, &TapeNode::label) != blame.tape->nodes.end();
+            CHECK(std::isnan(bits) == !there);
+            if (there) CHECK(bits <= worst);
+            cancelled += bits > 0;
         }
-    }
+        CHECK(std::isnan(measure::blame::cancellation_of(*blame.tape, *blame.attribution, "no such label")));
+        CHECK(std::isnan(measure::blame::contribution_of(*blame.tape, *blame.attribution, "no such label")));
+    };
+    on_recorded_rays({{"f32"}, 40, 100, 11}, see);
     CHECK(cancelled > 200);
 }
 
@@ -126,8 +113,7 @@ TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves
 }
 
 TEST_CASE("categories go by how often they are to blame", "[culprits]") {
-    const auto found = scene::file::find_scene("near-benign", LOSTBITS_DATA_DIR);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{60, 40}}).front();
+    const scene::file::Scene scene = testing::scene_named("near-benign", std::pair{60, 40});
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))

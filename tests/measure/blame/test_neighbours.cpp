@@ -4,10 +4,9 @@
 
 #include "catch.hpp"
 #include "measure/blame/explanation.hpp"
-#include "measure/blame/neighbours.hpp"
 #include "measure/blame/operation_error.hpp"
+#include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "scene/file/scene.hpp"
 
 namespace test_neighbours {
 
@@ -17,18 +16,10 @@ using measure::answer::OneRay;
 using measure::answer::Outcome;
 using measure::blame::Explanation;
 using measure::blame::Standing;
+using testing::form_named;
+using testing::scene_named;
 
 namespace {
-
-const Intersector& form_named(std::string_view name) {
-    const auto rows = intersect::table::intersectors();
-    return *std::ranges::find_if(rows, [&](const Intersector& row) { return row.info->name == name; });
-}
-
-scene::file::Scene scene_named(const std::string& name) {
-    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
-    return std::move(scene::file::load_scene(found.path, {.variant = found.variant}).front());
-}
 
 const Format f32 = *find_format("f32");
 

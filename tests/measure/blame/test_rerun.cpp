@@ -4,43 +4,28 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "counts.hpp"
 #include "measure/blame/attribution.hpp"
 #include "measure/blame/recorded_rays.hpp"
+#include "number/oracle.hpp"
 
 namespace lostbits::test::test_rerun {
 
-using intersect::table::Intersector;
 using measure::blame::Rerun;
 
 namespace {
 
-Tape tape_of(const Intersector& form, const Format& format, Random& random) {
-    const Setting s = draw_setting(random, form, format, 4);
-    Tape tape;
-    form.record(format, s.ray, s.target(form), HUGE_VAL, tape);
-    return tape;
-}
-
 template <class See>
-void on_every_form(const See& see) {
-    for (const char* name : {"f32", "f64", "bf16", "p30"}) {
-        const Format format = *find_format(name);
-        for (const Intersector& form : intersect::table::catalogue()) {
-            if (!form.exists_in(format)) continue;
-            Random random(2027);
-            for (int i = 0; i < 6; ++i) {
-                INFO(form.info->name << " in " << name << ", ray " << i);
-                see(tape_of(form, format, random));
-            }
-        }
-    }
+void on_every_form(int rays, const See& see) {
+    on_recorded_rays({{"f32", "f64", "bf16", "p30"}, rays, 4, 2027, intersect::table::catalogue()},
+                     [&](const auto&, const Format&, const Setting&, const Tape& tape) { see(tape); });
 }
 
 }  // namespace
 
 TEST_CASE("a tape run again with every rounding has the values of the format", "[attribution]") {
     std::size_t nodes = 0;
-    on_every_form([&nodes](const Tape& tape) {
+    on_every_form(6, [&nodes](const Tape& tape) {
         const Rerun again(tape, [](NodeId) { return true; });
         for (NodeId i = 0; i < tape.size(); ++i) REQUIRE(same_number(again[i], tape[i].value));
         nodes += tape.nodes.size();
@@ -49,7 +34,7 @@ TEST_CASE("a tape run again with every rounding has the values of the format", "
 }
 
 TEST_CASE("a tape run again without rounding has the exact values of the attribution", "[attribution]") {
-    on_every_form([](const Tape& tape) {
+    on_every_form(6, [](const Tape& tape) {
         const auto found = measure::blame::attribute(tape, {.full = true});
         const Rerun again(tape, [](NodeId) { return false; });
         for (NodeId i = 0; i < tape.size(); ++i) {
@@ -64,7 +49,7 @@ TEST_CASE("the counterfactuals of every operation are those of whole runs", "[at
         return same_number(x, y) || std::fabs(x - y) <= 0x1p-51 * size;
     };
     std::size_t hits = 0;
-    on_every_form([&](const Tape& tape) {
+    on_every_form(is_long() ? 6 : 2, [&](const Tape& tape) {
         const auto [hit, t, near_root, far_root] = tape.outputs;
         const Rerun exact(tape, [](NodeId) { return false; });
         for (NodeId i = 0; i < tape.size(); i += 1 + tape.size() / 16) {

@@ -1,6 +1,6 @@
 // Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
 // its tape happens to stand.
-#include "measure/blame/ties.hpp"
+#include "measure/blame/attribution.hpp"
 
 #include <algorithm>
 
@@ -8,8 +8,6 @@
 #include "counts.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "number/recorded.hpp"
-#include "scene/file/scene.hpp"
-#include "scene/sweep/sweep_file.hpp"
 
 namespace lostbits::test::test_ties {
 
@@ -228,35 +226,6 @@ TEST_CASE("every form has the same culprit in every order of its tape", "[ties]"
     }
     CHECK(seen.ties > 10 * rays);
     CHECK(seen.not_first > 7 * rays);
-}
-
-TEST_CASE("so have the rays 4100 radii away", "[ties]") {
-    const Format f32 = *find_format("f32");
-    const auto found = scene::file::find_scene("rtg-fig-7-3-4100-oblique", LOSTBITS_DATA_DIR);
-    const scene::file::Scene scene = scene::file::load_scene(found.path, {.size = std::pair{24, 24}}).front();
-    const auto picture = scene::rays::input_rays(scene, 0, 24, binary32);
-    const Solid<double> solid = scene::rays::input_solid(scene, 0, binary32);
-    const scene::sweep::SweepFile sweep(scene::sweep::find_sweep("sphere-distance", LOSTBITS_DATA_DIR),
-                                        LOSTBITS_DATA_DIR);
-    const auto families = sweep.rays({4100});
-    Seen of_schoolbook;
-    for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) {
-        Random random(41);
-        Seen seen;
-        INFO(form.info->name);
-        const auto ask = [&](const Ray<double>& ray, const Solid<double>& at) {
-            Tape tape;
-            form.record(f32, ray, intersect::Target<double>(at), HUGE_VAL, tape);
-            demand_one_culprit(tape, false, random, seen);
-        };
-        for (std::size_t i = 0; i < picture.size(); i += 5) ask(picture[i], solid);
-        for (const auto& family : families) {
-            for (std::size_t i = 0; i < family.rays.size(); i += 9) ask(family.rays[i], family.solids.front());
-        }
-        if (form.info->name == "sphere.schoolbook") of_schoolbook = seen;
-    }
-    CHECK(of_schoolbook.ties > 20);
-    CHECK(of_schoolbook.not_first == of_schoolbook.ties);
 }
 
 }  // namespace lostbits::test::test_ties

@@ -3,7 +3,6 @@
 #include <random>
 
 #include "catch.hpp"
-#include "measure/consistency/chord.hpp"
 #include "measure/consistency/segments.hpp"
 #include "measure/rows.hpp"
 #include "number/rounded.hpp"

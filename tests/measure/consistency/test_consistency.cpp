@@ -37,6 +37,40 @@ CheckSummary one(const std::string& scene, std::string_view form, std::string_vi
     return std::move(run(s, {row(form, format)}, {named(check)}).front().front());
 }
 
+/// `half_b`, but in batches the ray of pixel (5, 6) of 16 x 12 is a miss.
+void forgets_one(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
+    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    if (rays.size() > 1) hits.hit[rays.size() / 2 + 5] = 0;
+}
+/// `half_b`, but in batches t is one float further.
+void drifts(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
+    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    if (rays.size() == 1) return;
+    for (float& t : hits.t) t = std::nextafter(t, HUGE_VALF);
+}
+/// `half_b`, but rays that go to +x hit nothing: a decision that depends on the way.
+void one_way_only(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
+    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] &= static_cast<std::uint8_t>(rays.dx[i] <= 0);
+}
+/// `half_b`, but its far side lies before its t, as where two roots were exchanged.
+void exchanged(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
+    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) std::swap(hits.t[i], hits.far[i]);
+}
+/// `half_b`, but hits are at NaN.
+void nowhere(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
+    testing::form_named("sphere.half_b").native32(rays, target, hits);
+    for (auto& all : {hits.t, hits.near, hits.far}) std::ranges::fill(all, NAN);
+}
+
+CheckSummary of_kernel(intersect::table::Kernel<float>::Plain kernel, std::string_view check) {
+    static const intersect::Info info{.name = "sphere.made_up", .title = "-", .source = "-"};
+    intersect::table::Intersector form{.info = &info, .shape = Shape::sphere, .native32 = kernel, .native64 = {}};
+    const auto scene = load("near-benign", 16, 12);
+    return std::move(run(scene, {{&form, *find_format("f32")}}, {named(check)}).front().front());
+}
+
 }  // namespace
 
 TEST_CASE("consistency: every form in packs and alone, and what every summary keeps", "[measure][consistency]") {
@@ -115,44 +149,6 @@ TEST_CASE("consistency: an origin on the surface, and an end at the box", "[meas
     CHECK(closed.of(Accord::second_alone) == closed.asked());
     CHECK(one("box-octree", "box.exclusive", "f32", "end").decisions() == 0);
 }
-
-namespace {
-
-/// `half_b`, but in batches the ray of pixel (5, 6) of 16 x 12 is a miss.
-void forgets_one(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
-    if (rays.size() > 1) hits.hit[rays.size() / 2 + 5] = 0;
-}
-/// `half_b`, but in batches t is one float further.
-void drifts(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
-    if (rays.size() == 1) return;
-    for (float& t : hits.t) t = std::nextafter(t, HUGE_VALF);
-}
-/// `half_b`, but rays that go to +x hit nothing: a decision that depends on the way.
-void one_way_only(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
-    for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] &= static_cast<std::uint8_t>(rays.dx[i] <= 0);
-}
-/// `half_b`, but its far side lies before its t, as where two roots were exchanged.
-void exchanged(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
-    for (std::size_t i = 0; i < rays.size(); ++i) std::swap(hits.t[i], hits.far[i]);
-}
-/// `half_b`, but hits are at NaN.
-void nowhere(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
-    testing::form_named("sphere.half_b").native32(rays, target, hits);
-    for (auto& all : {hits.t, hits.near, hits.far}) std::ranges::fill(all, NAN);
-}
-
-CheckSummary of_kernel(intersect::table::Kernel<float>::Plain kernel, std::string_view check) {
-    static const intersect::Info info{.name = "sphere.made_up", .title = "-", .source = "-"};
-    intersect::table::Intersector form{.info = &info, .shape = Shape::sphere, .native32 = kernel, .native64 = {}};
-    const auto scene = load("near-benign", 16, 12);
-    return std::move(run(scene, {{&form, *find_format("f32")}}, {named(check)}).front().front());
-}
-
-}  // namespace
 
 TEST_CASE("consistency: forms that contradict themselves are seen", "[measure][consistency]") {
     const auto hits = one("near-benign", "sphere.half_b", "f32", "beyond").asked();

@@ -12,7 +12,7 @@
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
 #include "measure/speed/timing.hpp"
-#include "measure/speed/timing_threads.hpp"
+
 #include "measure/sweep/exhaustive.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"

@@ -7,8 +7,7 @@
 
 #include "catch.hpp"
 #include "intersect/table/recording.hpp"
-#include "measure/mend/rewrite.hpp"
-#include "measure/mend/sample.hpp"
+#include "measure/mend/mend.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
@@ -16,6 +15,7 @@ namespace lostbits::test::test_rules {
 
 using namespace lostbits::measure::identity;
 using intersect::table::Intersector;
+using measure::mend::divides_by_zero;
 using measure::mend::filled;
 using measure::mend::RaySample;
 namespace tape = measure::tape;
@@ -49,11 +49,6 @@ std::vector<double> inputs_of(const Intersector& form, Numbers& numbers, std::si
 
 bool is_near(double a, double b) {
     return (std::isnan(a) && std::isnan(b)) || a == b || std::fabs(a - b) <= 0x1p-45 * std::fabs(a);
-}
-
-bool divides_by_zero(const Tape& t) {
-    return std::ranges::any_of(t.nodes,
-                               [&](const TapeNode& n) { return n.op == TapeOp::div && t[n.operands[1]].value == 0; });
 }
 
 /// The answers of both without rounding; a ray that meets no rule's condition tells nothing.
@@ -134,9 +129,7 @@ TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]"
 }
 
 TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
-    scene::file::LoadOptions options;
-    options.size = {{16, 16}};
-    const auto scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/near-benign.toml", options).front();
+    const auto scene = testing::scene_named("near-benign", std::pair{16, 16});
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
     const RaySample sample({.scene = &scene, .row = testing::row("sphere.schoolbook", "f32")});

@@ -26,10 +26,7 @@ namespace {
 
 /// The answers of these forms as a file, judged: what a map of the scene says of them.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
-    const auto scene =
-        scene::file::load_scene(std::filesystem::path(LOSTBITS_DATA_DIR) / "scenes" / (std::string(scene_id) + ".toml"),
-                                {.size = std::pair{48, 40}})
-            .front();
+    const auto scene = testing::scene_named(scene_id, std::pair{48, 40});
     const std::vector<Solid<double>> solids = scene::rays::shared_solids(scene);
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);

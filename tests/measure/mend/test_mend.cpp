@@ -25,11 +25,7 @@ namespace tape = measure::tape;
 
 namespace {
 
-Scene scene_named(const char* name, int size) {
-    scene::file::LoadOptions options;
-    options.size = {{size, size}};
-    return scene::file::load_scene(std::string(LOSTBITS_DATA_DIR "/scenes/") + name + ".toml", options).front();
-}
+Scene scene_named(const char* name, int size) { return testing::scene_named(name, std::pair{size, size}); }
 
 MendRequest request_of(const Scene& scene, const char* form, double bits) {
     MendRequest request{.scene = &scene, .row = testing::row(form, "f32")};
@@ -191,8 +187,7 @@ TEST_CASE("two floats do what double does here", "[mend]") {
 }
 
 TEST_CASE("under matrices the operations that lead into the space of the solid are made wider", "[mend]") {
-    scene::file::LoadOptions options{.variant = "sphere", .size = std::pair{16, 16}};
-    Scene scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/instance-far.toml", options).front();
+    Scene scene = scene_named("instance-far.sphere", 16);
     for (const bool inverse : {false, true}) {
         if (!inverse && !is_long()) continue;  // the command's test has the matrix that leads to the world
         CAPTURE(inverse);

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/metric/agreement.hpp"
+#include "measure/metric/statistics.hpp"
 
 namespace test_agreement {
 

@@ -6,7 +6,7 @@
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/triangle/triangle_rays.hpp"
-#include "measure/metric/hit_point.hpp"
+#include "measure/metric/values.hpp"
 #include "number/recorded.hpp"
 #include "shapes/given_matrix.hpp"
 
@@ -14,11 +14,13 @@ namespace lostbits::test::test_barycentric {
 
 using intersect::triangle::TriangleForms;
 using measure::blame::Blame;
-using measure::metric::barycentric_error;
-using measure::metric::barycentric_sum;
+using measure::metric::find_metric;
 using measure::metric::Sample;
 
 namespace {
+
+const auto barycentric_error = find_metric("barycentric_error") -> value,
+           barycentric_sum = find_metric("barycentric_sum") -> value;
 
 template <class Form>
 Tape tape_of(const TriangleSample& s) {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/metric/errors_of_rays.hpp"
+#include "measure/metric/metrics.hpp"
 #include "number/format.hpp"
 
 namespace test_errors_of_rays {
@@ -11,6 +11,11 @@ using namespace lostbits;
 using namespace lostbits::measure::metric;
 
 namespace {
+
+const auto value_of = [](const char* name) { return find_metric(name)->value; };
+const auto origin_error = value_of("origin_error"), origin_lost_bits = value_of("origin_lost_bits"),
+           direction_error = value_of("direction_error"), direction_lost_bits = value_of("direction_lost_bits"),
+           pixel_error = value_of("pixel_error");
 
 Vec<Real> real(double x, double y, double z) { return {Real(x), Real(y), Real(z)}; }
 

@@ -1,5 +1,5 @@
-// The metrics of predictions by their definitions: what three runs promise, and an error over the root of a sum of
-// squares.
+// Predictions of errors: coins that fall as they should, a bound that is the root of a sum of squares, and the metrics
+// by their definitions.
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -7,15 +7,17 @@
 #include "catch.hpp"
 #include "measure/blame/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
-#include "measure/stability/prediction.hpp"
+#include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::test::test_predictions {
 
 using measure::answer::Outcome;
+using measure::blame::attribute;
 using measure::blame::Attribution;
 using measure::blame::Blame;
 using measure::stability::RandomRuns;
+using measure::stability::statistical_bound;
 
 namespace {
 
@@ -70,6 +72,58 @@ int ups_of(const Tape& tape) {
 }
 
 }  // namespace
+
+TEST_CASE("a result that rounds goes up and down, and one that does not stays", "[attribution]") {
+    int down = 0, up = 0;
+    for (int k = 1; k <= 64; ++k) {
+        const double small = k * 0x1p-30;  // between two floats
+        for (const double t : RandomRuns(sum_of(1, small)).t) {
+            CHECK((t == 1 || t == 1 + 0x1p-23));
+            ++(t == 1 ? down : up);
+        }
+        const RandomRuns exact(sum_of(1, k * 0x1p-23));
+        CHECK(exact.t == std::array{1 + k * 0x1p-23, 1 + k * 0x1p-23, 1 + k * 0x1p-23});
+        CHECK(exact.agree());
+        CHECK(exact.correct_bits(24) == 24);
+        CHECK(RandomRuns(sum_of(1, small)).t == RandomRuns(sum_of(1, small)).t);
+    }
+    CHECK(down > 60);
+    CHECK(up > 60);
+}
+
+TEST_CASE("the bits of three runs are those of Student's interval", "[attribution]") {
+    RandomRuns runs(sum_of(1, 1));
+    runs.t = {1, 1, 1 + 0x1p-10};
+    // mean 1 + 2^-10/3, s = 2^-10/sqrt(3): log2(sqrt(3) mean/(4.303 s)) = log2(3 mean/4.303) + 10
+    CHECK(runs.correct_bits(24) == Approx(std::log2(3 * (1 + 0x1p-10 / 3) / 4.303) + 10));
+    runs.hit = {true, false, true};
+    CHECK_FALSE(runs.agree());
+    CHECK(std::isnan(runs.correct_bits(24)));
+    runs.hit = {true, true, true};
+    runs.t = {1, -1, 0};
+    CHECK(runs.correct_bits(24) == 0);
+}
+
+TEST_CASE("no error is more than the root of n times what n independent ones would be", "[attribution]") {
+    int seen = 0;
+    const auto see = [&](const auto& form, const Format&, const Setting&, const Tape& tape) {
+        const auto found = attribute(tape);
+        if (form.shape == Shape::sdf || found.subject == no_node || found.subject != tape.outputs.t ||
+            !std::isfinite(found.explained))
+            return;
+        int n = 0;
+        for (NodeId k = 0; k < tape.size(); ++k) {
+            const auto& e = found.of[static_cast<std::size_t>(k)];
+            if (!e.live || e.rounding == 0) continue;
+            if (kind_of(tape[k].op) != OperationKind::rounded && tape[k].op != TapeOp::convert) return;
+            ++n;
+        }
+        CHECK(std::fabs(found.explained) <= std::sqrt(n) * statistical_bound(tape, found) * (1 + 0x1p-20));
+        ++seen;
+    };
+    on_recorded_rays({{"f32", "f64", "p12"}, 6, 4, 2027, intersect::table::catalogue()}, see);
+    CHECK(seen > 200);
+}
 
 TEST_CASE("three runs of a sum promise what Student's factor says, and the mean has what it has", "[metric]") {
     int seen[4] = {};

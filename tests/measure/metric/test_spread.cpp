@@ -1,5 +1,5 @@
 // What draws come to, and the interval that a claim takes from them.
-#include "measure/metric/spread.hpp"
+#include "measure/metric/statistics.hpp"
 
 #include "catch.hpp"
 #include "measure/claim/claim.hpp"

@@ -7,7 +7,6 @@
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
-#include "measure/metric/exact_total.hpp"
 #include "measure/metric/statistics.hpp"
 #include "number/random.hpp"
 #include "output/shard/fields.hpp"

@@ -11,8 +11,7 @@
 namespace lostbits::testing {
 
 inline scene::file::Scene load(const std::string& name, int width = 12, int height = 9) {
-    const auto found = scene::file::find_scene(name, LOSTBITS_DATA_DIR);
-    return scene::file::load_scene(found.path, {.variant = found.variant, .size = std::pair{width, height}}).front();
+    return scene_named(name, std::pair{width, height});
 }
 
 /// Points of a scene as one form in one format finds them, and what to ask them.

@@ -8,7 +8,7 @@
 
 #include "catch.hpp"
 #include "measure/rows.hpp"
-#include "measure/speed/timing_threads.hpp"
+#include "measure/speed/timing.hpp"
 #include "measure/speed/timing_work.hpp"
 
 namespace test_timing {

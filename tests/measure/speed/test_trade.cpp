@@ -140,7 +140,7 @@ TEST_CASE("stores hold the stated share of hits", "[trade]") {
 }
 
 TEST_CASE("rays of a scene are taken evenly over it, and held against the solids that most of them hit", "[trade]") {
-    const auto scene = scene::file::load_scene(LOSTBITS_DATA_DIR "/scenes/near-benign.toml").front();
+    const auto scene = scene_named("near-benign");
     measure::speed::SceneWork work(scene);
     CHECK(work.rays() > 1800);
     CHECK(work.rays() <= 2100);

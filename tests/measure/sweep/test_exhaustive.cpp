@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/hull/behind.hpp"
-#include "measure/metric/published_bounds.hpp"
+#include "measure/metric/values.hpp"
 #include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/unit_direction.hpp"

@@ -7,7 +7,10 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "measure/stability/margin.hpp"
+#include "intersect/triangle/triangle_rays.hpp"
+#include "measure/seeded.hpp"
+#include "measure/stability/stability.hpp"
+#include "measure/truth/box_families.hpp"
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/hard_rays.hpp"
 #include "measure/truth/truth.hpp"

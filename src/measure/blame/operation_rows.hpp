@@ -1,4 +1,5 @@
-// The operations whose result is computed: sums, products, roots, signs, moves; and what a tape is given.
+// The operations, a struct each: those whose result is computed (sums, products, roots, signs, moves), and what a tape
+// is given; and those that decide: choices between two numbers, comparisons, and what is made of decisions.
 #pragma once
 
 #include <array>
@@ -24,18 +25,14 @@ struct GivenText {
 
 template <>
 struct Operation<TapeOp::input> : GivenText {
-    template <class Exact>
-    static auto exact(const TapeNode& n) {
-        return Exact::lift(n.value);
-    }
+    static auto exact(auto e, const TapeNode& n) { return e.lift(n.value); }
     static double rounding(const TapeNode&) { return 0; }
 };
 
 template <>
 struct Operation<TapeOp::constant> : GivenText {
-    template <class Exact>
-    static auto exact(const TapeNode& n) {
-        return typename Exact::Number(static_cast<int>(n.operands[0]));
+    static auto exact(auto e, const TapeNode& n) {
+        return typename decltype(e)::Number(static_cast<int>(n.operands[0]));
     }
     static double rounding(const TapeNode& n) { return n.value - static_cast<double>(n.operands[0]); }
 };
@@ -44,10 +41,7 @@ template <>
 struct Operation<TapeOp::add> {
     static constexpr OperationText text{
         .binds = 1, .plain = "$1:1 + $2:1", .c = "$1 + $2", .c_wide = "sum($1, $2)", .fpcore = "(+ $1 $2)"};
-    template <class Exact, class N>
-    static N exact(const N& a, const N& b) {
-        return Exact::sum(a, b);
-    }
+    static auto exact(auto e, const auto& a, const auto& b) { return e.sum(a, b); }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, b, f); }
     static std::optional<double> residual(double a, double b, double value) {
         if (!(std::fabs(a) <= error_free_high && std::fabs(b) <= error_free_high)) return {};
@@ -66,10 +60,7 @@ struct Operation<TapeOp::sub> {
                                         .c = "$1 - $2",
                                         .c_wide = "sum($1, -$2)",
                                         .fpcore = "(- $1 $2)"};
-    template <class Exact, class N>
-    static N exact(const N& a, const N& b) {
-        return Exact::sum(a, -b);
-    }
+    static auto exact(auto e, const auto& a, const auto& b) { return e.sum(a, -b); }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, -b, f); }
     static std::optional<double> residual(double a, double b, double value) {
         return Operation<TapeOp::add>::residual(a, -b, value);
@@ -87,10 +78,7 @@ struct Operation<TapeOp::mul> : IsNotASum {
                                         .c = "$1 * $2",
                                         .c_wide = "product($1, $2)",
                                         .fpcore = "(* $1 $2)"};
-    template <class Exact, class N>
-    static N exact(const N& a, const N& b) {
-        return a * b;
-    }
+    static auto exact(auto, const auto& a, const auto& b) { return a * b; }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::mul(a, b, f); }
     static std::optional<double> residual(double a, double b, double value) {
         if (a == 0 || b == 0) return 0;
@@ -109,10 +97,7 @@ struct Operation<TapeOp::div> : IsNotASum {
                                         .c = "$1 / $2",
                                         .c_wide = "quotient($1, $2)",
                                         .fpcore = "(/ $1 $2)"};
-    template <class Exact, class N>
-    static N exact(const N& a, const N& b) {
-        return a / b;
-    }
+    static auto exact(auto, const auto& a, const auto& b) { return a / b; }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::div(a, b, f); }
     /// a/b = q + r/b with r = a − qb exact.
     static std::optional<double> residual(double a, double b, double value) {
@@ -134,10 +119,7 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
                                         .c = "sqrt$f($1)",
                                         .c_wide = "root($1)",
                                         .fpcore = "(sqrt $1)"};
-    template <class Exact, class N>
-    static N exact(const N& a) {
-        return sqrt(a);
-    }
+    static auto exact(auto, const auto& a) { return sqrt(a); }
     static double computed(double a, const FloatFormat& f) { return rounding::sqrt(a, f); }
     /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
     static std::optional<double> residual(double a, double value) {
@@ -161,10 +143,7 @@ struct Operation<TapeOp::fma> {
                                         .c = "fma$f($1, $2, $3)",
                                         .c_lacks = "a fused multiply-add",
                                         .fpcore = "(fma $1 $2 $3)"};
-    template <class Exact, class N>
-    static N exact(const N& a, const N& b, const N& c) {
-        return Exact::sum(a * b, c);
-    }
+    static auto exact(auto e, const auto& a, const auto& b, const auto& c) { return e.sum(a * b, c); }
     static double computed(double a, double b, double c, const FloatFormat& f) { return rounding::fma(a, b, c, f); }
     static std::optional<double> residual(double, double, double, double) { return {}; }
     static Addends addends(double a, double b, double c) { return {{a * b, c}}; }
@@ -185,10 +164,7 @@ template <>
 struct Operation<TapeOp::neg> {
     static constexpr OperationText text{
         .binds = 3, .plain = "-$1:3", .pretty = "−$1:3", .c = "-$1", .fpcore = "(- $1)"};
-    template <class Exact, class N>
-    static N exact(const N& a) {
-        return -a;
-    }
+    static auto exact(auto, const auto& a) { return -a; }
     static double computed(double a, const FloatFormat&) { return -a; }
     static Quotients quotients(const Step&) { return {-1}; }
 };
@@ -197,10 +173,7 @@ template <>
 struct Operation<TapeOp::abs> {
     static constexpr OperationText text{
         .binds = 4, .plain = "abs($1)", .latex = "\\left|$1\\right|", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
-    template <class Exact, class N>
-    static N exact(const N& a) {
-        return abs(a);
-    }
+    static auto exact(auto, const auto& a) { return abs(a); }
     static double computed(double a, const FloatFormat&) { return std::fabs(a); }
     static Quotients quotients(const Step& a) { return {a.of_size()}; }
 };
@@ -251,6 +224,93 @@ struct Operation<TapeOp::convert> {
                                         .c_lacks = "a change of format",
                                         .fpcore = "(cast $1)"};
     static double computed(double a, const FloatFormat& f) { return rounding::to_format(a, 0, f); }
+};
+
+template <>
+struct Operation<TapeOp::min> {
+    static constexpr OperationText text{.binds = 4,
+                                        .plain = "min($1, $2)",
+                                        .latex = "\\operatorname{min}($1, $2)",
+                                        .c = "$1 < $2 ? $1 : $2",
+                                        .fpcore = "(if (< $1 $2) $1 $2)"};
+    static constexpr std::array<std::size_t, 2> sides{0, 1};
+    static bool takes_first(const auto& judge) { return judge.less(0, 1); }
+};
+
+template <>
+struct Operation<TapeOp::max> {
+    static constexpr OperationText text{.binds = 4,
+                                        .plain = "max($1, $2)",
+                                        .latex = "\\operatorname{max}($1, $2)",
+                                        .c = "$1 > $2 ? $1 : $2",
+                                        .fpcore = "(if (> $1 $2) $1 $2)"};
+    static constexpr std::array<std::size_t, 2> sides{0, 1};
+    static bool takes_first(const auto& judge) { return judge.less(1, 0); }
+};
+
+template <>
+struct Operation<TapeOp::select> {
+    static constexpr OperationText text{.binds = 4,
+                                        .plain = "select($1, $2, $3)",
+                                        .latex = "\\begin{cases} $2 & $1 \\\\ $3 & \\text{otherwise} \\end{cases}",
+                                        .generic = "a choice",
+                                        .c = "$1 ? $2 : $3",
+                                        .fpcore = "(if $1 $2 $3)"};
+    static constexpr std::array<std::size_t, 2> sides{1, 2};
+    static bool takes_first(const auto& judge) { return judge.holds(0); }
+};
+
+template <>
+struct Operation<TapeOp::less> {
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 < $2:1", .c = "$1 < $2", .fpcore = "(< $1 $2)"};
+    static bool holds(const auto& judge) { return judge.less(0, 1); }
+};
+
+template <>
+struct Operation<TapeOp::less_equal> {
+    static constexpr OperationText text{
+        .binds = 0, .plain = "$1:1 <= $2:1", .latex = "$1:1 \\le $2:1", .c = "$1 <= $2", .fpcore = "(<= $1 $2)"};
+    static bool holds(const auto& judge) { return judge.less_equal(0, 1); }
+};
+
+template <>
+struct Operation<TapeOp::greater> {
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 > $2:1", .c = "$1 > $2", .fpcore = "(> $1 $2)"};
+    static bool holds(const auto& judge) { return judge.less(1, 0); }
+};
+
+template <>
+struct Operation<TapeOp::greater_equal> {
+    static constexpr OperationText text{
+        .binds = 0, .plain = "$1:1 >= $2:1", .latex = "$1:1 \\ge $2:1", .c = "$1 >= $2", .fpcore = "(>= $1 $2)"};
+    static bool holds(const auto& judge) { return judge.less_equal(1, 0); }
+};
+
+template <>
+struct Operation<TapeOp::both> {
+    static constexpr OperationText text{
+        .binds = 0, .plain = "$1:1 and $2:1", .latex = "$1:1 \\land $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
+    static bool holds(const auto& judge) { return judge.holds(0) && judge.holds(1); }
+};
+
+template <>
+struct Operation<TapeOp::either> {
+    static constexpr OperationText text{
+        .binds = 0, .plain = "$1:1 or $2:1", .latex = "$1:1 \\lor $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
+    static bool holds(const auto& judge) { return judge.holds(0) || judge.holds(1); }
+};
+
+template <>
+struct Operation<TapeOp::opposite> {
+    static constexpr OperationText text{
+        .binds = 0, .plain = "not $1:1", .latex = "\\lnot $1:1", .c = "!$1", .fpcore = "(not $1)"};
+    static bool holds(const auto& judge) { return !judge.holds(0); }
+};
+
+template <>
+struct Operation<TapeOp::any> {
+    static constexpr OperationText text{.binds = 0, .plain = "any($1)", .c = "$1", .fpcore = "$1"};
+    static bool holds(const auto& judge) { return judge.holds(0); }
 };
 
 }  // namespace lostbits::measure::blame
