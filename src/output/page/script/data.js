@@ -3,6 +3,8 @@
 const index = JSON.parse(document.getElementById("index").textContent);
 const outcomeNames = index.outcomes.map(([name]) => name);
 const agreeHit = 0;
+const wrongDecisions = ["false_miss", "false_hit", "wrong_object", "crack", "double_hit", "out_of_order"].map(
+    (name) => outcomeNames.indexOf(name));
 const keyOf = (row) => `${row.form}.${row.format}`;
 const shortName = (row) => row.form.slice(row.form.indexOf(".") + 1);
 
@@ -175,7 +177,7 @@ function rampAt(scale, value) {
     if (value >= scale.hi) return ramp[255];
     const spaced = spacings[scale.spacing];
     const p = (spaced(value) - spaced(scale.lo)) / (spaced(scale.hi) - spaced(scale.lo));
-    return ramp[Math.round(Math.min(1, Math.max(0, p)) * 255)];
+    return ramp[Math.round(within(p, 0, 1) * 255)];
 }
 
 /** The scale of a metric in the format of a row. */
