@@ -174,7 +174,7 @@ function buildPanes() {
         waiting = true;
         setTimeout(() => {
             waiting = false;
-            drawPanes();
+            drawing = drawPanes();
         }, 0);
     });
 }

@@ -61,8 +61,7 @@ async function start() {
     for (const part of document.querySelectorAll("details.part"))
         part.open = index.maps.length + index.sweeps.length === 0;
     settle();
-    if (location.hash.includes("=")) await follow();
-    else await Promise.all(listeners.map((show) => show([])));
+    await (location.hash.includes("=") ? follow() : drawAll());
     document.documentElement.dataset.ready = String(Math.round(performance.now()));
 }
 

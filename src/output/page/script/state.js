@@ -14,6 +14,7 @@ const initial = {
 };
 const state = {...initial };
 const listeners = [];
+let drawing = Promise.resolve();  // what is being drawn
 const notes = [];
 
 const mapNow = () => index.maps.find((m) => m.id === state.scene);
@@ -100,8 +101,10 @@ function goTo(changes) {
     Object.assign(state, changes);
     settle();
     history.replaceState(null, "", hashOf());
-    return Promise.all(listeners.map((show) => show(Object.keys(changes))));
+    return drawAll();
 }
+
+const drawAll = () => (drawing = Promise.all(listeners.map((show) => show())));
 
 // Small helpers for the parts below.
 

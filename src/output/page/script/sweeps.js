@@ -124,10 +124,10 @@ function sweepClaim() {
     const known = statistic !== "verdict" && Number.isFinite(cellValue(sweep, row, statistic, cell));
     const [column, value] =
         known ? [statistic, cellValue(sweep, row, statistic, cell)] : ["agree_hit", row.outcomes[cell][agreeHit]];
-    const places = sweep.kind === "line" ? [sweep.steps[cell]] : placesOf(sweep, cell);
-    const at = sweep.kind !== "cases" ? `at = [${places.map(decimal).join(", ")}]` :
-        row.judged === "own" ? `case = ${JSON.stringify(sweep.cases[cell][0])}` :
-                               `case = ${JSON.stringify(sweep.cases[cell][0])}\nconvention = "${row.judged}"`;
+    const at = sweep.kind === "cases" ?
+        `case = ${JSON.stringify(sweep.cases[cell][0])}${
+            row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
+                                   `at = [${(sweep.kind === "line" ? [sweep.steps[cell]] : placesOf(sweep, cell)).map(decimal).join(", ")}]`;
     return claimText(
         sweep.id, `sweep = "${sweep.id}"\n${at}`, row, [column, value], total(row.outcomes[cell]), sweep.is_drawn);
 }
