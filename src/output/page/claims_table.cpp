@@ -1,4 +1,4 @@
-#include "output/page/claims_table.hpp"
+#include "output/page/page.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>

@@ -10,7 +10,6 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
-#include "output/page/claims_table.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
 
