@@ -50,6 +50,19 @@ const settled = (page) => page.evaluate(async () => {
     }
 });
 
+/** Follows a link inside of the page. */
+async function follow(page, hash) {
+    await page.evaluate((hash) => void (location.hash = hash), hash);
+    await settled(page);
+}
+
+/** Another window: the page draws itself anew a tenth of a second later. */
+async function resize(page, width, height) {
+    await page.setViewportSize({ width, height });
+    await page.waitForTimeout(120);
+    await settled(page);
+}
+
 /** To six digits, and for ulps to a millionth: the page keeps t* - RN64(t*) as a float. */
 const near = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b)) || Math.abs(a - b) <= 1e-6 + 1e-6 * Math.abs(b);
 
@@ -65,10 +78,12 @@ const sticksOut = (page) =>
 
 module.exports = {
     boxOf,
+    follow,
     launch,
     missing,
     near,
     open,
+    resize,
     settled,
     stateOf,
     sticksOut,

@@ -2,7 +2,7 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { boxOf, settled, sticksOut, sweep } = require("./browser.js");
+const { boxOf, resize, settled, sticksOut, sweep } = require("./browser.js");
 
 /** One's own result comes first: maps before claims, claims before the command; a map is as wide as there is room. */
 async function order({ open }) {
@@ -13,13 +13,11 @@ async function order({ open }) {
     assert.equal(await page.locator("#claims .tiles").count(), 1);
     assert.match(await page.locator("#made pre").innerText(), /^lostbits report near-benign /);
     for (const width of [400, 900, 1280]) {
-        const narrow = await open("report", { width, height: 900 });
-        await settled(narrow);
-        const map = await boxOf(narrow, "#map"), view = await boxOf(narrow, "#map-view"), room = view.right - view.left,
+        await resize(page, width, 900);
+        const map = await boxOf(page, "#map"), view = await boxOf(page, "#map-view"), room = view.right - view.left,
               wide = map.right - map.left;
         assert.ok(map.right <= view.right + 1, `${width}: the map ends at ${map.right} of ${view.right}`);
         assert.ok(wide >= (width >= 1000 ? 0.55 : 0.97) * room, `${width}: the map takes ${wide} of ${room}`);
-        await narrow.context().close();
     }
     // Two scenes of one title are told apart, and others are not burdened with a name.
     const names = async () => page.$$eval("#pick-scene option", (all) => all.map((e) => e.textContent));
