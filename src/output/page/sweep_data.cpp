@@ -202,13 +202,10 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
         return (std::string_view(w.event) == "wrong_object" || std::string_view(w.event) == "not_a_number") &&
                std::ranges::none_of(onsets, [&w](const Onset& o) { return o.found && o.event == w.event; });
     });
-    const std::string axis = html(request.sweep->axes.front().name);
-    std::string text = fmt::format(
-        "<table><caption>First value of {} at which it happens{}</caption><thead><tr><th scope=\"col\">form</th><th "
-        "scope=\"col\">format</th>",
-        axis, draws_text(onsets));
-    for (const Wanted& w : wanted) text += fmt::format("<th scope=\"col\">{}</th>", w.title);
-    text += "</tr></thead><tbody>\n";
+    std::vector<std::string> names{"form", "format"};
+    for (const Wanted& w : wanted) names.emplace_back(w.title);
+    std::string text = fmt::format("<table><caption>First value of {} at which it happens{}</caption>{}",
+                                   html(request.sweep->axes.front().name), draws_text(onsets), header_row(names));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);

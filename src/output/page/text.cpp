@@ -21,6 +21,12 @@ std::string html(std::string_view text) {
     return out;
 }
 
+std::string header_row(const std::vector<std::string>& names) {
+    std::string text = "<thead><tr>";
+    for (const std::string& name : names) text += fmt::format("<th scope=\"col\">{}</th>", html(name));
+    return text + "</tr></thead><tbody>\n";
+}
+
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)

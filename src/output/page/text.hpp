@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "output/image/colour.hpp"
 
@@ -15,6 +16,9 @@ namespace lostbits::output::page {
 /// A rounded number to look at that carries the exact one: `<data value="12.818665731680333">12.82</data>`; a dash for
 /// a NaN.
 [[nodiscard]] std::string shown(double value);
+
+/// The head of a table, up to its first row.
+[[nodiscard]] std::string header_row(const std::vector<std::string>& names);
 
 /// Members stay in the order in which they are added.
 using Json = nlohmann::ordered_json;
