@@ -19,11 +19,11 @@ function missing() {
     return "";
 }
 
-/** A browser, whose pages have bars to scroll by. */
-const launch = () => require("playwright-core").chromium.launch({
+/** A browser; with `bars` its pages have bars to scroll by. */
+const launch = (bars = true) => require("playwright-core").chromium.launch({
     executablePath: executable(),
     args: ["--no-sandbox"],  // root, in CI, has no sandbox
-    ignoreDefaultArgs: ["--hide-scrollbars"]
+    ignoreDefaultArgs: bars ? ["--hide-scrollbars"] : []
 });
 
 /** The page of a file, with lists of what it asked for and what it complained about; `scripts`: whether they run. */

@@ -31,7 +31,7 @@ async function main([report, folder]) {
     if (!folder) throw new Error("usage: node tests/browser/screenshots.js REPORT.html FOLDER");
     const lack = missing();
     if (lack) throw new Error(lack);
-    const browser = await launch();
+    const browser = await launch(false);
     try {
         for (const view of views) {
             const page = await open(browser, report, { hash: view.hash, height: view.height });
