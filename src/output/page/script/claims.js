@@ -55,11 +55,8 @@ function buildClaims() {
     };
     rows.forEach((row, k) => {
         row.dataset.place = k;
-        row.lastElementChild.append(
-            make("br"),
-            make(
-                "button", { type: "button", className: "small", onclick: () => copyText(row.dataset.command, copied) },
-                "copy the command"));
+        const copy = () => copyText(row.dataset.command, copied);
+        row.lastElementChild.append(make("br"), button(".small", copy, "copy the command"));
     });
     for (const head of document.querySelectorAll("table.claims thead th")) {
         const by = head.textContent;
