@@ -1,23 +1,111 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <set>
 
 #include "analysis/diff/diff_files.hpp"
 #include "analysis/diff/diff_maps.hpp"
-#include "analysis/diff/made_by.hpp"
+#include "analysis/selection/options.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
+#include "shapes/solid.hpp"
 
 namespace lostbits::analysis {
+
+namespace fs = std::filesystem;
 
 using diff::MapSides;
 using diff::Result;
 using output::diff::CompareOptions;
 
 namespace {
+
+/// Options that change what is measured, and not only of what, or how it is shown.
+const std::vector<std::string>& of_what_is_measured() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
+                                       "--set",       "--variant",  "--steps",       "--seeds",    "--scene",  "--miss",
+                                       "--direction", "--touching", "--at-origin",   "--inside",   "--facing", "--skip",
+                                       "--quick",     "--stage",    "--repetitions", "--open-ends"};
+        for (const ShapeRow& row : shape_rows) names.push_back("--" + std::string(row.name));
+        return names;
+    }();
+    return all;
+}
+
+using Settings = std::map<std::string, std::set<std::string>>;
+
+/// The values of each of the options above.
+Settings settings_of(const std::string& command) {
+    Settings settings;
+    const auto words = selection::words_in(command);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (std::ranges::find(of_what_is_measured(), words[i]) == of_what_is_measured().end()) continue;
+        if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())
+            settings[words[i]].insert("");
+        else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
+        else
+            std::ranges::copy(shell::assignments_in(words[i + 1]),
+                              std::inserter(settings[words[i]], settings[words[i]].end()));
+    }
+    return settings;
+}
+
+/// ` 8x8`; nothing of a flag.
+std::string value_text(const std::string& value) { return value.empty() ? "" : " " + value; }
+
+std::vector<std::string> only_in(const std::set<std::string>& one, const std::set<std::string>& other) {
+    std::vector<std::string> values;
+    std::ranges::set_difference(one, other, std::back_inserter(values));
+    return values;
+}
+
+/// `--set sphere[0].radius=1.0001 only in after`: for each option that changes what is measured (the size of a picture,
+/// numbers of a scene, draws) and is not the same in the commands that made two folders. Nothing where a folder does
+/// not say what made it.
+std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) {
+    const auto left = output::file::ResultFolder::made_by_in(a), right = output::file::ResultFolder::made_by_in(b);
+    if (!left || !right) return {};
+    Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
+    std::vector<std::string> lines;
+    for (const std::string& name : of_what_is_measured()) {
+        const std::string option(name);
+        const auto only_a = only_in(of_a[option], of_b[option]), only_b = only_in(of_b[option], of_a[option]);
+        if (only_a.size() == 1 && only_b.size() == 1) {
+            lines.push_back(fmt::format("{}{} in {},{} in {}", option, value_text(only_a.front()), a.string(),
+                                        value_text(only_b.front()), b.string()));
+            continue;
+        }
+        for (const std::string& value : only_a)
+            lines.push_back(fmt::format("{}{} only in {}", option, value_text(value), a.string()));
+        for (const std::string& value : only_b)
+            lines.push_back(fmt::format("{}{} only in {}", option, value_text(value), b.string()));
+    }
+    return lines;
+}
+
+/// The same of every folder below the two that has results, with its name in front.
+std::vector<std::string> made_differently_below(const fs::path& a, const fs::path& b) {
+    std::vector<std::string> lines = made_differently(a, b);
+    std::set<fs::path> folders;
+    std::error_code none;
+    for (auto at = fs::recursive_directory_iterator(a, none); at != fs::end(at); at.increment(none)) {
+        if (at->is_directory(none)) folders.insert(at->path().lexically_relative(a));
+    }
+    for (const fs::path& folder : folders)
+        std::ranges::move(made_differently(a / folder, b / folder), std::back_inserter(lines));
+    return lines;
+}
+
+void print_made_differently(const std::vector<std::string>& lines) {
+    if (lines.empty()) return;
+    fmt::print("made with other numbers, which may be all that differs:\n");
+    for (const std::string& line : lines) fmt::print("  {}\n", line);
+}
 
 struct DiffWords {
     std::string a, b, draw;
@@ -32,9 +120,7 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
 }
 
 /// Where a file lies, as it was written.
-std::filesystem::path folder_of(const std::filesystem::path& file) {
-    return file.has_parent_path() ? file.parent_path() : ".";
-}
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Every file of every kind, one after another; what two commits that mean to change nothing are held to.
 Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Common& common) {
@@ -42,8 +128,8 @@ Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Commo
     const auto results = diff::compare_all(w.a, w.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
-    const bool files = std::filesystem::is_regular_file(w.a) && std::filesystem::is_regular_file(w.b);
-    if (files) diff::print_made_differently(diff::made_differently(folder_of(w.a), folder_of(w.b)));
+    const bool files = fs::is_regular_file(w.a) && fs::is_regular_file(w.b);
+    if (files) print_made_differently(made_differently(folder_of(w.a), folder_of(w.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
@@ -64,9 +150,8 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
     diff::refuse_unknown_columns(options, names);
     std::unique_ptr<output::file::ResultFolder> owner;
     if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
-    const auto pictures =
-        w.draw.empty() ? std::vector<std::filesystem::path>{} : diff::draw_maps(sides, w.draw, common.stop);
-    if (!sides.are_forms()) diff::print_made_differently(diff::made_differently_below(w.a, w.b));
+    const auto pictures = w.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, w.draw, common.stop);
+    if (!sides.are_forms()) print_made_differently(made_differently_below(w.a, w.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
@@ -80,15 +165,14 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
 
 /// What is compared may be half of a result.
 void say_what_is_unfinished(const DiffWords& w) {
-    std::set<std::filesystem::path> folders;
-    for (const std::filesystem::path side : {w.a, w.b}) {
+    std::set<fs::path> folders;
+    for (const fs::path side : {w.a, w.b}) {
         if (side.empty()) continue;
         std::error_code ignored;
-        const bool is_folder = std::filesystem::is_directory(side, ignored);
+        const bool is_folder = fs::is_directory(side, ignored);
         folders.insert(is_folder ? side : folder_of(side));
         if (!is_folder) continue;
-        for (auto at = std::filesystem::recursive_directory_iterator(side, ignored); at != std::filesystem::end(at);
-             at.increment(ignored)) {
+        for (auto at = fs::recursive_directory_iterator(side, ignored); at != fs::end(at); at.increment(ignored)) {
             if (at->is_directory(ignored)) folders.insert(at->path());
         }
     }

@@ -92,30 +92,34 @@ bool are_folders(const std::string& a, const std::string& b) {
     throw InputError(fmt::format("{}: is a folder, but {} is a file; compare two folders or two files", folder, file));
 }
 
-namespace {
-
-std::vector<Result> compare_folders(const std::string& of_a, const std::string& of_b, const CompareOptions& options) {
-    const fs::path a = of_a, b = of_b;
+std::vector<FilePair> pairs_below(const fs::path& a, const fs::path& b) {
     const auto left = files_below(a), right = files_below(b);
-    auto all = left;
-    all.insert(right.begin(), right.end());
-    if (all.empty()) throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", of_a, of_b));
-    std::vector<Result> results;
-    for (const fs::path& file : all) {
-        options.stop.check();
-        const bool in_a = left.contains(file), in_b = right.contains(file);
-        Result& result = results.emplace_back();
-        result.file = ((in_a ? a : b) / file).string();
-        if (in_a && in_b) result.comparison = compare_files(a / file, b / file, kind_of(file), options);
-        else result.only = in_a ? of_a : of_b;
-    }
-    return results;
+    std::vector<FilePair> all;
+    for (const fs::path& file : left) all.push_back({file, true, right.contains(file)});
+    for (const fs::path& file : right)
+        if (!left.contains(file)) all.push_back({file, false, true});
+    if (all.empty())
+        throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", a.string(), b.string()));
+    std::ranges::sort(all, {}, &FilePair::file);
+    return all;
 }
 
-}  // namespace
+Result compare_pair(const FilePair& pair, const fs::path& a, const fs::path& b, const CompareOptions& options) {
+    const auto& [file, in_a, in_b] = pair;
+    const fs::path& has = in_a ? a : b;
+    if (!in_a || !in_b) return {(has / file).string(), {}, has.string()};
+    return {(a / file).string(), compare_files(a / file, b / file, kind_of(file), options), ""};
+}
 
 std::vector<Result> compare_all(const std::string& a, const std::string& b, const CompareOptions& options) {
-    if (are_folders(a, b)) return compare_folders(a, b, options);
+    if (are_folders(a, b)) {
+        std::vector<Result> results;
+        for (const FilePair& pair : pairs_below(a, b)) {
+            options.stop.check();
+            results.push_back(compare_pair(pair, a, b, options));
+        }
+        return results;
+    }
     // What comes through a pipe has no name that says its kind: it is taken for what the other one is.
     const FileKind left = kind_of(fs::is_regular_file(a) ? a : b), right = kind_of(fs::is_regular_file(b) ? b : a);
     if (left != right)

@@ -27,6 +27,17 @@ struct Result {
 [[nodiscard]] output::diff::Comparison compare_files(const std::filesystem::path& a, const std::filesystem::path& b,
                                                      FileKind kind, const output::diff::CompareOptions& options);
 
+/// A file below two folders, or below one of them.
+struct FilePair {
+    std::filesystem::path file;  ///< relative to the folders
+    bool in_a = false, in_b = false;
+};
+/// All of them, in order. NothingSelected where there are none.
+[[nodiscard]] std::vector<FilePair> pairs_below(const std::filesystem::path& a, const std::filesystem::path& b);
+/// What came out of one.
+[[nodiscard]] Result compare_pair(const FilePair& pair, const std::filesystem::path& a, const std::filesystem::path& b,
+                                  const output::diff::CompareOptions& options);
+
 /// Every file below a folder, by path relative to it. Links are followed; folders without files leave no trace.
 [[nodiscard]] std::set<std::filesystem::path> files_below(const std::filesystem::path& folder);
 

@@ -102,22 +102,16 @@ bool MapDifference::same() const { return rows.same() && std::ranges::all_of(oth
 
 MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool pictures) {
     if (sides.are_forms()) return compare_forms(sides, options);
-    const auto left = files_below(sides.a), right = files_below(sides.b);
-    auto all = left;
-    all.insert(right.begin(), right.end());
-    if (all.empty())
-        throw NothingSelected(
-            fmt::format("{} and {} contain no files; check the paths", sides.a.string(), sides.b.string()));
     MapDifference found;
-    for (const fs::path& file : all) {
+    for (const FilePair& pair : pairs_below(sides.a, sides.b)) {
         options.stop.check();
+        const fs::path& file = pair.file;
         const FileKind kind = kind_of(file);
-        const bool in_a = left.contains(file), in_b = right.contains(file);
         if (kind == FileKind::png && !pictures) {
             ++found.pictures;
             continue;
         }
-        if (in_a && in_b && kind == FileKind::csv) {
+        if (pair.in_a && pair.in_b && kind == FileKind::csv) {
             const auto a = output::file::read_csv(sides.a / file), b = output::file::read_csv(sides.b / file);
             if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b)) {
                 ++found.tables;
@@ -125,10 +119,7 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
                 continue;
             }
         }
-        Result& result = found.others.emplace_back();
-        result.file = ((in_a ? sides.a : sides.b) / file).string();
-        if (in_a && in_b) result.comparison = compare_files(sides.a / file, sides.b / file, kind, options);
-        else result.only = (in_a ? sides.a : sides.b).string();
+        found.others.push_back(compare_pair(pair, sides.a, sides.b, options));
     }
     if (found.tables == 0 && found.others.empty())
         throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --pictures compares them",

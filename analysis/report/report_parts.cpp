@@ -9,8 +9,7 @@
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"
-#include "output/page/grid_data.hpp"
-#include "output/page/picture.hpp"
+#include "output/page/page.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/sweep/case_files.hpp"
@@ -46,12 +45,6 @@ std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
     return keys;
 }
 
-std::vector<std::string> names_of(const std::vector<const measure::metric::Metric*>& metrics) {
-    std::vector<std::string> names;
-    for (const measure::metric::Metric* m : metrics) names.emplace_back(m->name);
-    return names;
-}
-
 SweepPart case_part(const SweepWork& work, StopToken stop) {
     const scene::sweep::CaseFile file(work.path);
     measure::sweep::CaseRequest request{
@@ -74,30 +67,30 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .source = file.source,
                    .rows = keys_of(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
-    part.json = output::page::case_json(request, cases);
+    part.json = page::case_json(request, cases);
     for (const auto& judged : file.conventions) {
         const std::string alt =
             judged ? fmt::format("{}, judged by the {} solid", file.title, intersect::convention_name(judged))
                    : file.title;
-        part.pictures.push_back(output::page::picture(
-            alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
+        part.pictures.push_back(
+            page::picture(alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
     }
     return part;
 }
 
 /// Of every format, small: they stand where the plots cannot.
-std::vector<output::page::Picture> line_pictures(const output::sweep::MeasuredSweep& sweep) {
+std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& sweep) {
     constexpr output::sweep::PlotSize size{820, 470};
-    std::vector<output::page::Picture> pictures;
+    std::vector<page::Picture> pictures;
     for (const Format& format : output::sweep::formats_of(sweep)) {
         const std::string what = fmt::format("{}, {}", sweep.request.sweep->title, format.name);
-        pictures.push_back(output::page::plot_picture("99th percentile of lost bits: " + what, [&](const auto& to) {
-            output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size);
-        }));
+        pictures.push_back(page::picture(
+            "99th percentile of lost bits: " + what,
+            [&](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size); }, true));
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
-            pictures.push_back(output::page::plot_picture(
+            pictures.push_back(page::picture(
                 output::sweep::wrong_title(outcome) + ": " + what,
-                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); }));
+                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); }, true));
     }
     return pictures;
 }
@@ -122,47 +115,52 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
         part.axes = {plane.x, plane.y};
-        part.json = output::page::plane_json(request, steps);
+        part.json = page::plane_json(request, steps);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.pictures.push_back(output::page::picture(
-                alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }));
+            part.pictures.push_back(
+                page::picture(alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }));
         }
         return part;
     }
     request.further_draws = work.further_draws;
     const auto onsets = measure::sweep::find_onsets(request, steps);
     part.axes = {sweep.axes.front().values};
-    part.json = output::page::sweep_json(request, steps, onsets);
-    part.table = output::page::onset_table(request, onsets);
+    part.json = page::sweep_json(request, steps, onsets);
+    part.table = page::onset_table(request, onsets);
     part.pictures = line_pictures({request, steps, onsets});
     return part;
 }
 
 }  // namespace
 
-output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
-                               const std::function<void(std::uint64_t)>& advance, StopToken stop) {
+page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
+                       const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, made);
     request.progress = advance;
-    const output::page::TemporaryFolder folder;
-    const auto file = folder.path() / "contact.png";
-    output::map::MapFiles sheet(
-        request,
-        {.folder = {}, .drawn = {measure::metric::find_metric("lost_bits")}, .named = work.named, .sheet_alone = file});
-    output::page::MapData data(request);
-    std::vector<std::unique_ptr<Both>> both;
-    std::vector<EvaluationSink*> sinks;
-    const auto drawn = sheet.sinks(), kept = data.sinks();
-    for (std::size_t r = 0; r < drawn.size(); ++r)
-        sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
-    const auto summaries = measure::evaluate::evaluate_rows(request, sinks);
-    sheet.finish(summaries);
+    page::MapData data(request);
+    std::vector<measure::evaluate::FormSummary> summaries;
+    page::Picture contacts =
+        page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
+            output::map::MapFiles sheet(request, {.folder = {},
+                                                  .drawn = {measure::metric::find_metric("lost_bits")},
+                                                  .named = work.named,
+                                                  .sheet_alone = file});
+            std::vector<std::unique_ptr<Both>> both;
+            std::vector<EvaluationSink*> sinks;
+            const auto drawn = sheet.sinks(), kept = data.sinks();
+            for (std::size_t r = 0; r < drawn.size(); ++r)
+                sinks.push_back(both.emplace_back(std::make_unique<Both>(drawn[r], kept[r])).get());
+            summaries = measure::evaluate::evaluate_rows(request, sinks);
+            sheet.finish(summaries);
+        });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
+    std::vector<std::string> names;
+    for (const measure::metric::Metric* m : work.metrics) names.emplace_back(m->name);
     return {.id = scene.id,
             .title = scene.title,
             .note = scene.note,
@@ -170,10 +168,10 @@ output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
             .rows = keys_of(work.rows),
             .index = data.index(summaries, work.own_size, work.named),
             .blobs = data.blobs(summaries),
-            .table = output::page::summary_table(request, summaries),
-            .sheet = {fmt::format("{}: lost bits of every form and format", scene.title), output::page::bytes_of(file)},
+            .table = page::summary_table(request, summaries),
+            .sheet = std::move(contacts),
             .own_size = work.own_size,
-            .metrics = names_of(work.metrics)};
+            .metrics = std::move(names)};
 }
 
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
@@ -192,7 +190,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
     return scenes;
 }
 
-std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
+std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop) {
     namespace offset = measure::offset;
     offset::OffsetRequest request{
         .scene = &scene, .rows = {}, .strategies = offset::all_strategies(), .limit = {.stop = stop}};
@@ -222,7 +220,7 @@ std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& sc
     return part;
 }
 
-output::page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
+page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
     measure::speed::TradeRequest request{
         .shape = shape,
         .kernels = measure::speed::trade_kernels(rows),
@@ -233,15 +231,15 @@ output::page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& r
     request.plan.least_seconds = 1e-4;
     request.limit.stop = request.plan.stop = stop;
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
-    output::page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
-                                 output::page::trade_json(request, result),
-                                 output::speed::trade_in_words(request, result),
-                                 {}};
+    page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
+                         page::trade_json(request, result),
+                         output::speed::trade_in_words(request, result),
+                         {}};
     const auto sets = measure::speed::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        part.pictures.push_back(output::page::plot_picture(
+        part.pictures.push_back(page::picture(
             fmt::format("Time against kept bits: {}", sets[s].title),
-            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }));
+            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }, true));
     }
     return part;
 }

@@ -9,7 +9,7 @@
 #include "measure/choice/room.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/mend/mend_files.hpp"
-#include "output/page/picture.hpp"
+#include "output/page/page.hpp"
 
 namespace lostbits::analysis::report {
 
@@ -92,7 +92,7 @@ MendWork mend_of(const std::string& word, const std::string& size, const std::fi
     return work;
 }
 
-output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
+page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     measure::choice::ChoiceRequest request{.scene = &work.scene, .rows = work.rows, .wish = work.wish};
     request.plan.repetitions = 5;  // as `lostbits choose --quick`
     request.plan.least_seconds = 1e-4;
@@ -106,18 +106,19 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .wish = output::choice::in_words(work.wish),
             .words = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = page::plot_picture(fmt::format("Time against kept bits on {}", work.scene.id),
-                                        [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
+            .front = page::picture(
+                fmt::format("Time against kept bits on {}", work.scene.id),
+                [&](const auto& to) { output::choice::write_front_plot(to, chosen); }, true)};
 }
 
-output::page::MendPart mend_part(const MendWork& work, StopToken stop) {
+page::MendPart mend_part(const MendWork& work, StopToken stop) {
     measure::mend::MendRequest request{.scene = &work.scene, .row = work.row, .wish = work.wish};
     request.limit.stop = stop;
     const auto mended = measure::mend::mend(request);
     return mend_part(output::mend::result_of(request, mended));
 }
 
-output::page::MendPart mend_part(const output::mend::MendResult& result) {
+page::MendPart mend_part(const output::mend::MendResult& result) {
     const auto& row = result.request.row;
     page::MendPart part{.form = fmt::format("{} in {}", row.form->info->name, row.format.name),
                         .scene = result.request.id(),
@@ -125,8 +126,9 @@ output::page::MendPart mend_part(const output::mend::MendResult& result) {
                         .changes = {},
                         .words = in_words(result),
                         .table = page::mend_table(result),
-                        .front = page::plot_picture(fmt::format("Kept bits on {}", result.request.id()),
-                                                    [&](const auto& to) { write_front_plot(to, result); }),
+                        .front = page::picture(
+                            fmt::format("Kept bits on {}", result.request.id()),
+                            [&](const auto& to) { write_front_plot(to, result); }, true),
                         .timed = !result.prices.empty()};
     for (const output::mend::FormRow& one : rows_of(result))
         if (one.came_out()) part.changes.push_back(change_in_words(result, one));

@@ -1,20 +1,20 @@
-// node checks.js PROGRAM DATA FOLDER CHECK: makes the pages (`make`), or holds one of them to one promise.
+// node checks.js PROGRAM DATA FOLDER [PROMISE...]: makes pages, and holds them to every promise, or to those named (of
+// the pages that lie there then). One browser for all; each promise has pages of its own.
 "use strict";
 
 const assert = require("node:assert/strict");
 const fs = require("node:fs");
 const path = require("node:path");
 const { execFileSync } = require("node:child_process");
-const { Browser, missing } = require("./browser.js");
+const { launch, missing, open, sweep } = require("./browser.js");
 const operations = require("./operations.js");
 
-const [program, data, folder, name] = process.argv.slice(2);
+const [program, data, folder, ...named] = process.argv.slice(2);
 const at = (file) => path.join(folder, file);
 const lostbits = (...args) => execFileSync(program, ["--data", data, "-q", ...args], { encoding: "utf8" });
 
 const forms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "sphere.unit_half_b", "-i", "sdf.sphere_trace"];
 const three = ["-f", "f32", "-f", "f64", "-f", "bf16"], two = ["-f", "f32", "-f", "f64"];
-const sweep = "sphere-tilt";
 const grids = ["sphere-height", "box-boundary", "extremes/contact"],
       gridForms = ["-i", "sphere.schoolbook", "-i", "sphere.unified", "-i", "box.baseline", "-i", "box.signs"];
 
@@ -37,52 +37,78 @@ centre = [0, 0, ${
 radius = 1
 `;
 
+/** A sweep of the laboratory with other numbers. */
+function oddSweep(name, changes) {
+    let text = fs.readFileSync(path.join(data, "sweeps", `${name}.toml`), "utf8");
+    for (const [key, was, is] of changes) {
+        assert.ok(text.includes(`\n${key} = ${was}\n`), `${name}: ${key}`);
+        text = text.replace(`\n${key} = ${was}\n`, `\n${key} = ${is}\n`);
+    }
+    fs.writeFileSync(at(`odd/${name}.toml`), text);
+    return at(`odd/${name}.toml`);
+}
+
 /**
  * `report` is one as a reader would make it; `small` is compared pixel by pixel with what `lostbits map` writes,
  * `grids` cell by cell with `lostbits sweep`; `large` is timed; `taped` has every form; `odd` is what nobody would make
  * on purpose.
  */
-function make() {
+function makePages() {
     fs.rmSync(folder, { recursive: true, force: true });
-    const once = ["--seeds", "0"];
-    lostbits(
+    const page = (name, ...args) => lostbits("report", ...args, "-o", at(name));
+    const once = ["--seeds", "0"], one = ["-i", "sphere.unified", "-f", "f32"];
+    page(
         "report", "near-benign", "rtg-fig-7-3-4100-oblique", "sdf-sphere", sweep, ...forms, ...two, "--seeds", "1",
-        "--claims", "tilt.*,rtg7.*,sdf3.*,every.*,shader.unit-half-b-nearest*", "--trade", "--choose", "near-benign:18",
-        "--mend", "rtg-fig-7-3-4100-oblique:sphere.half_b:16", "--offsets", "offset-tiny,offset-thin-box", "-o",
-        at("report"));
-    lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "24x24", "-o", at("mend"));
-    lostbits(
-        "report", "near-benign", "-i", "sphere.unified", "-f", "f32", "--size", "512x512", "--no-claims", "-o",
-        at("large"));
-    lostbits(...operations.pageOf, "-o", at("taped"));
-    lostbits("report", ...grids, ...gridForms, ...two, ...once, "-o", at("grids"));
-    fs.mkdirSync(at("odd"), { recursive: true });
+        "--claims", "tilt.*,rtg7.fig3*,rtg7.roots.*,sdf3.table.*,sdf3.steps.*,sdf3.on-axis.*,shader.unit-half-b*",
+        "--trade", "--choose", "near-benign:18", "--mend", "near-benign:sphere.half_b:16", "--offsets",
+        "offset-tiny,offset-thin-box");
+    lostbits("mend", "box-slabs", "-i", "box.baseline", "--bits", "20", "--size", "8x8", "-o", at("mend"));
+    page("large", "near-benign", ...one, "--size", "512x512", "--no-claims");
+    page("taped", ...operations.taped);
+    page("grids", ...grids, ...gridForms, ...two, ...once);
     // Commands with this path stand on the page, whose window is narrower than the path.
     const far = `odd/${"no_place_to_break_it_".repeat(4)}`;
     fs.mkdirSync(at(far), { recursive: true });
     fs.writeFileSync(at(`${far}/one-pixel.toml`), oddScene(1, 1, 5));
     fs.writeFileSync(at(`${far}/no-hit.toml`), oddScene(24, 16, -5));
-    // A plane of every form in numbers that are worked out one at a time: four rays a step are enough to look at.
-    const plane = fs.readFileSync(path.join(data, "sweeps/sphere-height.toml"), "utf8");
-    assert.match(plane, /^views = 256$/m);
-    fs.writeFileSync(at("odd/sphere-height.toml"), plane.replace(/^views = 256$/m, "views = 4"));
-    lostbits(
-        "report", at(`${far}/one-pixel.toml`), at(`${far}/no-hit.toml`), at("odd/sphere-height.toml"), "box-boundary",
-        "sdf-max-steps", "-i", "sphere.*", "-i", "box.signs", "-i", "sdf.sphere_trace", "-f", "p2", "-f", "p40", "-f",
-        "f32", "--no-claims", "-o", at("odd"));
-    lostbits("report", sweep, "-i", "sphere.unified", "-f", "f32", ...once, "--no-claims", "-o", at("odd/sweep"));
-    lostbits("report", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims", "-o", at("odd/cases"));
+    // In numbers that are worked out one at a time: a few rays a step are enough to look at.
+    const plane = oddSweep("sphere-height", [["views", 256, 1]]),
+          steps = oddSweep("sdf-max-steps", [["views", 256, 16], ["steps", 64, 16]]);
+    page(
+        "odd", at(`${far}/one-pixel.toml`), at(`${far}/no-hit.toml`), plane, "box-boundary", steps, ...forms, "-i",
+        "sphere.hearn_baker", "-i", "box.signs", "-f", "p2", "-f", "p40", "-f", "f32", "--no-claims");
+    page("odd/sweep", sweep, ...one, ...once, "--no-claims");
+    page("odd/cases", "box-boundary", "-i", "box.signs", "-f", "f32", "--no-claims");
     lostbits("sweep", ...grids, ...gridForms, ...two, ...once, "-o", at("sweep"));
     lostbits("sweep", sweep, ...forms, ...two, ...once, "-o", at("sweep"));
-    const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"];
-    const errors = drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"),
-          rest = [...size, "--pixels", "csv", "--pictures", "all", "-o", at("map")];
-    lostbits(
-        "report", "near-benign", "world-offset", "grazing", "sdf-sphere", ...forms, ...three, ...size, "--metric",
-        "residual", "--metric", "culprit", "--no-claims", "-o", at("small"));
-    lostbits(
-        "map", "near-benign", "world-offset", "grazing", ...forms, ...three, ...errors, ...drawn("culprit"), ...rest);
-    lostbits("map", "sdf-sphere", ...forms, ...three, ...errors, ...drawn("iterations", "stop"), ...rest);
+    const drawn = (...metrics) => metrics.flatMap((m) => ["--metric", m]), size = ["--size", "72x56"],
+          scenes = ["near-benign", "world-offset", "grazing"];
+    const files = [
+        ...forms, ...three, ...size, ...drawn("lost_bits", "ulp_error", "excess_bits", "inherent_bits", "condition"),
+        ...["--pixels", "csv", "--pictures", "all", "-o", at("map")]
+    ];
+    page("small", ...scenes, "sdf-sphere", ...forms, ...three, ...size, ...drawn("residual", "culprit"), "--no-claims");
+    lostbits("map", ...scenes, ...files, ...drawn("culprit"));
+    lostbits("map", "sdf-sphere", ...files, ...drawn("iterations", "stop"));
+}
+
+/** Holds pages to a promise; whether they kept it. */
+async function keeps(browser, name, promise) {
+    const begun = Date.now(), opened = [];
+    const opens = async (page, options) => {
+        opened.push(await open(browser, at(`${page}/index.html`), options));
+        return opened.at(-1);
+    };
+    try {
+        await promise({ open: opens, at, lostbits });
+    } catch (error) {
+        console.error(`${name}: ${error.stack ?? error}`);
+        return false;
+    } finally {
+        for (const page of opened) await page.context().close();
+    }
+    console.log(`${name}: kept, ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+    return true;
 }
 
 async function main() {
@@ -91,39 +117,22 @@ async function main() {
         console.log(`skipped: ${lack}`);
         return 77;
     }
-    if (name === "make") {
-        make();
-        return 0;
-    }
-    const checks = {
-        ...require("./maps.js"),
-        ...require("./sweeps.js"),
-        ...require("./grids.js"),
-        ...require("./whole.js"),
-        ...require("./manners.js"),
-        ...require("./result.js"),
-        ...operations.promises
-    };
-    if (!checks[name]) throw new Error(`no check is called ${name}; there are ${Object.keys(checks).join(", ")}`);
-    const browser = await Browser.open();
+    const all = ["maps", "sweeps", "operations", "whole", "manners", "result"].flatMap(
+        (file) => Object.entries(require(`./${file}.js`).promises));
+    const unknown = named.filter((name) => !all.some(([known]) => known === name));
+    if (unknown.length > 0)
+        throw new Error(`no promise is called ${unknown}; there are ${all.map(([known]) => known).join(", ")}`);
+    if (named.length === 0) makePages();
+    const asked = all.filter(([name]) => named.length === 0 || named.includes(name)), browser = await launch();
+    let kept = 0;
     try {
-        await checks[name]({
-            browser,
-            at,
-            lostbits,
-            report: at("report/index.html"),
-            small: at("small/index.html"),
-            large: at("large/index.html"),
-            taped: at("taped/index.html"),
-            grids: at("grids/index.html"),
-            odd: at("odd/index.html"),
-            sweep
-        });
+        for (const [name, promise] of asked) kept += await keeps(browser, name, promise);
     } finally { await browser.close(); }
-    return 0;
+    console.log(`${kept} of ${asked.length} promises kept`);
+    return kept === asked.length ? 0 : 1;
 }
 
 main().then((code) => (process.exitCode = code), (error) => {
-    console.error(`${name}: ${error.stack ?? error}`);
+    console.error(error.stack ?? error);
     process.exitCode = 1;
 });

@@ -2,7 +2,7 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { boxOf, schoolbook, settled } = require("./common.js");
+const { boxOf, resize, schoolbook, settled, sweep } = require("./browser.js");
 
 /** Contrast of two colours as WCAG 2 defines it. */
 function contrast(a, b) {
@@ -23,37 +23,34 @@ const rgbOf = (text) =>
  * The first paragraph says what the page is and what to do first; what a scene shows stands open; neither half of a
  * wide window is left blank.
  */
-async function opening({ browser, report, grids }) {
-    const page = await browser.page(report);
+async function opening({ open }) {
+    const page = await open("report");
     const first = await page.locator("main, header").first().locator("p").first().innerText();
     assert.match(first, /^This page shows where ray intersectors lose significand bits/);
     assert.match(first, /First, choose a scene and a form under Maps and point at the picture/);
     // Of a page without maps it names what is there.
-    assert.match(
-        await (await browser.page(grids)).locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
+    assert.match(await (await open("grids")).locator("#opening").innerText(), /First, choose a statistic under Sweeps/);
     for (const [view, note] of [["#map-view", "#scene-note"], ["#sweep-view", "#sweep-note"]]) {
         assert.equal(await page.$eval(note, (e) => e.open), true, note);
         assert.ok((await page.locator(`${note} p`).innerText()).length > 20, note);
     }
     for (const width of [1280, 1920]) {
-        const wide = await browser.page(report, { width, height: 1000 });
-        await settled(wide);
+        await resize(page, width, 1000);
         for (const view of ["#map-view", "#sweep-view"]) {
-            const whole = await boxOf(wide, `${view} .stage`), picture = await boxOf(wide, `${view} .picture`),
-                  side = await boxOf(wide, `${view} .side`);
+            const whole = await boxOf(page, `${view} .stage`), picture = await boxOf(page, `${view} .picture`),
+                  side = await boxOf(page, `${view} .side`);
             assert.ok(whole.right - whole.left > 0.9 * width, `${view} takes ${whole.right - whole.left} of ${width}`);
             assert.ok(
                 side.left >= picture.right && side.top < picture.bottom, `${view} at ${width}: one below the other`);
             assert.ok(
                 (side.bottom - side.top) > 0.3 * (picture.bottom - picture.top), `${view} at ${width}: blank side`);
         }
-        await wide.context().close();
     }
 }
 
 /** Claims stand by subject, closed, sorted and filtered by the keyboard alone. */
-async function subjects({ browser, report }) {
-    const page = await browser.page(report, { width: 400, height: 800 });
+async function subjects({ open }) {
+    const page = await open("report", { width: 400, height: 800 });
     const subject = page.locator("details.subject"), count = await subject.count();
     assert.ok(count >= 3, `${count} subjects`);
     assert.equal(await page.locator("details.subject[open]").count(), 0);
@@ -66,26 +63,23 @@ async function subjects({ browser, report }) {
     await page.locator("#open-claims").press("Enter");
     assert.equal(await page.locator("details.subject[open]").count(), count);
     // By the number that was measured, up and down again.
-    const measured = (on) => on.$$eval(
-        "table.claims",
-        (tables) => tables.map(
-            (t) => [...t.tBodies[0].rows]
-                       .map((r) => r.dataset.measured)
-                       .filter((x) => x !== "")
-                       .map((x) => Number(asNumber(x)))));
-    const wide = await browser.page(report);
-    await wide.locator("#open-claims").click();
-    const head = wide.locator("table.claims").first().locator("thead th", { hasText: "measured" }).last();
+    const measured = () => page.$$eval("table.claims tbody", (bodies) => bodies.map((b) => {
+        const said = [...b.rows].map((r) => r.dataset.measured).filter((x) => x !== "");
+        return said.map((x) => Number(asNumber(x)));
+    }));
+    await resize(page, 1280, 900);
+    const head = page.locator("table.claims").first().locator("thead th", { hasText: "measured" }).last();
     await head.locator("button").press("Enter");
     const rising = (lists, sign) => lists.every((l) => l.every((x, k) => k === 0 || sign * (x - l[k - 1]) >= 0));
-    assert.ok(rising(await measured(wide), 1));
+    assert.ok(rising(await measured(), 1));
     assert.equal(await head.getAttribute("aria-sort"), "ascending");
     await head.locator("button").press("Enter");
-    assert.ok(rising(await measured(wide), -1));
-    assert.ok((await measured(wide)).some((l) => new Set(l).size > 2));
+    assert.ok(rising(await measured(), -1));
+    assert.ok((await measured()).some((l) => new Set(l).size > 2));
     // On a narrow page, where there are no heads of columns, by the picker.
+    await resize(page, 400, 800);
     await page.selectOption("#pick-order", "measured");
-    assert.ok(rising(await measured(page), 1));
+    assert.ok(rising(await measured(), 1));
     await page.selectOption("#pick-order", "as in the files");
     const places = await page.$$eval("table.claims tbody tr", (rows) => rows.map((r) => Number(r.dataset.place)));
     assert.deepEqual(places, [...places].sort((a, b) => a - b));
@@ -99,8 +93,8 @@ async function subjects({ browser, report }) {
 }
 
 /** A and B: on the picture, in the pickers, on the small pictures and in the words. */
-async function halves({ browser, report }) {
-    const page = await browser.page(report, { hash: `${schoolbook}&other=sphere.unified.f64&split=0.5&x=128&y=128` });
+async function halves({ open }) {
+    const page = await open("report", { hash: `${schoolbook}&other=sphere.unified.f64&split=0.5&x=128&y=128` });
     await settled(page);
     assert.equal(await page.locator(".half.a").innerText(), "A schoolbook f32");
     assert.equal(await page.locator(".half.b").innerText(), "B unified f64");
@@ -122,8 +116,8 @@ async function halves({ browser, report }) {
 }
 
 /** Small pictures of a row begin at one height, their names at another, and say why they have no quantile. */
-async function thumbnails({ browser, report }) {
-    const page = await browser.page(report, { hash: schoolbook });
+async function thumbnails({ open }) {
+    const page = await open("report", { hash: schoolbook });
     await settled(page);
     const places = await page.$$eval(".pane", (panes) => panes.map((p) => {
         const top = (e) => Math.round(e.getBoundingClientRect().top), box = p.getBoundingClientRect();
@@ -163,9 +157,9 @@ async function thumbnails({ browser, report }) {
  * Forms with the same values share a line that says so; lines have names at their ends, gaps where quantiles are
  * withheld, and a shade where an ulp of the distance is as wide as the sphere. No legend of boxes.
  */
-async function lines({ browser, report, sweep }) {
+async function lines({ open }) {
     const page =
-        await browser.page(report, { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
+        await open("report", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
     assert.equal(await page.locator("#sweep-plot .u-legend").count(), 0);
     const key = () => page.locator("#line-key").innerText();
     assert.doesNotMatch(await key(), /the same values/);
@@ -232,8 +226,8 @@ async function lines({ browser, report, sweep }) {
 }
 
 /** Lines and words can be told from the page they are on, light or dark: 3 to 1 and 4.5 to 1 of WCAG 2. */
-async function contrasts({ browser, report }) {
-    const page = await browser.page(report);
+async function contrasts({ open }) {
+    const page = await open("report");
     for (const colorScheme of ["light", "dark"]) {
         await page.emulateMedia({ colorScheme });
         await settled(page);
@@ -253,9 +247,9 @@ async function contrasts({ browser, report }) {
 }
 
 /** What is copied as a claim has room about the number that was measured, and says what that was. */
-async function margins({ browser, report, sweep }) {
+async function margins({ open }) {
     const page =
-        await browser.page(report, { hash: `${schoolbook}&metric=lost_bits&sweep=${sweep}&statistic=lost_bits_p99` });
+        await open("report", { hash: `${schoolbook}&metric=lost_bits&sweep=${sweep}&statistic=lost_bits_p99` });
     const about = (...args) => page.evaluate((args) => intervalAbout(...args), args);
     assert.deepEqual(await about("lost_bits_p99", 13.24, 1024), [12.7, 13.8]);
     assert.deepEqual(await about("lost_bits_p99", 0.2, 1024), [0, 0.7]);
@@ -273,7 +267,7 @@ async function margins({ browser, report, sweep }) {
     assert.match(await page.locator("#sweep-view pre.copied").textContent(), /lostbits check --measure --seeds 31/);
 }
 
-module.exports = {
+exports.promises = {
     opening,
     subjects,
     halves,

@@ -3,12 +3,12 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { schoolbook, stateOf, settled, near } = require("./common.js");
-const { readCsv, readNumber, readPng } = require("./files.js");
+const { near, schoolbook, settled, stateOf } = require("./browser.js");
+const { liesIn, readCsv, readNumber } = require("./files.js");
 
 /** Every pixel of every row is what the CSV says. */
-async function pixels({ browser, small, at }) {
-    const page = await browser.page(small);
+async function pixels({ open, at }) {
+    const page = await open("small");
     const maps = await page.evaluate(
         () => index.maps.map((m) => ({
                                  id: m.id,
@@ -61,8 +61,8 @@ async function pixels({ browser, small, at }) {
 }
 
 /** The field on the page is the field in the PNG, colour by colour, whatever is around it there. */
-async function colours({ browser, small, at }) {
-    const page = await browser.page(small);
+async function colours({ open, at }) {
+    const page = await open("small");
     const cases = [
         ["near-benign", "sphere.schoolbook", "bf16", "lost_bits"],
         ["world-offset", "sphere.unified", "f32", "ulp_error"], ["near-benign", "sphere.unified", "f64", "excess_bits"],
@@ -70,43 +70,29 @@ async function colours({ browser, small, at }) {
         ["sdf-sphere", "sdf.sphere_trace", "f32", "stop"], ["sdf-sphere", "sdf.sphere_trace", "f32", "iterations"]
     ];
     for (const [id, form, format, metric] of cases) {
-        const field = await page.evaluate(async ([id, form, format, metric]) => {
+        const { columns, rgb } = await page.evaluate(async ([id, form, format, metric]) => {
             const map = index.maps.find((m) => m.id === id),
                   row = map.rows.find((r) => r.form === form && r.format === format);
             const canvas = paint(map, await pixelsOf(map, row), map.metrics.find((m) => m.name === metric)),
                   { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height), rgb = [];
             for (let i = 0; i < data.length; i += 4) rgb.push((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
-            return { width: canvas.width, height: canvas.height, rgb };
+            return { columns: canvas.width, rgb };
         }, [id, form, format, metric]);
-        const png = readPng(at(`map/${id}/${form}.${format}.${metric}.png`)),
-              factor = Math.max(1, Math.ceil(384 / field.width));
-        let best = Infinity;  // over the places where the field may lie in the picture
-        for (let y0 = 0; y0 + field.height * factor <= png.height && best > 0; ++y0) {
-            for (let x0 = 0; x0 < 40; ++x0) {
-                let wrong = 0;
-                for (let i = 0; i < field.rgb.length && wrong < best; ++i) {
-                    if (png.at(x0 + (i % field.width) * factor, y0 + Math.floor(i / field.width) * factor) !==
-                        field.rgb[i])
-                        ++wrong;
-                }
-                best = Math.min(best, wrong);
-            }
-        }
+        const png = at(`map/${id}/${form}.${format}.${metric}.png`), w = Math.ceil(384 / columns);
         // ulp and kappa are floats on the page: a value may stand on the other side of the border between two steps of
         // the ramp.
         assert.ok(
-            best <= field.rgb.length * 1e-4,
-            `${id} ${form} ${format} ${metric}: ${best} of ${
-                field.rgb.length} pixels have another colour than in the PNG`);
+            await liesIn(page, png, rgb, [{ columns, w, h: w, at: 0 }], rgb.length * 1e-4),
+            `${id} ${form} ${format} ${metric}: other colours than in the PNG`);
     }
 }
 
 /** The inspector of a pixel is the row of the CSV; the large picture has the pixel's colour. */
-async function inspector({ browser, small, at }) {
+async function inspector({ open, at }) {
     const csv = readCsv(at("map/near-benign/sphere.schoolbook.f32.csv")),
           wide = readCsv(at("map/near-benign/sphere.schoolbook.f64.csv"));
     const i = csv.findIndex((row) => row.outcome === "agree_hit" && Number(row.lost_bits) > 4), { x, y } = csv[i];
-    const page = await browser.page(small, { hash: `${schoolbook}&metric=lost_bits&x=${x}&y=${y}` });
+    const page = await open("small", { hash: `${schoolbook}&metric=lost_bits&x=${x}&y=${y}` });
     const text = await page.locator("#inspector").innerText();
     for (const expected
              of [`Pixel ${x}, ${y}`, "correct hit", csv[i].t, csv[i].t_hex, csv[i].truth, csv[i].truth_hex, wide[i].t,
@@ -133,8 +119,8 @@ async function inspector({ browser, small, at }) {
     assert.match(await page.locator("#under").innerText(), /^5[345], 2[789]: /);
 }
 
-async function keyboard({ browser, report }) {
-    const page = await browser.page(report, { hash: `${schoolbook}&x=10&y=20` });
+async function keyboard({ open }) {
+    const page = await open("report", { hash: `${schoolbook}&x=10&y=20` });
     const press = async (key) => {
         await page.locator("#map").press(key);
         await settled(page);
@@ -162,8 +148,8 @@ async function keyboard({ browser, report }) {
 }
 
 /** The small pictures show the part that the large one shows. */
-async function zoom({ browser, report }) {
-    const page = await browser.page(report, { hash: schoolbook });
+async function zoom({ open }) {
+    const page = await open("report", { hash: schoolbook });
     await settled(page);
     const pane = (key) =>
               page.evaluate((key) => document.querySelector(`.pane[data-row="${key}"] canvas`).toDataURL(), key),
@@ -192,8 +178,8 @@ async function zoom({ browser, report }) {
 }
 
 /** Left of the border the one form, right of it the other. */
-async function compare({ browser, report }) {
-    const page = await browser.page(report, { hash: `${schoolbook}&other=sphere.unified.f32&split=0.5` });
+async function compare({ open }) {
+    const page = await open("report", { hash: `${schoolbook}&other=sphere.unified.f32&split=0.5` });
     const differing = () => page.evaluate(async () => {
         const map = mapNow(), shown = document.getElementById("map"), factor = shown.width / map.width,
               data = shown.getContext("2d").getImageData(0, 0, shown.width, shown.height).data;
@@ -219,7 +205,7 @@ async function compare({ browser, report }) {
     assert.equal(await differing(), 0);
 }
 
-module.exports = {
+exports.promises = {
     pixels,
     colours,
     inspector,

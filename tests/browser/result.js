@@ -2,24 +2,22 @@
 "use strict";
 
 const assert = require("node:assert/strict");
-const { boxOf, settled } = require("./common.js");
+const { boxOf, resize, settled, sticksOut, sweep } = require("./browser.js");
 
 /** One's own result comes first: maps before claims, claims before the command; a map is as wide as there is room. */
-async function order({ browser, report }) {
-    const page = await browser.page(report);
+async function order({ open }) {
+    const page = await open("report");
     const sections = await page.$$eval("main > section", (all) => all.map((e) => e.id));
     assert.deepEqual(sections, ["maps", "sweeps", "trade", "choose", "mend", "offsets", "claims", "made"]);
     assert.equal(await page.locator("header .tiles").count(), 0);
     assert.equal(await page.locator("#claims .tiles").count(), 1);
     assert.match(await page.locator("#made pre").innerText(), /^lostbits report near-benign /);
     for (const width of [400, 900, 1280]) {
-        const narrow = await browser.page(report, { width, height: 900 });
-        await settled(narrow);
-        const map = await boxOf(narrow, "#map"), view = await boxOf(narrow, "#map-view"), room = view.right - view.left,
+        await resize(page, width, 900);
+        const map = await boxOf(page, "#map"), view = await boxOf(page, "#map-view"), room = view.right - view.left,
               wide = map.right - map.left;
         assert.ok(map.right <= view.right + 1, `${width}: the map ends at ${map.right} of ${view.right}`);
         assert.ok(wide >= (width >= 1000 ? 0.55 : 0.97) * room, `${width}: the map takes ${wide} of ${room}`);
-        await narrow.context().close();
     }
     // Two scenes of one title are told apart, and others are not burdened with a name.
     const names = async () => page.$$eval("#pick-scene option", (all) => all.map((e) => e.textContent));
@@ -31,15 +29,21 @@ async function order({ browser, report }) {
     const both = await names();
     assert.equal(new Set(both).size, both.length, `${both}`);
     assert.ok(both[0].endsWith("(near-benign)") && both[1].endsWith("(rtg-fig-7-3-4100-oblique)"), `${both}`);
+    // Without a title it has its file's name.
+    await page.evaluate(() => {
+        index.maps[0].title = index.maps[1].title = "";
+        return goTo({});
+    });
+    assert.deepEqual((await names()).slice(0, 2), ["near-benign", "rtg-fig-7-3-4100-oblique"]);
 }
 
 /**
  * Below the map stands its worst pixel, with a command that explains it, of a scene of one's own too; a click on the
  * button goes there.
  */
-async function worst({ browser, report, odd, lostbits }) {
-    for (const [file, scene] of [[report, "rtg-fig-7-3-4100-oblique"], [odd, "one-pixel"]]) {
-        const page = await browser.page(file, { hash: `#scene=${scene}&form=sphere.schoolbook&format=f32` });
+async function worst({ open, lostbits }) {
+    for (const [name, scene] of [["report", "rtg-fig-7-3-4100-oblique"], ["odd", "one-pixel"]]) {
+        const page = await open(name, { hash: `#scene=${scene}&form=sphere.schoolbook&format=f32` });
         const line = await page.locator("#worst-line").innerText(),
               [, x, y, command] = line.match(/^Worst pixel (\d+), (\d+): lostbits (explain .*)$/);
         await page.locator("#worst").click();
@@ -54,38 +58,32 @@ async function worst({ browser, report, odd, lostbits }) {
 }
 
 /** At 400 pixels the table of operations has a bar to scroll it by, and a word that it goes on. */
-async function sideways({ browser, report }) {
+async function sideways({ open }) {
     const hash = "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f32";
-    const toWorst = (page) => page.locator("#map").press("w");
-    const barred = await browser.constructor.open({ bars: true });
-    try {
-        const page = await barred.page(report, { hash, width: 400, height: 800 });
-        await toWorst(page);
-        const box = page.locator("#operations .scrolls");
-        await box.waitFor();
-        const { hidden, bar } = await box.evaluate(
-            (e) => ({ hidden: e.scrollWidth - e.clientWidth, bar: e.offsetHeight - e.clientHeight }));
-        assert.ok(hidden > 100, `only ${hidden} pixels are out of sight`);
-        assert.ok(bar >= 8, `a bar of ${bar} pixels`);
-        assert.ok(await page.locator("#operations .sideways").isVisible());
-        await box.focus();
-        await page.keyboard.press("ArrowRight");
-        await settled(page);
-        assert.ok(await box.evaluate((e) => e.scrollLeft) > 0, "the arrow key does not scroll it");
-    } finally { await barred.close(); }
-    const narrow = await browser.page(report, { hash, width: 400, height: 800 });
-    await toWorst(narrow);
-    await narrow.locator("#operations .scrolls").waitFor();
-    assert.equal(await narrow.evaluate(() => document.documentElement.scrollWidth), 400);
-    const wide = await browser.page(report, { hash, width: 1600, height: 900 });
-    await toWorst(wide);
-    await wide.locator("#operations .scrolls").waitFor();
+    const atWorst = async (size) => {
+        const page = await open("report", { hash, ...size });
+        await page.locator("#map").press("w");
+        await page.locator("#operations .scrolls").waitFor();
+        return page;
+    };
+    const page = await atWorst({ width: 400, height: 800 }), box = page.locator("#operations .scrolls");
+    const { hidden, bar } =
+        await box.evaluate((e) => ({ hidden: e.scrollWidth - e.clientWidth, bar: e.offsetHeight - e.clientHeight }));
+    assert.ok(hidden > 100, `only ${hidden} pixels are out of sight`);
+    assert.ok(bar >= 8, `a bar of ${bar} pixels`);
+    assert.ok(await page.locator("#operations .sideways").isVisible());
+    await box.focus();
+    await page.keyboard.press("ArrowRight");
+    await settled(page);
+    assert.ok(await box.evaluate((e) => e.scrollLeft) > 0, "the arrow key does not scroll it");
+    assert.equal(await sticksOut(page), 0);
+    const wide = await atWorst({ width: 1600, height: 900 });
     assert.ok(await wide.locator("#operations .sideways").isHidden());
 }
 
 /** In the dark no plot is white paper: those that are pictures turn over, and drawn ones have the page's ground. */
-async function dark({ browser, report }) {
-    const bare = await browser.page(report, { scripts: false });
+async function dark({ open }) {
+    const bare = await open("report", { scripts: false });
     const filters = (where) => bare.locator(where).evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
     await bare.emulateMedia({ colorScheme: "light" });
     assert.ok((await filters("img")).every((f) => f === "none"));
@@ -98,7 +96,7 @@ async function dark({ browser, report }) {
     // Colours of maps are numbers: they stay.
     const kept = await filters("#maps img, #offsets img");
     assert.ok(kept.length > 0 && kept.every((f) => !f.includes("invert")), `${kept}`);
-    const page = await browser.page(report);
+    const page = await open("report");
     await page.emulateMedia({ colorScheme: "dark" });
     await settled(page);
     const light = await page.evaluate(() => {
@@ -116,8 +114,8 @@ async function dark({ browser, report }) {
  * The page of `lostbits mend` begins with what it is; lines that go and lines that come look different, in the dark
  * too.
  */
-async function mended({ browser, at }) {
-    const page = await browser.page(at("mend/box-slabs/index.html"));
+async function mended({ open, at }) {
+    const page = await open("mend/box-slabs");
     assert.deepEqual(await page.$$eval("main > section", (all) => all.map((e) => e.id)), ["mend", "made"]);
     assert.match(await page.locator("#opening").innerText(), /First, read under Changes/);
     assert.match(await page.locator("#made").innerText(), /^The command\s+Made by:\s+lostbits mend box-slabs /);
@@ -128,15 +126,15 @@ async function mended({ browser, at }) {
         assert.equal(new Set([gone, come, rest]).size, 3, `${colorScheme}: ${gone}, ${come}, ${rest}`);
     }
     await page.setViewportSize({ width: 400, height: 800 });
-    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 400);
+    assert.equal(await sticksOut(page), 0);
 }
 
 /**
  * Shares stand on a log axis with 0 below it, a form's line looks the same whatever stands beside it, axes are words.
  */
-async function shares({ browser, report, sweep }) {
-    const page = await browser.page(
-        report, { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=false_miss_fraction` });
+async function shares({ open }) {
+    const page =
+        await open("report", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=false_miss_fraction` });
     await settled(page);
     const seen = await page.evaluate(() => {
         const { plot, heights, now, groups } = sweepParts, y = (v) => plot.valToPos(heights.of(v), "y");
@@ -158,9 +156,8 @@ async function shares({ browser, report, sweep }) {
     assert.equal(seen.axis, "tangent of the angle to the axis");
     assert.equal(new Set(seen.looks.map(([, look]) => look)).size, seen.looks.length);
     // Alone on its page, and among others: the same line.
-    const only = await browser.page(
-        report.replace("report/index.html", "odd/sweep/index.html"),
-        { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
+    const only =
+        await open("odd/sweep", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
     const [alone] = await only.evaluate(() => sweepParts.groups.map((g) => [g.colour, g.dash, g.rows[0].look]));
     const look = seen.looks.find(([form]) => form === "sphere.unified")[1];
     assert.deepEqual(alone, await page.evaluate((look) => [lineLook(look).colour, lineLook(look).dash, look], look));
@@ -169,7 +166,7 @@ async function shares({ browser, report, sweep }) {
     assert.equal(new Set(looks).size, 48);
 }
 
-module.exports = {
+exports.promises = {
     order,
     worst,
     sideways,

@@ -3,7 +3,7 @@
 "use strict";
 
 const path = require("node:path");
-const { Browser, missing } = require("./browser.js");
+const { launch, missing, open } = require("./browser.js");
 
 const views = [
     {
@@ -31,10 +31,10 @@ async function main([report, folder]) {
     if (!folder) throw new Error("usage: node tests/browser/screenshots.js REPORT.html FOLDER");
     const lack = missing();
     if (lack) throw new Error(lack);
-    const browser = await Browser.open();
+    const browser = await launch(false);
     try {
         for (const view of views) {
-            const page = await browser.page(report, { hash: view.hash, height: view.height });
+            const page = await open(browser, report, { hash: view.hash, height: view.height });
             if (view.at) await page.$eval(view.at, (e) => e.scrollIntoView());
             await page.waitForTimeout(300);  // the small pictures come after the large one
             await page.screenshot({ path: path.join(folder, view.name + ".png") });

@@ -5,11 +5,11 @@ const assert = require("node:assert/strict");
 const fs = require("node:fs");
 const os = require("node:os");
 const path = require("node:path");
-const { schoolbook, stateOf, settled, near } = require("./common.js");
+const { follow, schoolbook, settled, stateOf, sticksOut } = require("./browser.js");
 
 /** No request, no complaint, and the policy forbids both scripts and requests of others. */
-async function alone({ browser, report }) {
-    const page = await browser.page(report);
+async function alone({ open }) {
+    const page = await open("report");
     for (const key of ["m", "]", "ArrowRight", "+"]) await page.locator("#map").press(key);
     await settled(page);
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url().replace(/#.*/, "")]);
@@ -24,29 +24,29 @@ async function alone({ browser, report }) {
 }
 
 /** A link restores the view, one to what is not there says so, and backwards goes back. */
-async function link({ browser, report }) {
-    const page = await browser.page(report, {
+async function link({ open }) {
+    const page = await open("report", {
         hash: `${
             schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max`
     });
     await page.locator("#map").press("ArrowDown");
     await settled(page);
     const picture = () => document.getElementById("map").toDataURL(), before = await stateOf(page);
-    const again = await browser.page(report, { hash: await page.evaluate(() => location.hash) });
+    const again = await open("report", { hash: await page.evaluate(() => location.hash) });
     assert.deepEqual(await stateOf(again), before);
     assert.equal(await again.evaluate(picture), await page.evaluate(picture));
     assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_max");
-    const wrong = await browser.page(report, { hash: "#scene=nowhere&x=5&y=5" });
-    assert.match(await wrong.locator("#note").innerText(), /scene "nowhere" is not on this page/);
-    assert.deepEqual(wrong.complaints, []);
-    const other = await browser.page(report, { hash: "#sweep=sphere-tilt&statistic=lost_bits_p98" });
-    assert.match(await other.locator("#note").innerText(), /statistic "lost_bits_p98" is not on this page/);
-    assert.equal((await stateOf(other)).statistic, "");
+    await follow(page, "#scene=nowhere&x=5&y=5");
+    assert.match(await page.locator("#note").innerText(), /scene "nowhere" is not on this page/);
+    await follow(page, "#sweep=sphere-tilt&statistic=lost_bits_p98");
+    assert.match(await page.locator("#note").innerText(), /statistic "lost_bits_p98" is not on this page/);
+    assert.equal((await stateOf(page)).statistic, "");
+    assert.deepEqual(page.complaints, []);
 }
 
 /** A claim leads to its pixel or its plot; the filter leaves what it says. */
-async function claims({ browser, report }) {
-    const page = await browser.page(report);
+async function claims({ open }) {
+    const page = await open("report");
     await page.locator("#open-claims").click();
     const place = page.locator("table.claims a.jump[href*='scene=near-benign']").first(),
           target = await place.getAttribute("href");
@@ -69,8 +69,8 @@ async function claims({ browser, report }) {
  * Claims over planes and cases lead to their cell, those without a picture here name the command, and no link leads
  * nowhere.
  */
-async function places({ browser, grids, report }) {
-    const page = await browser.page(grids);
+async function places({ open, at }) {
+    const page = await open("grids");
     await page.locator("#open-claims").click();
     const jump = async (id) => {
         await page.locator(`#claim-${id.replaceAll(".", "\\.")} a.jump`).click();
@@ -85,8 +85,8 @@ async function places({ browser, grids, report }) {
         [inside.sweep, inside.line, inside.v, inside.statistic],
         ["box-boundary", "box.baseline.f32", 0, "false_miss_fraction"]);
     assert.match(await page.locator("#sweep-facts").innerText(), /through the inside/);
-    for (const file of [grids, report]) {
-        const checked = await browser.page(file), found = await checked.evaluate(() => {
+    for (const name of ["grids", "report"]) {
+        const checked = await open(name), found = await checked.evaluate(() => {
             const rows = [...document.querySelectorAll("table.claims tbody tr")],
                   links = [...document.querySelectorAll("a.jump")];
             return {
@@ -99,19 +99,17 @@ async function places({ browser, grids, report }) {
         assert.ok(found.rows > 5, `${found.rows} claims`);
         assert.deepEqual(found, { rows: found.rows, silent: [], noted: [] });
         // Without scripts a link leads to the part of the page that has the numbers.
-        const bare = await browser.page(file, { scripts: false }),
-              anchors = await bare.locator("a.jump").evaluateAll((links) => links.map((a) => a.getAttribute("href")));
-        const html = fs.readFileSync(file, "utf8");
-        for (const anchor of new Set(anchors))
-            assert.ok(html.includes(`id="${anchor.slice(1)}"`), `${anchor} leads nowhere`);
+        const html = fs.readFileSync(at(`${name}/index.html`), "utf8");
+        for (const [, anchor] of html.matchAll(/<a class="jump" href="#([^"]*)"/g))
+            assert.ok(html.includes(`id="${anchor}"`), `${anchor} leads nowhere`);
     }
 }
 
 /** What is copied runs: the command makes the map, the claims measure as stated. */
-async function copies({ browser, report, grids, lostbits }) {
+async function copies({ open, lostbits }) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "lostbits-copies-"));
     try {
-        const page = await browser.page(report, {
+        const page = await open("report", {
             hash:
                 "#scene=rtg-fig-7-3-4100-oblique&form=sphere.schoolbook&format=f64&metric=ulp_error&sweep=sphere-tilt&statistic=lost_bits_p99"
         });
@@ -123,15 +121,12 @@ async function copies({ browser, report, grids, lostbits }) {
         let text = "schema = \"lostbits-claims/1\"\n" + (await copied("#copy-claim"));
         await page.locator("#copy-sweep-claim").click();
         text += await page.locator("#sweep-view pre.copied").textContent();
-        const cells = await browser.page(grids);
+        const cells = await open("grids");
         for (const hash
                  of ["#sweep=sphere-height&form=sphere.schoolbook&format=f32&u=9&v=30&statistic=lost_bits_max",
                      "#sweep=box-boundary&form=box.baseline&format=f32&judged=open&v=12&statistic=false_hit_fraction",
                      "#sweep=contact&form=sphere.unified&format=f64&v=3"]) {
-            await cells.evaluate((hash) => {
-                location.hash = hash;
-            }, hash);
-            await settled(cells);
+            await follow(cells, hash);
             await cells.locator("#copy-sweep-claim").click();
             text += await cells.locator("#sweep-view pre.copied").textContent();
         }
@@ -151,8 +146,8 @@ async function copies({ browser, report, grids, lostbits }) {
 }
 
 /** Without scripts: counts, tables and pictures are there to be read. */
-async function plain({ browser, report, grids }) {
-    const page = await browser.page(report, { scripts: false });
+async function plain({ open }) {
+    const page = await open("report", { scripts: false });
     const text = await page.locator("body").innerText();
     assert.match(text, /\d+\s+hold/);
     assert.match(text, /\d+\s+refuted/);
@@ -169,7 +164,7 @@ async function plain({ browser, report, grids }) {
         assert.equal(
             alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1,
             `${alts}`);
-    const bare = await browser.page(grids, { scripts: false }),
+    const bare = await open("grids", { scripts: false }),
           cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
     for (const alt of ["sphere.unified in f64", "by the closed solid", "by the open solid", "exact tangents"])
         assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
@@ -179,16 +174,15 @@ async function plain({ browser, report, grids }) {
  * Pages that nobody foresaw, in a narrow window, in the dark and by the keyboard alone: nothing sticks out, nothing
  * complains, every key answers.
  */
-async function odd({ browser, odd, at }) {
-    for (const [file, hash] of [
-             [odd, "#scene=one-pixel"], [odd, "#scene=no-hit&sweep=box-boundary"],
-             [odd, "#sweep=sdf-max-steps&format=p40"], [odd, "#sweep=sphere-height&format=p2"],
-             [at("odd/sweep/index.html"), ""], [at("odd/cases/index.html"), ""]]) {
-        const page = await browser.page(file, { hash, width: 400, height: 800 }), where = `${file}${hash}`;
+async function odd({ open, at }) {
+    for (const where
+             of ["odd#scene=one-pixel", "odd#scene=no-hit&sweep=box-boundary", "odd#sweep=sdf-max-steps&format=p40",
+                 "odd#sweep=sphere-height&format=p2", "odd/sweep", "odd/cases"]) {
+        const [name, hash] = where.split("#"),
+                     page = await open(name, { hash: hash && `#${hash}`, width: 400, height: 800 });
         await page.emulateMedia({ colorScheme: "dark" });
         await settled(page);
-        assert.equal(
-            await page.evaluate(() => document.documentElement.scrollWidth), 400, `${where} is wider than its window`);
+        assert.equal(await sticksOut(page), 0, `${where} is wider than its window`);
         const [paper, text] = await page.evaluate(
             () => [getComputedStyle(document.body).backgroundColor, getComputedStyle(document.body).color].map(
                 (c) => Math.max(...c.match(/\d+/g).map(Number))));
@@ -210,26 +204,24 @@ async function odd({ browser, odd, at }) {
                 (await page.locator("#sweep-facts tr[data-fact=lost_bits_p99]").count()) === 1,
             `${where}: no numbers of a step`);
         assert.deepEqual(page.complaints, [], where);
-        await page.context().close();
     }
 }
 
 /** 512 x 512 rays with six layers: below 3 MB. How soon it is ready is printed, since other tests run beside it. */
-async function ready({ browser, large }) {
-    const size = fs.statSync(large).size, times = [];
+async function ready({ open, at }) {
+    const size = fs.statSync(at("large/index.html")).size, times = [];
     for (let k = 0; k < 3; ++k) {
-        const page = await browser.page(large);
+        const page = await open("large");
         assert.deepEqual(
             await page.evaluate(() => [mapNow().width, mapNow().height, mapNow().metrics.length >= 6]),
             [512, 512, true]);
         times.push(Number(await page.evaluate(() => document.documentElement.dataset.ready)));
-        await page.context().close();
     }
     console.log(`${size} bytes; ready after ${times.join(", ")} ms`);
     assert.ok(size < 3e6, `${size} bytes`);
 }
 
-module.exports = {
+exports.promises = {
     alone,
     link,
     claims,

@@ -5,6 +5,7 @@ import os
 import subprocess
 import tempfile
 import unittest
+from pathlib import Path
 
 import numpy as np
 
@@ -17,22 +18,35 @@ def run(*words):
     return subprocess.run([PROGRAM, "-q", *words], check=True, capture_output=True, text=True)
 
 
-def rows_of(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def as_numbers(rows, name):
     return np.array([float(row[name]) if row[name] else np.nan for row in rows])
 
 
 class Bits(unittest.TestCase):
     def setUp(self):
-        self.scratch = tempfile.TemporaryDirectory()
-        self.out = self.scratch.name
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.out = scratch.name
 
-    def tearDown(self):
-        self.scratch.cleanup()
+    def rows(self, *path):
+        with open(os.path.join(self.out, *path), newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def by_form(self, *path):
+        return {(row["form"], row["format"]): row for row in self.rows(*path)}
+
+    def dump(self, o, d, **columns):
+        """A file of these rays, all numbers of one type."""
+        path = os.path.join(self.out, "own.npy")
+        names = ["ox", "oy", "oz", "dx", "dy", "dz"]
+        rays = np.empty(len(o), dtype=[(name, o.dtype) for name in names] +
+                        [(name, column.dtype) for name, column in columns.items()])
+        for k, name in enumerate(names):
+            rays[name] = (o if k < 3 else d)[:, k % 3]
+        for name, column in columns.items():
+            rays[name] = column
+        np.save(path, rays)
+        return path
 
     def hold_table(self, table, rows, without=()):
         """Every column of a file is one of the table, number for number and text for text."""
@@ -51,11 +65,10 @@ class Bits(unittest.TestCase):
             "culprit", "--pixels", "csv", "-o", self.out)
         m = lb.map(lb.scene("near-benign", size=(40, 30)), ["sphere.unified", "sphere.schoolbook"], metrics=["culprit"],
                    progress=False)
-        folder = os.path.join(self.out, "near-benign")
-        self.hold_table(m.summary, rows_of(os.path.join(folder, "summary.csv")))
+        self.hold_table(m.summary, self.rows("near-benign", "summary.csv"))
         for form in ("sphere.unified", "sphere.schoolbook"):
             for format in ("f32", "f64"):
-                rows = rows_of(os.path.join(folder, f"{form}.{format}.csv"))
+                rows = self.rows("near-benign", f"{form}.{format}.csv")
                 pixels = m.pixels[form, format]
                 self.assertEqual(pixels.lost_bits.shape, (30, 40))
                 exact = np.array([float.fromhex(row["t_hex"]) if row["t_hex"] else np.nan for row in rows])
@@ -70,35 +83,17 @@ class Bits(unittest.TestCase):
         scene = lb.scene("rtg-fig-7-3-100-oblique", size=(64, 64))
         o, d, spheres = scene.arrays()
         answers = lb.ask("sphere.press", o, d, spheres)
-        path = os.path.join(self.out, "rays.npy")
-        fields = ["ox", "oy", "oz", "dx", "dy", "dz", "hit", "t"]
-        rays = np.empty(len(o), dtype=[(f, "?" if f == "hit" else "<f4") for f in fields])
-        for k, name in enumerate(fields[:6]):
-            rays[name] = (o if k < 3 else d)[:, k % 3]
-        rays["hit"], rays["t"] = answers.hit, answers.t
-        np.save(path, rays)
+        t = answers.t.astype(np.float32)
+        path = self.dump(o, d, hit=answers.hit, t=t)
         sphere = ",".join(str(float(x)) for x in spheres[0])
         run("judge", path, f"--sphere={sphere}", "-i", "sphere.unified", "--rows", "-o", self.out)
-        j = lb.judge(o, d, answers.t.astype(np.float32), answers.hit, spheres, forms="sphere.unified", progress=False)
-        rows = rows_of(os.path.join(self.out, "rays", "summary.csv"))
+        j = lb.judge(o, d, t, answers.hit, spheres, forms="sphere.unified", progress=False)
+        rows = self.rows("own", "summary.csv")
         self.hold_table(j.summary, rows, without=("form",))
-        rows = rows_of(os.path.join(self.out, "rays", "file.rays.f32.csv"))
+        rows = self.rows("own", "file.own.f32.csv")
         np.testing.assert_array_equal(j.rays.lost_bits, as_numbers(rows, "lost_bits"))
         np.testing.assert_array_equal(j.rays.truth, as_numbers(rows, "truth"))
         self.assertGreater(np.isfinite(j.rays.lost_bits).sum(), 500)
-
-    def dump(self, o, d, **columns):
-        """A file of these rays, all numbers of one type."""
-        path = os.path.join(self.out, "own.npy")
-        names = ["ox", "oy", "oz", "dx", "dy", "dz"]
-        rays = np.empty(len(o), dtype=[(name, o.dtype) for name in names] +
-                        [(name, column.dtype) for name, column in columns.items()])
-        for k, name in enumerate(names):
-            rays[name] = (o if k < 3 else d)[:, k % 3]
-        for name, column in columns.items():
-            rays[name] = column
-        np.save(path, rays)
-        return path
 
     def test_ranges_groups_and_tolerances(self):
         o, d, spheres = lb.scene("rtg-fig-7-3-100-oblique", size=(48, 48)).arrays()
@@ -114,7 +109,7 @@ class Bits(unittest.TestCase):
         with np.errstate(invalid="ignore"):
             j = lb.judge(o, d, t, hit, spheres, tmin=tmin, tmax=tmax, open_ends="tmax", by=material, bits=21.0,
                          tolerance=0.05 / 1000, progress=False)
-        rows = rows_of(os.path.join(self.out, "own", "summary.csv"))
+        rows = self.rows("own", "summary.csv")
         self.assertEqual([row["material"] for row in rows], ["", "0", "10", "20"])
         self.assertEqual(list(j.summary.by), [None, 0, 10, 20])
         self.hold_table(j.summary, rows, without=("form", "material"))
@@ -125,7 +120,7 @@ class Bits(unittest.TestCase):
         self.assertGreater(as_numbers(rows, "tolerance_within")[0], 0)
         self.assertGreater(as_numbers(rows, "enough_bits_too_few")[0], 0)
         # The certified truth of the same ranges, in every bit that the file has of it.
-        rows = rows_of(os.path.join(self.out, "own", "file.own.f32.csv"))
+        rows = self.rows("own", "file.own.f32.csv")
         truth = lb.truth(o, d, spheres, tmin=tmin, tmax=tmax, open_ends="tmax")
         exact = np.array([float.fromhex(row["truth_hex"]) if row["truth_hex"] else np.nan for row in rows])
         np.testing.assert_array_equal(truth.t, exact)
@@ -153,32 +148,27 @@ class Bits(unittest.TestCase):
             "--strategy", "*", "-o", self.out)
         found = lb.offsets(lb.scene("near-benign", size=(40, 30)), ["sphere.half_b", "sphere.unified"],
                            points="computed", progress=False)
-        self.hold_table(found.summary, rows_of(os.path.join(self.out, "near-benign", "summary.csv")))
+        self.hold_table(found.summary, self.rows("near-benign", "summary.csv"))
         one = lb.offsets(lb.scene("near-benign", size=(16, 16)), strategies=found.summary.strategy[0], progress=False)
         self.assertEqual(set(one.frame["point"]), {"computed", "projected"})
         self.assertEqual(len(set(one.frame["strategy"])), 1)
 
     def test_sweep(self):
-        shipped = os.path.join(os.environ["LOSTBITS_DATA"], "sweeps", "triangle-distance.toml")
-        with open(shipped, encoding="utf-8") as file:
-            text = file.read()
+        text = Path(os.environ["LOSTBITS_DATA"], "sweeps", "triangle-distance.toml").read_text(encoding="utf-8")
         self.assertIn("steps = 45", text)
         path = os.path.join(self.out, "few.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text.replace("steps = 45", "steps = 9"))
+        Path(path).write_text(text.replace("steps = 45", "steps = 9"), encoding="utf-8")
         run("sweep", path, "-i", "triangle.pbrt", "-f", "f32", "-o", self.out)
         s = lb.sweep(path, "triangle.pbrt", "f32", progress=False)
-        folder = os.path.join(self.out, "few")
-        self.hold_table(s.samples, rows_of(os.path.join(folder, "samples.csv")))
-        self.hold_table(s.onsets, rows_of(os.path.join(folder, "onsets.csv")))
+        self.hold_table(s.samples, self.rows("few", "samples.csv"))
+        self.hold_table(s.onsets, self.rows("few", "onsets.csv"))
 
     def test_choose(self):
         run("choose", "near-benign", "--bits", "16", "--quick", "-i", "sphere.un*", "-o", self.out)
         c = lb.choose("near-benign", 16, forms="sphere.un*", progress=False)
         worth = ("rays", "true_hits", "wrong", "kept_bits", "meets")
         self.assertTrue(np.isnan(c.candidates["distance_error"]).all())
-        rows = rows_of(os.path.join(self.out, "near-benign", "choose.csv"))
-        files = {(row["form"], row["format"]): row for row in rows}
+        files = self.by_form("near-benign", "choose.csv")
         self.assertEqual(len(files), len(c.candidates))
         for i, key in enumerate(zip(c.candidates["form"], c.candidates["format"])):
             for name in worth:
@@ -191,9 +181,8 @@ class Bits(unittest.TestCase):
         m = lb.mend("sphere.half_b", lb.scene("near-benign", size=(24, 24)), 20, progress=False)
         self.assertTrue(m.meets)
         self.assertTrue(text.startswith(str(m)))
-        folder = os.path.join(self.out, "near-benign")
-        self.hold_table(m.forms, rows_of(os.path.join(folder, "mend.csv")))
-        rows = rows_of(os.path.join(folder, "minimal.csv"))
+        self.hold_table(m.forms, self.rows("near-benign", "mend.csv"))
+        rows = self.rows("near-benign", "minimal.csv")
         self.assertGreater(len(rows), 3)
         self.assertEqual([row["operation"] for row in rows], [row["operation"] for row in m.operations])
         self.assertIn("struct Mended", m.code)
@@ -202,8 +191,7 @@ class Bits(unittest.TestCase):
         run("choose", "near-benign", "--tolerance", "0.0001cm", "--unit", "m", "--at", "max", "--quick", "-i",
             "sphere.un*", "-o", self.out)
         c = lb.choose("near-benign", tolerance=0.0001 / 100, at="max", forms="sphere.un*", progress=False)
-        rows = rows_of(os.path.join(self.out, "near-benign", "choose.csv"))
-        files = {(row["form"], row["format"]): row for row in rows}
+        files = self.by_form("near-benign", "choose.csv")
         for i, key in enumerate(zip(c.candidates["form"], c.candidates["format"])):
             off = c.candidates["distance_error"][i]
             self.assertEqual(off, float(files[key]["distance_error"]))

@@ -1,11 +1,15 @@
-#include "output/diff/difference.hpp"
-
 #include <fmt/format.h>
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <optional>
 
 #include "number/error.hpp"
+#include "output/diff/ledger.hpp"
+#include "output/file/number_text.hpp"
 
 namespace lostbits::output::diff {
 
@@ -43,6 +47,133 @@ Comparison compare_bytes(std::string_view a, std::string_view b) {
     result.differences.push_back(
         {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in all", at, a.size(), b.size())});
     return result;
+}
+
+namespace {
+
+using Kind = CellValue::Kind;
+
+/// n · 10^exponent. Decimals and their differences and products are exact in it, so 0.4 and 0.3 are within 0.1.
+struct Exact {
+    boost::multiprecision::cpp_int n;
+    int exponent = 0;
+
+    explicit Exact(const CellValue& v) : n(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
+        if (v.negative) n = -n;
+    }
+    Exact(boost::multiprecision::cpp_int digits, int power) : n(std::move(digits)), exponent(power) {}
+
+    [[nodiscard]] boost::multiprecision::cpp_int at(int power) const {
+        return n *
+               boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
+    }
+    [[nodiscard]] double approximate(int shift = 0) const {
+        const double size = file::nearest_double(boost::multiprecision::cpp_int(abs(n)).str(), exponent - shift);
+        return n < 0 ? -size : size;
+    }
+};
+
+Exact distance(const Exact& a, const Exact& b) {
+    const int power = std::min(a.exponent, b.exponent);
+    return {abs(a.at(power) - b.at(power)), power};
+}
+
+bool at_most(const Exact& a, const Exact& b) {
+    const int power = std::min(a.exponent, b.exponent);
+    return a.at(power) <= b.at(power);
+}
+
+/// 10^(m − 1) <= |v| < 10^m of a number that is not zero.
+int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
+
+/// Of two numbers of which one is zero or less than 10^-40 of the other, as long as the tolerance is not close to the
+/// larger: then |a − b| is the larger, to 40 digits. Exactly, `1e9999` and `1e-9999` would be 20 000 digits apart.
+std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, const Tolerance* tolerance) {
+    constexpr int far = 40;
+    if (x.digits.empty() && y.digits.empty()) return {};
+    const bool one_is_zero = x.digits.empty() || y.digits.empty();
+    if (!one_is_zero && std::abs(magnitude(x) - magnitude(y)) <= far) return {};
+    const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
+    PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
+    if (tolerance == nullptr) return v;
+    const CellValue& most = tolerance->absolute;
+    const double relative = tolerance->relative.approximate();
+    // With m of the larger, |a − b| lies between 10^(m − 2) and 10^(m + 1).
+    const bool below = most.digits.empty() || magnitude(most) <= magnitude(larger) - 2;
+    const bool above = !most.digits.empty() && magnitude(most) >= magnitude(larger) + 2;
+    if (!above && relative < 2 && !(below && relative < 0.5)) return {};
+    v.differs = below && relative < 0.5;
+    return v;
+}
+
+}  // namespace
+
+PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance* tolerance, bool as_text) {
+    const CellValue x = file::read_cell(a), y = file::read_cell(b);
+    if (x.kind != Kind::number || y.kind != Kind::number) {
+        const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
+        return {.differs = !(x == y), .kinds = !both_text};
+    }
+    if (const auto far = judge_far(x, y, tolerance)) return *far;
+    const Exact p(x), q(y), apart = distance(p, q);
+    const bool first = at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
+    const Exact larger = first ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
+    PairVerdict v{.measured = true, .absolute = apart.approximate()};
+    if (larger.n != 0) {
+        // Scaled to the larger, so that neither leaves the range of a double.
+        const int size = magnitude(first ? x : y);
+        v.relative = apart.approximate(size) / larger.approximate(size);
+    }
+    if (tolerance == nullptr) {
+        v.differs = as_text || !(x == y);
+        return v;
+    }
+    const Exact relative(tolerance->relative);
+    v.differs = !at_most(apart, Exact(tolerance->absolute)) &&
+                !at_most(apart, {relative.n * larger.n, relative.exponent + larger.exponent});
+    return v;
+}
+
+double number_in(std::string_view cell) {
+    const CellValue value = file::read_cell(cell);
+    return value.kind == Kind::number ? Exact(value).approximate() : std::nan("");
+}
+
+PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
+    if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
+        return {};
+    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .kinds = true};
+    const double x = a, y = b, apart = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
+    const bool tolerated = tolerance && (apart <= tolerance->first || apart <= tolerance->second * larger);
+    return {.differs = !tolerated, .measured = true, .absolute = apart, .relative = larger == 0 ? 0 : apart / larger};
+}
+
+std::string distances(const PairVerdict& v) {
+    return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
+}
+
+const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options) {
+    const auto found = std::find_if(options.tolerances.rbegin(), options.tolerances.rend(),
+                                    [&](const Tolerance& t) { return names_column(t.column, name); });
+    return found == options.tolerances.rend() ? nullptr : &*found;
+}
+
+bool ignores(const CompareOptions& options, const std::string& name) {
+    return std::ranges::any_of(options.ignored,
+                               [&](const std::string& pattern) { return names_column(pattern, name); });
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '\n') out += "\\n";
+        else if (c == '\r') out += "\\r";
+        else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F)
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        else if (c == '"' || c == '\\') out += {'\\', c};
+        else out += c;
+    }
+    return out + '"';
 }
 
 }  // namespace lostbits::output::diff

@@ -1,4 +1,4 @@
-#include "output/page/claims_table.hpp"
+#include "output/page/page.hpp"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -216,11 +216,6 @@ std::string title_of(const std::string& subject, const Report& report) {
     return sweep == report.sweeps.end() ? "" : sweep->title;
 }
 
-constexpr const char* table_head =
-    "<table class=\"claims\"><thead><tr><th scope=\"col\">verdict</th><th scope=\"col\">sentence</th><th "
-    "scope=\"col\">measured on</th><th scope=\"col\">quantity</th><th scope=\"col\">measured</th><th "
-    "scope=\"col\">expected</th></tr></thead><tbody>\n";
-
 }  // namespace
 
 std::string claims_table(const Report& report) {
@@ -235,9 +230,9 @@ std::string claims_table(const Report& report) {
         const std::string title = title_of(subject.name, report);
         text += fmt::format(
             "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n"
-            "{}{}</tbody></table></details>\n",
+            "<table class=\"claims\">{}{}</tbody></table></details>\n",
             title.empty() ? "" : html(title) + " ", html(subject.name), counts_text(subject.claims.size(), counts),
-            table_head, rows);
+            header_row({"verdict", "sentence", "measured on", "quantity", "measured", "expected"}), rows);
     }
     return text;
 }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "output/page/json.hpp"
 #include "output/page/pack.hpp"
+#include "output/page/text.hpp"
 
 namespace lostbits::output::page {
 

@@ -10,7 +10,6 @@
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
-#include "output/page/claims_table.hpp"
 #include "output/page/sweep_data.hpp"
 #include "output/page/text.hpp"
 
@@ -65,8 +64,7 @@ std::string instead_of_plots(const std::vector<Picture>& pictures) {
 std::string why_no_plots() {
     if (!plot_script.text.empty()) return "";
     return "<p class=\"no-plots\">The plots are pictures, since uPlot was not there when lostbits was built. To draw "
-           "them "
-           "here, with the numbers of each point: install npm, and type <code>./run</code> (or <code>npm ci "
+           "them here, with the numbers of each point: install npm, and type <code>./run</code> (or <code>npm ci "
            "--omit=dev</code>, and build again) in the folder of lostbits.</p>\n";
 }
 
@@ -85,14 +83,7 @@ Json colours_json() {
              colour_json(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()))}};
 }
 
-const char* kind_name(SweepPart::Kind kind) {
-    switch (kind) {
-        case SweepPart::Kind::line: return "line";
-        case SweepPart::Kind::plane: return "plane";
-        case SweepPart::Kind::cases: break;
-    }
-    return "cases";
-}
+constexpr std::array kind_names{"line", "plane", "cases"};  // of `SweepPart::Kind`
 
 Json index_json(const Report& report) {
     Json json = colours_json();
@@ -100,7 +91,11 @@ Json index_json(const Report& report) {
     json["least_agreement"] = measure::metric::least_agreement;
     json["maps"] = array_of(report.maps, [](const MapPart& m) { return m.index; });
     json["sweeps"] = array_of(report.sweeps, [](const SweepPart& s) {
-        return Json{{"id", s.id}, {"title", s.title}, {"note", s.note}, {"kind", kind_name(s.kind)}, {"rows", s.rows}};
+        return Json{{"id", s.id},
+                    {"title", s.title},
+                    {"note", s.note},
+                    {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
+                    {"rows", s.rows}};
     });
     json["statistics"] = sweep_statistics;
     json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
@@ -118,30 +113,37 @@ std::string about(const std::string& note, const std::string& source) {
     return text;
 }
 
-std::string maps_section(const Report& report) {
-    if (report.maps.empty()) return "";
-    std::string text = "<section id=\"maps\"><h2>Maps</h2>\n<div id=\"map-view\" hidden></div>\n";
-    for (const MapPart& m : report.maps) {
-        text += fmt::format(
-            "<details open class=\"part\" id=\"scene-{}\"><summary>{} "
-            "<code>{}</code></summary>\n{}{}<noscript>{}</noscript></details>\n",
-            html(m.id), html(m.title), html(m.id), about(m.note, m.source), m.table, image(m.sheet));
-    }
-    return text + "</section>\n";
+/// What can be opened and closed: a summary, and what is below it. `id`, if it has one, is what links lead to.
+std::string part(const std::string& id, const std::string& summary, const std::string& body) {
+    return fmt::format("<details open class=\"part\"{}><summary>{}</summary>\n{}</details>\n",
+                       id.empty() ? "" : fmt::format(" id=\"{}\"", html(id)), summary, body);
 }
 
-std::string sweeps_section(const Report& report) {
-    if (report.sweeps.empty()) return "";
-    std::string text = "<section id=\"sweeps\"><h2>Sweeps</h2>\n<div id=\"sweep-view\" hidden></div>\n";
-    if (std::ranges::any_of(report.sweeps, [](const SweepPart& s) { return s.kind == SweepPart::Kind::line; }))
-        text += why_no_plots();
-    for (const SweepPart& s : report.sweeps) {
-        text += fmt::format(
-            "<details open class=\"part\" id=\"sweep-{}\"><summary>{} <code>{}</code></summary>\n{}{}{}</details>\n",
-            html(s.id), html(s.title), html(s.id), about(s.note, s.source), s.table,
-            s.kind == SweepPart::Kind::line ? instead_of_plots(s.pictures) : without_scripts(s.pictures));
-    }
-    return text + "</section>\n";
+std::string named(const std::string& title, const std::string& name) {
+    return fmt::format("{} <code>{}</code>", html(title), html(name));
+}
+
+std::string preformatted(const std::string& words) { return fmt::format("<pre class=\"words\">{}</pre>\n", words); }
+
+std::string maps_body(const std::vector<MapPart>& maps) {
+    if (maps.empty()) return "";
+    std::string text = "<div id=\"map-view\" hidden></div>\n";
+    for (const MapPart& m : maps)
+        text +=
+            part("scene-" + m.id, named(m.title, m.id), about(m.note, m.source) + m.table + without_scripts({m.sheet}));
+    return text;
+}
+
+std::string sweeps_body(const std::vector<SweepPart>& sweeps) {
+    if (sweeps.empty()) return "";
+    const auto is_line = [](const SweepPart& s) { return s.kind == SweepPart::Kind::line; };
+    std::string text = "<div id=\"sweep-view\" hidden></div>\n";
+    if (std::ranges::any_of(sweeps, is_line)) text += why_no_plots();
+    for (const SweepPart& s : sweeps)
+        text += part("sweep-" + s.id, named(s.title, s.id),
+                     about(s.note, s.source) + s.table +
+                         (is_line(s) ? instead_of_plots(s.pictures) : without_scripts(s.pictures)));
+    return text;
 }
 
 std::string machine_of(const Report& report) {
@@ -151,33 +153,21 @@ std::string machine_of(const Report& report) {
         report.processor.empty() ? "" : fmt::format(" ({})", html(report.processor)));
 }
 
-std::string trades_section(const Report& report) {
+std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text = fmt::format(
-        "<section id=\"trade\"><h2>Speed against accuracy</h2>\n<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n",
-        machine_of(report));
-    text += why_no_plots();
-    for (const TradePart& t : report.trades) {
-        text += fmt::format("<details open class=\"part\"><summary>{}</summary><pre>{}</pre>{}</details>\n",
-                            html(t.shape), html(t.words), instead_of_plots(t.pictures));
-    }
-    return text + "</section>\n";
+    std::string text =
+        fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", machine_of(report)) + why_no_plots();
+    for (const TradePart& t : report.trades)
+        text += part("", html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + instead_of_plots(t.pictures));
+    return text;
 }
 
-std::string choices_section(const Report& report) {
+std::string choices_body(const Report& report) {
     if (report.choices.empty()) return "";
-    std::string text = fmt::format(
-        "<section id=\"choose\"><h2>The cheapest form that meets a wish</h2>\n<p>Every form and format on a scene's "
-        "own "
-        "rays. {}</p>\n",
-        machine_of(report));
-    for (const ChoicePart& c : report.choices) {
-        text += fmt::format(
-            "<details open class=\"part\"><summary>{} <code>{}</code></summary>\n<pre "
-            "class=\"words\">{}</pre>\n{}{}</details>\n",
-            html(c.wish), html(c.scene), html(c.words), image(c.front), c.table);
-    }
-    return text + "</section>\n";
+    std::string text = fmt::format("<p>Every form and format on a scene's own rays. {}</p>\n", machine_of(report));
+    for (const ChoicePart& c : report.choices)
+        text += part("", named(c.wish, c.scene), preformatted(html(c.words)) + image(c.front) + c.table);
+    return text;
 }
 
 /// Words with the lines of a diff marked.
@@ -191,44 +181,39 @@ std::string with_diffs(const std::string& words) {
     return text;
 }
 
-std::string mends_section(const Report& report) {
+std::string mends_body(const Report& report) {
     if (report.mends.empty()) return "";
     std::string text =
-        "<section id=\"mend\"><h2>What to change in a form</h2>\n<p>The fewest operations that must be done in wider "
-        "arithmetic so that a form meets a wish on every ray, and other ways of writing it that are the same without "
-        "rounding.";
+        "<p>The fewest operations that must be done in wider arithmetic so that a form meets a wish on every ray, and "
+        "other ways of writing it that are the same without rounding.";
     if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + machine_of(report);
     text += "</p>\n";
     for (const MendPart& m : report.mends) {
-        text += fmt::format("<details open class=\"part\"><summary>{}: {} <code>{}</code></summary>\n<ul>\n",
-                            html(m.form), html(m.wish), html(m.scene));
-        for (const std::string& change : m.changes) text += fmt::format("<li>{}</li>\n", html(change));
-        text += fmt::format("</ul>\n{}{}<pre class=\"words\">{}</pre></details>\n", m.table, image(m.front),
-                            with_diffs(m.words));
+        std::string changes;
+        for (const std::string& change : m.changes) changes += fmt::format("<li>{}</li>\n", html(change));
+        text += part(
+            "", named(m.form + ": " + m.wish, m.scene),
+            fmt::format("<ul>\n{}</ul>\n", changes) + m.table + image(m.front) + preformatted(with_diffs(m.words)));
     }
-    return text + "</section>\n";
+    return text;
 }
 
-std::string offsets_section(const Report& report) {
-    if (report.offsets.empty()) return "";
+std::string offsets_body(const std::vector<OffsetPart>& offsets) {
+    if (offsets.empty()) return "";
     std::string text = fmt::format(
-        "<section id=\"offsets\"><h2>Origins of the next ray</h2>\n<p>A ray that leaves a computed point may meet the "
-        "solid that it leaves once more, so renderers move its origin. Too short a move leaves such self-hits, too "
-        "long "
-        "a one jumps past a neighbour or through a thin solid. Here the points are those that {} computes in {}, of "
-        "boxes {}. Of every strategy, the share of rays that go wrong (a start on the wrong side alone does no harm, "
-        "and "
-        "does not count):</p>\n",
-        measure::offset::usual_forms[0], measure::offset::usual_format, measure::offset::usual_forms[1]);
-    text += "<div class=\"wide\">" + offset_overview(report.offsets) + "</div>\n";
-    for (const OffsetPart& o : report.offsets) {
-        text += fmt::format(
-            "<details open class=\"part offsets\" id=\"offsets-{}\"><summary>{} <code>{}</code></summary>\n{}",
-            html(o.id), html(o.title), html(o.id), about(o.note, o.source));
-        for (const std::string& line : o.words) text += fmt::format("<p>{}</p>\n", html(line));
-        text += o.table + image(o.sheet) + "</details>\n";
+        "<p>A ray that leaves a computed point may meet the solid that it leaves once more, so renderers move its "
+        "origin. Too short a move leaves such self-hits, too long a one jumps past a neighbour or through a thin "
+        "solid. "
+        "Here the points are those that {} computes in {}, of boxes {}. Of every strategy, the share of rays that go "
+        "wrong (a start on the wrong side alone does no harm, and does not count):</p>\n<div class=\"wide\">{}</div>\n",
+        measure::offset::usual_forms[0], measure::offset::usual_format, measure::offset::usual_forms[1],
+        offset_overview(offsets));
+    for (const OffsetPart& o : offsets) {
+        std::string words = about(o.note, o.source);
+        for (const std::string& line : o.words) words += fmt::format("<p>{}</p>\n", html(line));
+        text += part("offsets-" + o.id, named(o.title, o.id), words + o.table + image(o.sheet));
     }
-    return text + "</section>\n";
+    return text;
 }
 
 std::string counted(std::size_t n, const char* thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
@@ -256,53 +241,63 @@ std::string what_to_do(const Report& report) {
     return "";
 }
 
-/// How the claims came out, and what the words mean.
-std::string verdicts(const Report& report) {
+/// How the claims came out, what the words mean, and the claims.
+std::string claims_body(const Report& report) {
     if (report.claims.empty()) return "";
     const claim::CountsBySource by_source = claim::count_verdicts(report.claims, report.results);
     const claim::VerdictCounts& n = by_source.all;
-    std::string text =
-        fmt::format("<p>{} measured again:</p>\n", counted(report.claims.size(), "claim")) + verdict_tiles(n);
     std::string meaning = by_source.text() + ". ";
     meaning.front() = static_cast<char>(std::toupper(meaning.front()));
     if (n.qualified > 0) meaning += "Qualified: the sentence is true with a condition that its source does not state. ";
     if (n.refuted > 0) meaning += "Refuted: the measurement contradicts the sentence, as was found before.";
     if (n.differing + n.broken > 0) meaning += " Failed: the measurement is no longer what was found before.";
-    return fmt::format("{}<p class=\"hint\">{}</p>\n", text, meaning);
+    return fmt::format(
+        "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
+        counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
-std::string claims_section(const Report& report) {
-    if (report.claims.empty()) return "";
-    return "<section id=\"claims\"><h2>Claims</h2>\n" + verdicts(report) + "<div id=\"claim-view\" hidden></div>\n" +
-           claims_table(report) + "</section>\n";
-}
-
-/// What was typed; last, since it is the result that is looked for first.
-std::string made_section(const Report& report) {
+/// What was typed.
+std::string made_body(const Report& report) {
     const std::string what =
         report.maps.empty() && report.sweeps.empty()
             ? ""
             : fmt::format("{}, {}. ", counted(report.maps.size(), "map"), counted(report.sweeps.size(), "sweep"));
-    return fmt::format(
-        "<section id=\"made\"><h2>The command</h2>\n<p>{}Made by:</p>\n<pre class=\"words\">{}</pre></section>\n", what,
-        html(report.command));
+    return fmt::format("<p>{}Made by:</p>\n", what) + preformatted(html(report.command));
 }
 
-std::string heading(const Report& report) {
-    std::string text =
-        fmt::format("<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n", what_it_is, what_to_do(report));
-    text += "<nav>";
-    if (!report.maps.empty()) text += "<a href=\"#maps\">Maps</a> ";
-    if (!report.sweeps.empty()) text += "<a href=\"#sweeps\">Sweeps</a> ";
-    if (!report.trades.empty()) text += "<a href=\"#trade\">Speed</a> ";
-    if (!report.choices.empty()) text += "<a href=\"#choose\">Choice</a> ";
-    if (!report.mends.empty()) text += "<a href=\"#mend\">Changes</a> ";
-    if (!report.offsets.empty()) text += "<a href=\"#offsets\">Offsets</a> ";
-    if (!report.claims.empty()) text += "<a href=\"#claims\">Claims</a> ";
-    text += "<a href=\"#made\">Command</a></nav>\n";
-    return text +
-           "<noscript><p>Without scripts this page shows tables and contact sheets. With scripts it shows "
-           "every pixel.</p></noscript></header>\n";
+struct Section {
+    const char *id, *link, *title;
+    std::string body;
+};
+
+/// Those that have something to show. The result stands first, since it is what is looked for first.
+std::vector<Section> sections_of(const Report& report) {
+    std::vector<Section> all{
+        {"maps", "Maps", "Maps", maps_body(report.maps)},
+        {"sweeps", "Sweeps", "Sweeps", sweeps_body(report.sweeps)},
+        {"trade", "Speed", "Speed against accuracy", trades_body(report)},
+        {"choose", "Choice", "The cheapest form that meets a wish", choices_body(report)},
+        {"mend", "Changes", "What to change in a form", mends_body(report)},
+        {"offsets", "Offsets", "Origins of the next ray", offsets_body(report.offsets)},
+        {"claims", "Claims", "Claims", claims_body(report)},
+        {"made", "Command", "The command", made_body(report)},
+    };
+    std::erase_if(all, [](const Section& s) { return s.body.empty(); });
+    return all;
+}
+
+/// Its elements of a page's body.
+std::string body_of(const Report& report) {
+    std::string links, text;
+    for (const Section& s : sections_of(report)) {
+        links += fmt::format("{}<a href=\"#{}\">{}</a>", links.empty() ? "" : " ", s.id, s.link);
+        text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.body);
+    }
+    return fmt::format(
+        "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n<nav>{}</nav>\n<noscript><p>Without scripts "
+        "this page shows tables and contact sheets. With scripts it shows every pixel.</p></noscript></header>\n"
+        "<main>\n{}</main>\n",
+        what_it_is, what_to_do(report), links, text);
 }
 
 }  // namespace
@@ -319,16 +314,12 @@ std::string page(const Report& report) {
         text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);
     if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
-    text += "</head><body>\n" + heading(report) + "<main>\n" + maps_section(report) + sweeps_section(report) +
-            trades_section(report) + choices_section(report) + mends_section(report) + offsets_section(report) +
-            claims_section(report) + made_section(report) + "</main>\n";
+    text += "</head><body>\n" + body_of(report);
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     for (const MapPart& m : report.maps) {
         for (const Blob& b : m.blobs) text += blob(b.name, b.packed);
     }
-    for (const SweepPart& s : report.sweeps) {
-        text += blob("sweep:" + s.id, pack(text_of(s.json)));
-    }
+    for (const SweepPart& s : report.sweeps) text += blob("sweep:" + s.id, pack(text_of(s.json)));
     if (!plot_script.text.empty())
         text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text,
                             plot_script.text);

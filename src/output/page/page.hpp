@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "measure/claim/claim.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/choice/choice_text.hpp"
+#include "output/claim/verdict_counts.hpp"
 #include "output/mend/mend_text.hpp"
 #include "output/page/map_data.hpp"
 
@@ -19,6 +22,10 @@ struct Picture {
     std::string png;       ///< its bytes
     bool is_plot = false;  ///< lines or points on paper, whose colours mean nothing but which is which
 };
+
+/// What `draw` writes into the file that it is given. EnvironmentError when it cannot be read back.
+[[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw,
+                              bool is_plot = false);
 
 struct MapPart {
     std::string id, title, note, source;
@@ -111,6 +118,11 @@ struct Report {
 
 /// A table a side: strategies down, scenes across, the share of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
+
+/// The counts as tiles, the gravest first to be seen.
+[[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);
+/// A table per subject, with a row per claim; where the page shows what it was measured on, its place is a link to it.
+[[nodiscard]] std::string claims_table(const Report& report);
 
 /// The page, the same bytes for the same report.
 [[nodiscard]] std::string page(const Report& report);

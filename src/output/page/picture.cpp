@@ -1,39 +1,38 @@
-#include "output/page/picture.hpp"
-
 #include <fstream>
 #include <sstream>
 
 #include "intersect/device/temporary_folder.hpp"
 #include "number/error.hpp"
+#include "output/page/page.hpp"
 
 namespace lostbits::output::page {
 
-TemporaryFolder::TemporaryFolder() : path_(intersect::device::make_temporary_folder("lostbits-report")) {}
+namespace {
 
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
+/// A folder of its own under the system's folder for temporary files, removed with all that is in it.
+struct TemporaryFolder {
+    const std::filesystem::path path = intersect::device::make_temporary_folder("lostbits-report");
 
-std::string bytes_of(const std::filesystem::path& file) {
+    TemporaryFolder() = default;
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+};
+
+}  // namespace
+
+Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw, bool is_plot) {
+    const TemporaryFolder folder;
+    const auto file = folder.path / "picture.png";
+    draw(file);
     std::ifstream in(file, std::ios::binary);
     std::ostringstream bytes;
     bytes << in.rdbuf();
     if (!in) throw EnvironmentError(file.string() + ": could not be read back");
-    return bytes.str();
-}
-
-Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
-    const TemporaryFolder folder;
-    const auto file = folder.path() / "picture.png";
-    draw(file);
-    return {std::move(alt), bytes_of(file)};
-}
-
-Picture plot_picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
-    Picture plot = picture(std::move(alt), draw);
-    plot.is_plot = true;
-    return plot;
+    return {std::move(alt), bytes.str(), is_plot};
 }
 
 }  // namespace lostbits::output::page

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "output/page/json.hpp"
+#include "output/page/text.hpp"
 
 namespace lostbits::output::page {
 

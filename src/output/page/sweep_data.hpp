@@ -1,4 +1,4 @@
-// Sweeps and trades as the page holds them.
+// Sweeps, planes of two axes, named cases and trades as the page holds them.
 #pragma once
 
 #include <array>
@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "measure/speed/trade.hpp"
+#include "measure/sweep/cases.hpp"
 #include "measure/sweep/sweep.hpp"
-#include "output/page/json.hpp"
+#include "output/page/text.hpp"
 
 namespace lostbits::output::page {
 
@@ -28,6 +29,16 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
 [[nodiscard]] Json sweep_json(const measure::sweep::SweepRequest& request,
                               const std::vector<measure::sweep::SweepStep>& steps,
                               const std::vector<measure::sweep::Onset>& onsets);
+
+/// A sweep over two axes: the axes with their values, rising; and of every row the outcomes and
+/// `sweep_statistics` of each cell, lines of the lowest second value first.
+[[nodiscard]] Json plane_json(const measure::sweep::SweepRequest& request,
+                              const std::vector<measure::sweep::SweepStep>& steps);
+
+/// Named cases: their names, and of every row (by each convention) verdict, outcomes and `sweep_statistics` of
+/// each.
+[[nodiscard]] Json case_json(const measure::sweep::CaseRequest& request,
+                             const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
 
 /// A table of a row each, with the places where things first go wrong, as HTML.
 [[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,

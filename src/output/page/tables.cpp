@@ -27,12 +27,6 @@ std::string share_cell(double share) {
     return fmt::format("<td class=\"n\"><data value=\"{}\">{}</data></td>", file::decimal(share), text);
 }
 
-std::string header_row(const std::vector<std::string>& names) {
-    std::string text = "<thead><tr>";
-    for (const std::string& name : names) text += fmt::format("<th scope=\"col\">{}</th>", html(name));
-    return text + "</tr></thead><tbody>\n";
-}
-
 /// What a column shows of a strategy.
 struct StrategyColumn {
     const char *name, *column;
@@ -57,26 +51,28 @@ std::string summary_table(const measure::evaluate::EvaluationRequest& request,
     const auto value = [&](std::string_view name, const measure::evaluate::FormSummary& s) {
         return measure::evaluate::find_column(columns, name)->value(s);
     };
-    std::string text =
-        "<table><thead><tr><th scope=\"col\">form</th><th scope=\"col\">format</th><th scope=\"col\">false "
-        "hits</th><th scope=\"col\">false misses</th><th scope=\"col\">NaN</th><th "
-        "scope=\"col\">wrong solids</th>" +
-        std::string(request.scene->mesh ? "<th scope=\"col\">cracks</th><th scope=\"col\">double hits</th>"
-                                          "<th scope=\"col\">out of order</th>"
-                                        : "") +
-        "<th scope=\"col\">unresolved</th><th scope=\"col\">agreed hits</th><th scope=\"col\">lost bits p50</th><th "
-        "scope=\"col\">p99</th><th scope=\"col\">max</th><th scope=\"col\">excess p99</th>"
-        "<th scope=\"col\">worst pixel</th></tr></thead><tbody>\n";
+    struct Counted {
+        const char *title, *column;
+    };
+    std::vector<Counted> counts{{"false hits", "false_hit"},
+                                {"false misses", "false_miss"},
+                                {"NaN", "not_a_number"},
+                                {"wrong solids", "wrong_object"}};
+    if (request.scene->mesh)
+        counts.insert(counts.end(),
+                      {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
+    counts.push_back({"unresolved", "unresolved"});
+    std::vector<std::string> names{"form", "format"};
+    for (const Counted& count : counts) names.emplace_back(count.title);
+    names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
+    std::string text = "<table>" + header_row(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& s = summaries[r];
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
-        std::vector<const char*> counts{"false_hit", "false_miss", "not_a_number", "wrong_object"};
-        if (request.scene->mesh) counts.insert(counts.end(), {"crack", "double_hit", "out_of_order"});
-        counts.push_back("unresolved");
-        for (const char* name : counts)
-            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(name, s)));
+        for (const Counted& count : counts)
+            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count.column, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
         if (s.true_hits > 0 && !s.agreement().is_enough()) {
             text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());

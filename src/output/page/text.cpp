@@ -21,6 +21,12 @@ std::string html(std::string_view text) {
     return out;
 }
 
+std::string header_row(const std::vector<std::string>& names) {
+    std::string text = "<thead><tr>";
+    for (const std::string& name : names) text += fmt::format("<th scope=\"col\">{}</th>", html(name));
+    return text + "</tr></thead><tbody>\n";
+}
+
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
@@ -28,6 +34,48 @@ std::string shown(double value) {
                                  : fmt::format("{:.4g}", value);
     return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value),
                        value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
+}
+
+namespace {
+
+std::string quoted(const std::string& text) {
+    std::string out;
+    for (const char c : Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)) {
+        if (c == '<') out += "\\u003c";
+        else out += c;
+    }
+    return out;
+}
+
+}  // namespace
+
+Json number_json(double value) {
+    if (std::isnan(value)) return nullptr;
+    return std::isinf(value) ? Json(file::decimal(value)) : Json(value);
+}
+
+Json colour_json(const image::Rgb8& c) { return Json::array({c.r, c.g, c.b}); }
+
+Json scale_json(const image::ColourScale& scale) {
+    return {{"lo", number_json(scale.lo())},
+            {"hi", number_json(scale.hi())},
+            {"spacing", image::spacing_names[static_cast<std::size_t>(scale.spacing())]},
+            {"ticks", array_of(scale.ticks(7), [](const image::ColourScale::Tick& tick) {
+                 return Json::array({number_json(tick.position), tick.label});
+             })}};
+}
+
+std::string text_of(const Json& json) {
+    if (json.is_string()) return quoted(json.get_ref<const std::string&>());
+    if (json.is_number_float()) return file::decimal(json.get<double>());
+    if (!json.is_structured()) return json.dump();
+    std::string text;
+    for (const auto& [key, value] : json.items()) {
+        if (!text.empty()) text += ',';
+        if (json.is_object()) text += quoted(key) + ':';
+        text += text_of(value);
+    }
+    return json.is_object() ? '{' + text + '}' : '[' + text + ']';
 }
 
 }  // namespace lostbits::output::page

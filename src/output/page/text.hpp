@@ -1,10 +1,12 @@
-// Numbers and strings as HTML holds them.
+// Numbers and strings as HTML and JSON hold them.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "output/image/colour.hpp"
 
 namespace lostbits::output::page {
 
@@ -14,5 +16,32 @@ namespace lostbits::output::page {
 /// A rounded number to look at that carries the exact one: `<data value="12.818665731680333">12.82</data>`; a dash for
 /// a NaN.
 [[nodiscard]] std::string shown(double value);
+
+/// The head of a table, up to its first row.
+[[nodiscard]] std::string header_row(const std::vector<std::string>& names);
+
+/// Members stay in the order in which they are added.
+using Json = nlohmann::ordered_json;
+
+/// The number; null for a NaN, "inf" and "-inf" as strings, since JSON has no such numbers.
+[[nodiscard]] Json number_json(double value);
+
+/// `[r,g,b]`
+[[nodiscard]] Json colour_json(const image::Rgb8& colour);
+
+/// `{"lo":…,"hi":…,"log2":…,"ticks":[[position,label],…]}`
+[[nodiscard]] Json scale_json(const image::ColourScale& scale);
+
+/// `of(item)` of every item, as an array.
+template <class Items, class Of>
+[[nodiscard]] Json array_of(const Items& items, const Of& of) {
+    Json array = Json::array();
+    for (const auto& item : items) array.push_back(of(item));
+    return array;
+}
+
+/// The text, without spaces: a double as the shortest decimal that reads back to it, as the CSV has it (dump() is not
+/// always the shortest and writes 1 as 1.0); `<` as \u003c, so that the text may stand inside a script element.
+[[nodiscard]] std::string text_of(const Json& json);
 
 }  // namespace lostbits::output::page

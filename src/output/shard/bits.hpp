@@ -57,22 +57,12 @@ private:
     void put(const std::array<T, n>& x) {
         put_list(x.data(), n);
     }
+    /// What points to a value or to none.
     template <class T>
-    void put_pointed(const T& x) {
+    requires requires(const T& x) { *x, static_cast<bool>(x); }
+    void put(const T& x) {
         put(static_cast<bool>(x));
         if (x) put(*x);
-    }
-    template <class T>
-    void put(const std::optional<T>& x) {
-        put_pointed(x);
-    }
-    template <class T>
-    void put(const std::unique_ptr<T>& x) {
-        put_pointed(x);
-    }
-    template <class T>
-    void put(const std::shared_ptr<const T>& x) {
-        put_pointed(x);
     }
 
     std::string bytes_;

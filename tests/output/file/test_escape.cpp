@@ -13,7 +13,6 @@
 #include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"
-#include "output/page/json.hpp"
 #include "output/page/text.hpp"
 
 namespace test_escape {

@@ -1,6 +1,6 @@
 // What the page says of a claim's verdict: how it came out, and what it rests on.
 #include "catch.hpp"
-#include "output/page/claims_table.hpp"
+#include "output/page/page.hpp"
 
 namespace test_claims_table {
 

@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "output/file/number_text.hpp"
-#include "output/page/json.hpp"
+#include "output/page/text.hpp"
 
 namespace test_json {
 

@@ -1,5 +1,69 @@
-// Beside the picture of a map: the names of its halves, what to look for, and the form's own numbers while no ray is
-// chosen.
+// Beside the picture of a map: what its colours mean, the names of its halves, what to look for, the form's own numbers
+// while no ray is chosen, and the small pictures.
+
+/** The ramp with its ticks, and what it is of. */
+function rampBar(ticks, text) {
+    const bar = make("canvas", { width: 256, height: 12, className: "bar", "aria-hidden": "true" }),
+          context = bar.getContext("2d");
+    ramp.forEach((c, i) => {
+        context.fillStyle = `rgb(${c.join(",")})`;
+        context.fillRect(i, 0, 1, 12);
+    });
+    const scale = make("span.scale", bar);
+    for (const [position, label] of ticks) {
+        const tick = make("span.tick", label);
+        tick.style.left = `${position * 256}px`;
+        scale.append(tick);
+    }
+    return make("span.ramp", scale, make("span.unit", text));
+}
+
+/** An operation's expression, or a word of ours. */
+const categoryName = (metric, value) =>
+    (metric.blamed ? metric.categories[value][0] : words(metric.categories[value][0]));
+
+/** A small square of a class's colour. */
+function swatch(colour) {
+    const canvas = make("canvas.swatch", { width: 12, height: 12, "aria-hidden": "true" }),
+          context = canvas.getContext("2d");
+    context.fillStyle = `rgb(${colour.join(",")})`;
+    context.fillRect(0, 0, 12, 12);
+    return canvas;
+}
+
+/** The colour of a class, and what it means. */
+const ofColour = (colour, text) => make("span.class", swatch(colour), ` ${text}`);
+
+/** The operations that are to blame most often, and in how many pixels. */
+function culpritLegend({ name, categories }, pixels) {
+    const counts = new Map(), most = 8;
+    for (const c of pixels.stored[name])
+        if (!Number.isNaN(c)) counts.set(c, (counts.get(c) ?? 0) + 1);
+    const order = [...counts].sort((a, b) => b[1] - a[1] || a[0] - b[0]),
+          rest = total(order.slice(most).map(([, n]) => n));
+    const shown = order.slice(0, most).map(([c, n]) => ofColour(categories[c][1], `${categories[c][0]} ${n}`));
+    if (rest > 0) shown.push(make("span.class", `${order.length - most} more, each in its own colour ${rest}`));
+    return shown;
+}
+
+async function drawLegend() {
+    const metric = metricNow(), row = rowNow(), { name, unit, blamed, categories } = metric, children = [];
+    if (metric.scales)
+        children.push(rampBar(
+            scaleOf(metric, row).ticks,
+            `${words(name)}${unit && unit !== "1" && !name.includes(unit) ? `, ${unit}` : ""}`));
+    if (blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
+    else children.push(...(categories ?? []).map(([word, colour]) => ofColour(colour, words(word))));
+    if (metricNow() !== metric || rowNow() !== row) return;  // another is looked at by now
+    if (!metric.marches && !metric.every_ray) {
+        index.outcomes.forEach(([word, colour], o) => {
+            if (blamed && wrongDecisions.includes(o)) return;  // a culprit is named for those too
+            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
+                children.push(ofColour(colour, `${words(word)} ${row.outcomes[o]}`));
+        });
+    }
+    mapParts.legend.replaceChildren(...children);
+}
 
 /** Writes A and B on the halves, each no wider than its half. */
 function nameHalves() {
@@ -8,7 +72,7 @@ function nameHalves() {
              [halfA, "A", rowNow(), state.split], [halfB, "B", other, 1 - state.split]]) {
         half.hidden = !other || share < 0.08;
         if (half.hidden) continue;
-        half.replaceChildren(make("b", {}, letter), ` ${shortName(row)} ${row.format}`);
+        half.replaceChildren(make("b", letter), ` ${shortName(row)} ${row.format}`);
         half.style.maxWidth = `${100 * share}%`;
     }
 }
@@ -22,14 +86,13 @@ async function otherAnswer(map, row, x, y) {
     const answer = p.object[i] > 0 ? `, t ${decimal(p.t[i])}` : "",
           lost = outcome === agreeHit ? `, ${derived.lost_bits(sampleAt(p, i)).toFixed(2)} bits lost` : "";
     return make(
-        "p", { className: "outcome-b" }, swatch(index.outcomes[outcome][1]),
+        "p.outcome-b", swatch(index.outcomes[outcome][1]),
         ` B: ${words(outcomeNames[outcome])}: ${title(row)}${answer}${lost}`);
 }
 
 /** What a scene or sweep is to show, open until it is closed. */
 function noteBox(id) {
-    const text = make("p"),
-          box = make("details", { className: "note", id, open: true }, make("summary", {}, "What to look for"), text);
+    const text = make("p"), box = make("details.note", { id, open: true }, make("summary", "What to look for"), text);
     return [
         box,
         (note) => {
@@ -41,22 +104,77 @@ function noteBox(id) {
 
 /** The form over the whole picture: its decisions, then its quantiles, where enough hits agree. */
 function summaryOf(map, row) {
-    const rays = row.outcomes.reduce((a, b) => a + b, 0), agreed = row.outcomes[agreeHit], body = make("tbody");
+    const rays = total(row.outcomes), agreed = row.outcomes[agreeHit], body = make("tbody");
     row.outcomes.forEach((n, o) => n > 0 && body.append(cells("td", words(outcomeNames[o]), `${n} of ${rays} rays`)));
-    const table = make("table", {}, make("caption", {}, `${title(row)}, the whole picture`), body);
+    const table = make("table", make("caption", `${title(row)}, the whole picture`), body);
     if (row.true_hits === 0) return [table];
     if (!isEnough(agreed, row.true_hits))
-        return [table, make("p", { className: "few" }, `${tooFew(agreed, row.true_hits)}: too few for a quantile.`)];
+        return [table, make("p.few", `${tooFew(agreed, row.true_hits)}: too few for a quantile.`)];
     const quantiles = make("tbody");
     for (const metric of map.metrics) {
         const values = row.statistics[metric.name];
-        if (!values || (metric.marches && !row.form.startsWith("sdf.")) || !values.some((v) => typeof v === "number"))
-            continue;
+        if (!values || (metric.marches && !marches(row.form)) || !values.some((v) => typeof v === "number")) continue;
         quantiles.append(cells("td", words(metric.name), ...values.map((v) => rounded(asNumber(v)))));
     }
     return [make(
-        "div", { className: "pair" }, table,
+        "div.pair", table,
         make(
-            "table", {}, make("caption", {}, `quantiles of ${agreed} agreed hits`),
-            header("metric", ...index.quantiles), quantiles))];
+            "table", make("caption", `quantiles of ${agreed} agreed hits`), header("metric", ...index.quantiles),
+            quantiles))];
+}
+
+// Every form and format of the scene side by side: one range, one view, moved together.
+
+const paneParts = {
+    scene: "",
+    cells: new Map()
+};
+
+function buildPane(map, row) {
+    const factor = 144 / Math.max(map.width, map.height);
+    const canvas = make("canvas", { width: Math.round(map.width * factor), height: Math.round(map.height * factor) });
+    const lost = row.statistics.lost_bits?.[1], agreed = row.outcomes[agreeHit];
+    const quantile = !isEnough(agreed, row.true_hits) ? `${tooFew(agreed, row.true_hits)}: no quantile` :
+        lost === null || lost === undefined ? "no correct hit" :
+                                              `p99 ${rounded(lost)} of ${row.precision} bits lost`;
+    const wrong = index.outcomes.map(([name], o) => [name, row.outcomes[o]]).filter(([name, n], o) => o >= 2 && n > 0);
+    const pane = button(
+        ".pane", (event) => goTo(event.shiftKey ? { other: keyOf(row) } : { form: row.form, format: row.format }),
+        make("span.thumbnail", canvas), make("span.name", make("b", shortName(row)), ` ${row.format}`),
+        ...wrong.map(([name, n]) => make("small", `${n} ${words(name)}`)), make("small", quantile));
+    pane.title = `${row.title}; click to look at it, shift-click to compare with it`;
+    pane.dataset.row = keyOf(row);
+    steer(canvas, () => {});
+    return { row, canvas, pane };
+}
+
+async function drawPanes() {
+    const map = mapNow(), metric = metricNow();
+    if (paneParts.scene !== map.id) {
+        paneParts.scene = map.id;
+        paneParts.cells = new Map(map.rows.map((row) => [keyOf(row), buildPane(map, row)]));
+        document.getElementById("panes").replaceChildren(...[...paneParts.cells.values()].map((c) => c.pane));
+    }
+    for (const { row, canvas, pane } of paneParts.cells.values()) {
+        if (metric.marches && !marches(row.form)) continue;
+        const field = paint(map, await pixelsOf(map, row), metric);
+        if (map !== mapNow() || metric !== metricNow()) return;
+        drawView(canvas, map, field);
+        pane.classList.toggle("chosen", row === rowNow());
+        pane.classList.toggle("other", row === otherRow());
+        pane.dataset.half = !otherRow() ? "" : row === rowNow() ? "A" : row === otherRow() ? "B" : "";
+    }
+}
+
+function buildPanes() {
+    let waiting = false;
+    // After the large picture, and once for many moves.
+    listeners.push(() => {
+        if (waiting) return;
+        waiting = true;
+        setTimeout(() => {
+            waiting = false;
+            drawing = drawPanes();
+        }, 0);
+    });
 }

@@ -31,7 +31,7 @@ function sortClaims(order, falling) {
 function buildClaims() {
     const root = document.getElementById("claim-view"), subjects = [...document.querySelectorAll("details.subject")],
           rows = [...document.querySelectorAll("table.claims tbody tr")];
-    const copied = make("pre", { className: "copied", hidden: true }), count = make("span", { "aria-live": "polite" });
+    const copied = make("pre.copied", { hidden: true }), count = make("span", { "aria-live": "polite" });
     const filter = make("input", { type: "search", id: "filter", placeholder: "a word, or a verdict" });
     filter.addEventListener("input", () => {
         const asked = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -55,23 +55,20 @@ function buildClaims() {
     };
     rows.forEach((row, k) => {
         row.dataset.place = k;
-        row.lastElementChild.append(
-            make("br"),
-            make(
-                "button", { type: "button", className: "small", onclick: () => copyText(row.dataset.command, copied) },
-                "copy the command"));
+        const copy = () => copyText(row.dataset.command, copied);
+        row.lastElementChild.append(make("br"), button(".small", copy, "copy the command"));
     });
     for (const head of document.querySelectorAll("table.claims thead th")) {
         const by = head.textContent;
-        head.replaceChildren(make("button", { type: "button", className: "order", onclick: () => sortBy(by) }, by));
+        head.replaceChildren(button(".order", () => sortBy(by), by));
     }
     const openAll = (open) => subjects.forEach((subject) => (subject.open = open));
     root.append(
         make(
-            "div", { className: "pickers" }, make("label", {}, "filter ", filter), count,
+            "div.pickers", make("label", "filter ", filter), count,
             choice("sorted by", "pick-order", Object.keys(claimOrders).map((o) => [o, o]), order.by, sortBy),
-            make("button", { type: "button", id: "open-claims", onclick: () => openAll(true) }, "open all"),
-            make("button", { type: "button", id: "close-claims", onclick: () => openAll(false) }, "close all")),
+            button("#open-claims", () => openAll(true), "open all"),
+            button("#close-claims", () => openAll(false), "close all")),
         copied);
     root.hidden = false;
 }

@@ -3,6 +3,8 @@
 const index = JSON.parse(document.getElementById("index").textContent);
 const outcomeNames = index.outcomes.map(([name]) => name);
 const agreeHit = 0;
+const wrongDecisions = ["false_miss", "false_hit", "wrong_object", "crack", "double_hit", "out_of_order"].map(
+    (name) => outcomeNames.indexOf(name));
 const keyOf = (row) => `${row.form}.${row.format}`;
 const shortName = (row) => row.form.slice(row.form.indexOf(".") + 1);
 
@@ -11,167 +13,141 @@ const isEnough = (agreed, hits) => hits === 0 || (agreed > 0 && agreed >= index.
 const tooFew = (agreed, hits) =>
     `${agreed} of ${hits} hit${hits === 1 ? "" : "s"} ${agreed === 1 ? "agrees" : "agree"}`;
 
-const unpacked = new Map();
-
-/** The bytes of a packed part; a promise. Each is unpacked once. */
-function bytesOf(name) {
-    if (!unpacked.has(name)) unpacked.set(name, unpack(name));
-    return unpacked.get(name);
+/** What `read` gives for a name, or a promise of it; each is read once. */
+const kept = new Map();
+function once(name, read) {
+    if (!kept.has(name)) kept.set(name, read());
+    return kept.get(name);
 }
 
-async function unpack(name) {
-    const element = document.getElementById(name);
-    const text = atob(element.textContent);
+async function bytesOf(name) {
+    const element = document.getElementById(name), text = atob(element.textContent),
+          packed = new Uint8Array(text.length);
     element.remove();  // it is not needed twice
-    const packed = new Uint8Array(text.length);
     for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Reads planes: byte k of all numbers, lowest first. */
+/** A packed part that is JSON. */
+const jsonOf = (name) => once(name, async () => JSON.parse(new TextDecoder().decode(await bytesOf(name))));
+
+/** Reads planes: byte k of all numbers, lowest first; as machines have them, on which browsers run. */
 class Planes {
     constructor(bytes, count) {
         this.bytes = bytes;
         this.count = count;
         this.at = 0;
     }
-    unsigned(width, Type) {
-        const values = new Type(this.count), n = this.count;
-        for (let k = 0; k < width; ++k) {
-            const plane = this.bytes.subarray(this.at, this.at + n);
-            for (let i = 0; i < n; ++i) values[i] |= plane[i] << (8 * k);
-            this.at += n;
+    read(Type) {
+        const n = this.count, width = Type.BYTES_PER_ELEMENT, bytes = new Uint8Array(n * width);
+        for (let k = 0; k < width; ++k, this.at += n) {
+            for (let i = 0; i < n; ++i) bytes[i * width + k] = this.bytes[this.at + i];
         }
-        return values;
-    }
-    floats() { return new Float32Array(this.unsigned(4, Uint32Array).buffer); }
-    /** Pairs of words, low and high. */
-    wide() {
-        const low = this.unsigned(4, Uint32Array);
-        return { low, high: this.unsigned(4, Uint32Array) };
-    }
-    doubles() {
-        const { low, high } = this.wide(), values = new Float64Array(this.count);
-        for (let i = 0; i < values.length; ++i) values[i] = doubleOf(high[i], low[i]);
-        return values;
+        return new Type(bytes.buffer);
     }
 }
 
-/**
- * Undoes what `MapData::Group` does: bits less 2 last - before, folded, along each row of the picture. In two words of
- * 32 bits.
- */
-function pointedTo({ low, high }, width, decision) {
-    const values = new Float64Array(low.length);
-    let lastLow = 0, lastHigh = 0, beforeLow = 0, beforeHigh = 0;
-    for (let i = 0; i < values.length; ++i) {
-        if (i % width === 0) lastLow = lastHigh = beforeLow = beforeHigh = 0;
+// Undoes `folded_difference`: in 32 bits, and in pairs of words of 32 bits, low and high.
+
+const unfold = (d) => (d >>> 1) ^ -(d & 1);
+
+function unfoldPair(words, at) {
+    const sign = -(words[at] & 1);
+    words[at] = ((words[at] >>> 1) | (words[at + 1] << 31)) ^ sign;
+    words[at + 1] = (words[at + 1] >>> 1) ^ sign;
+}
+
+function addPair(words, at, low, high) {
+    const sum = words[at] + (low >>> 0);
+    words[at] = sum;
+    words[at + 1] += high + (sum > 0xffffffff ? 1 : 0);
+}
+
+/** Calls `undo(i, last, before)` for the true hits along each row of a picture; without a neighbour, `none`. */
+function alongRows(width, decision, none, undo) {
+    for (let i = 0, last = none, before = none; i < decision.length; ++i) {
+        if (i % width === 0) last = before = none;
         if (decision[i] !== 1) continue;
-        const sign = -(low[i] & 1);
-        let l = (((low[i] >>> 1) | (high[i] << 31)) ^ sign) >>> 0, h = (high[i] >>> 1) ^ sign;
-        const add = (a, b) => {
-            const sum = l + a;
-            l = sum >>> 0;
-            h = (h + b + (sum > 0xffffffff ? 1 : 0)) | 0;
-        };
-        add(lastLow, lastHigh);
-        if (beforeLow !== 0 || beforeHigh !== 0) {
-            add(lastLow, lastHigh);
-            add(~beforeLow >>> 0, ~beforeHigh);  // less `before`: plus its complement and one
-            add(1, 0);
-        }
-        [beforeLow, beforeHigh, lastLow, lastHigh] = [lastLow, lastHigh, l, h];
-        values[i] = doubleOf(h, l);
+        undo(i, last, before);
+        [before, last] = [last, i];
     }
-    return values;
+}
+
+/** Undoes what `MapData::Group` does: bits less 2 last - before; they are 0 where nothing is hit. */
+function pointedTo(doubles, width, decision) {
+    const n = doubles.length, words = new Uint32Array(2 * n + 2);  // and the bits of none, which are 0
+    words.set(new Uint32Array(doubles.buffer));
+    alongRows(width, decision, n, (i, last, before) => {
+        unfoldPair(words, 2 * i);
+        addPair(words, 2 * i, words[2 * last], words[2 * last + 1]);
+        if (words[2 * before] === 0 && words[2 * before + 1] === 0) return;
+        addPair(words, 2 * i, words[2 * last], words[2 * last + 1]);
+        addPair(words, 2 * i, ~words[2 * before], ~words[2 * before + 1]);  // its complement and one: less `before`
+        addPair(words, 2 * i, 1, 0);
+    });
+    return new Float64Array(words.buffer, 0, n);
 }
 
 async function truthOf(map, group) {
     const planes = new Planes(await bytesOf(`truth:${map.id}:${group}`), map.width * map.height);
-    const decision = planes.unsigned(1, Uint8Array);
+    const decision = planes.read(Uint8Array);
     return {
         decision,
-        object: planes.unsigned(4, Uint32Array),
-        truth: pointedTo(planes.wide(), map.width, decision),
-        rest: planes.floats(),
-        bound: planes.unsigned(2, Int16Array),
-        condition: planes.floats(),
+        object: planes.read(Uint32Array),
+        truth: pointedTo(planes.read(Float64Array), map.width, decision),
+        rest: planes.read(Float32Array),
+        bound: planes.read(Int16Array),
+        condition: planes.read(Float32Array),
     };
 }
 
-/** Undoes `folded_difference` in 32 bits. */
-const unfold = (d) => (d >>> 1) ^ -(d & 1);
-
-/** Floats of the true hits, whose bits are kept less 2 last - before, folded, along each row; NaN elsewhere. */
+/** Floats of the true hits, whose bits are kept less 2 last - before; NaN elsewhere. */
 function floatsPointedTo(d, width, decision) {
-    const bits = new Uint32Array(d.length), values = new Float32Array(bits.buffer);
-    let last = 0, before = 0;
-    for (let i = 0; i < d.length; ++i) {
-        if (i % width === 0) last = before = 0;
-        if (decision[i] !== 1) {
-            values[i] = NaN;
-            continue;
-        }
-        bits[i] = unfold(d[i]) + (before === 0 ? last : 2 * last - before);
-        before = last;
-        last = bits[i];
-    }
-    return values;
+    const values = new Float32Array(d.length + 1).fill(NaN), bits = new Uint32Array(values.buffer), none = d.length;
+    bits[none] = 0;
+    alongRows(width, decision, none, (i, last, before) => {
+        bits[i] = unfold(d[i]) + (bits[before] === 0 ? bits[last] : 2 * bits[last] - bits[before]);
+    });
+    return values.subarray(0, none);
 }
 
-function answers32(planes, truth) {
-    const d = planes.unsigned(4, Uint32Array), bits = new Uint32Array(d.length), near = new Float32Array(1),
-          nearBits = new Uint32Array(near.buffer);
-    for (let i = 0; i < d.length; ++i) {
-        near[0] = truth.decision[i] === 1 ? truth.truth[i] : 0;
-        bits[i] = nearBits[0] + unfold(d[i]);
+/** Answers, whose bits are kept less those of the truth in the same format. */
+function answers(planes, { coding }, { truth }) {
+    if (coding === "plain64") return planes.read(Float64Array);
+    if (coding === "bits32") {
+        const bits = new Uint32Array(Float32Array.from(truth).buffer);
+        planes.read(Uint32Array).forEach((d, i) => (bits[i] += unfold(d)));
+        return Float64Array.from(new Float32Array(bits.buffer));
     }
-    return Float64Array.from(new Float32Array(bits.buffer));
-}
-
-function answers64(planes, truth) {
-    const { low, high } = planes.wide(), t = new Float64Array(low.length);
-    for (let i = 0; i < t.length; ++i) {
-        const sign = -(low[i] & 1);  // shifted right by one in 64 bits, then turned over where negative
-        const l = ((low[i] >>> 1) | (high[i] << 31)) ^ sign, h = (high[i] >>> 1) ^ sign;
-        const near = truth.decision[i] === 1 ? truth.truth[i] : 0;
-        const sum = (lowOf(near) >>> 0) + (l >>> 0);
-        t[i] = doubleOf(highOf(near) + h + (sum > 0xffffffff ? 1 : 0), sum);
+    const t = planes.read(Float64Array), words = new Uint32Array(t.buffer),
+          near = new Uint32Array(Float64Array.from(truth).buffer);
+    for (let i = 0; i < words.length; i += 2) {
+        unfoldPair(words, i);
+        addPair(words, i, near[i], near[i + 1]);
     }
     return t;
 }
 
-const rowsRead = new Map();
-
 /** The pixels of a row: outcome, object, t, the stored metrics and the truth they share with others. */
-function pixelsOf(map, row) {
-    const name = `row:${map.id}:${keyOf(row)}`;
-    if (!rowsRead.has(name)) rowsRead.set(name, readRow(map, row, name));
-    return rowsRead.get(name);
-}
+const pixelsOf = (map, row) => once(`row:${map.id}:${keyOf(row)}`, () => readRow(map, row));
 
-const truthsRead = new Map();
-function sharedTruth(map, group) {
-    const name = `${map.id}:${group}`;
-    if (!truthsRead.has(name)) truthsRead.set(name, truthOf(map, group));
-    return truthsRead.get(name);
-}
-
-async function readRow(map, row, name) {
-    const [bytes, truth] = await Promise.all([bytesOf(name), sharedTruth(map, row.group)]);
-    const planes = new Planes(bytes, map.width * map.height);
-    const outcome = planes.unsigned(1, Uint8Array), object = planes.unsigned(4, Uint32Array);
-    const t = row.coding === "bits32" ? answers32(planes, truth) :
-        row.coding === "bits64"       ? answers64(planes, truth) :
-                                        planes.doubles();
-    const stored = {};
+async function readRow(map, row) {
+    const shared = once(`truth:${map.id}:${row.group}`, () => truthOf(map, row.group));
+    const [bytes, truth] = await Promise.all([bytesOf(`row:${map.id}:${keyOf(row)}`), shared]);
+    const planes = new Planes(bytes, map.width * map.height), stored = {};
+    const pixels = {
+        ...{ row, truth, stored, painted: new Map() },
+        outcome: planes.read(Uint8Array),
+        object: planes.read(Uint32Array),
+        t: answers(planes, row, truth)
+    };
     for (const metric of map.metrics) {
-        if (metric.kind === "stored") stored[metric.name] = planes.floats();
+        if (metric.kind === "stored") stored[metric.name] = planes.read(Float32Array);
         if (metric.kind === "hits")
-            stored[metric.name] = floatsPointedTo(planes.unsigned(4, Uint32Array), map.width, truth.decision);
+            stored[metric.name] = floatsPointedTo(planes.read(Uint32Array), map.width, truth.decision);
     }
-    return { row, truth, outcome, object, t, stored, painted: new Map() };
+    return pixels;
 }
 
 const sampleAt = (pixels, i) =>
@@ -201,7 +177,7 @@ function rampAt(scale, value) {
     if (value >= scale.hi) return ramp[255];
     const spaced = spacings[scale.spacing];
     const p = (spaced(value) - spaced(scale.lo)) / (spaced(scale.hi) - spaced(scale.lo));
-    return ramp[Math.round(Math.min(1, Math.max(0, p)) * 255)];
+    return ramp[Math.round(within(p, 0, 1) * 255)];
 }
 
 /** The scale of a metric in the format of a row. */

@@ -24,19 +24,18 @@ function layoutOf(sweep, rows) {
         lines: sweep.cases.length,
         cell: (i, j) => [rows[i], j],
         up: false,
-        across: rows.map((r) => r.form.slice(r.form.indexOf(".") + 1)),
+        across: rows.map(shortName),
         down: sweep.cases.map(([name]) => name)
     };
 }
 
-const wrongOutcomes = [
-    "not_a_number", "false_miss", "false_hit", "wrong_object", "crack", "double_hit", "out_of_order"
-].map((name) => outcomeNames.indexOf(name));
+const wrongOutcomes = [outcomeNames.indexOf("not_a_number"), ...wrongDecisions];
 
 /** The most frequent wrong outcome, the first of equals, where more than half of the rays have one. */
 function mostlyWrong(counts) {
-    const rays = counts.reduce((a, b) => a + b, 0), wrong = wrongOutcomes.reduce((sum, o) => sum + counts[o], 0);
-    return wrong / rays > 0.5 ? wrongOutcomes.reduce((best, o) => (counts[o] > counts[best] ? o : best)) : -1;
+    return total(wrongOutcomes.map((o) => counts[o])) / total(counts) > 0.5 ?
+        wrongOutcomes.reduce((best, o) => (counts[o] > counts[best] ? o : best)) :
+        -1;
 }
 
 /** Colour and text of a cell; no colour where there is no value. */
@@ -53,7 +52,7 @@ function cellLook(sweep, row, statistic, cell) {
             } :
                                                  { colour, text: `${bits.toFixed(0)} b` };
         }
-        const all = counts.reduce((a, b) => a + b, 0);
+        const all = total(counts);
         return { colour: index.outcomes[outcome][1], text: counts[outcome] < all ? `${counts[outcome]}/${all}` : "" };
     }
     const value = drawnValue(sweep, row, statistic, cell), wrong = isFraction(statistic) ? -1 : mostlyWrong(counts);
@@ -104,10 +103,7 @@ function paintCell(context, look, x, y, w, h) {
     context.fillRect(x, y, w, h);
     if (!look.colour) {
         context.strokeStyle = "#c8c8ca";
-        context.beginPath();
-        context.moveTo(x, y + h);
-        context.lineTo(x + w, y);
-        context.stroke();
+        strokeAlong(context, [x, y + h], [x + w, y]);
     }
     if (!look.text) return;
     context.fillStyle = inkOn(look.colour);
@@ -183,10 +179,7 @@ function drawGrid() {
     const at = gridCell(sweep, rows, chosen);
     if (at) {
         const [x, y] = placeOf(layout, frame, ...at);
-        for (const [colour, grow] of [["#fff", 2.5], ["#202024", 1.5]]) {
-            context.strokeStyle = colour;
-            context.strokeRect(x - grow, y - grow, frame.w - frame.gap + 2 * grow, frame.h - frame.gap + 2 * grow);
-        }
+        ringAround(context, x, y, frame.w - frame.gap, frame.h - frame.gap);
     }
     drawLabels(context, sweep, layout, frame);
     Object.assign(gridParts, { layout, frame, width, height });
@@ -206,24 +199,26 @@ function gridCell(sweep, rows, chosen) {
 }
 
 function gridUnder(event) {
-    const box = gridParts.canvas.getBoundingClientRect(), { layout, frame, width, height } = gridParts;
-    const i = Math.floor((((event.clientX - box.left) / box.width) * width - frame.left) / frame.w),
-          line = Math.floor((((event.clientY - box.top) / box.height) * height - frame.top) / frame.h);
+    const { canvas, layout, frame, width, height } = gridParts, [x, y] = shareOf(canvas, event);
+    const i = Math.floor((x * width - frame.left) / frame.w), line = Math.floor((y * height - frame.top) / frame.h);
     return i >= 0 && i < layout.columns && line >= 0 && line < layout.lines ?
         [i, layout.up ? layout.lines - 1 - line : line] :
         null;
 }
 
+/** The values of both axes at a cell of a plane. */
+function placesOf(sweep, cell) {
+    const [x, y] = sweep.axes.map((axis) => axis.values);
+    return [x[cell % x.length], y[Math.floor(cell / x.length)]];
+}
+
 /** What the cell in column i of line j is of: its row, its number and where it lies, in words. */
 function cellAt(i, j) {
-    const { sweep, rows, chosen } = sweepParts.now, [row, cell] = gridParts.layout.cell(i, j);
-    if (sweep.kind === "cases") return { row: row ?? chosen, cell, place: [["case", sweep.cases[cell][0], ""]] };
-    return {
-        row: chosen,
-        cell,
-        place: [[sweep.axes[0], i], [sweep.axes[1], j]].map(
-            ([axis, k]) => [axis.label, decimal(axis.values[k]), hex(axis.values[k])])
-    };
+    const { sweep, chosen } = sweepParts.now, [row, cell] = gridParts.layout.cell(i, j);
+    const place = sweep.kind === "cases" ?
+        [["case", sweep.cases[cell][0], ""]] :
+        placesOf(sweep, cell).map((value, k) => [sweep.axes[k].label, decimal(value), hex(value)]);
+    return { row: row ?? chosen, cell, place };
 }
 
 function chooseCell(i, j) {
@@ -237,44 +232,37 @@ function walkGrid(dx, dy) {
         return chooseCell(
             sweep.kind === "plane" ? layout.columns >> 1 : rows.indexOf(chosen),
             sweep.kind === "plane" ? layout.lines >> 1 : 0);
-    const inside = (x, n) => Math.min(n - 1, Math.max(0, x));
-    return chooseCell(inside(at[0] + dx, layout.columns), inside(at[1] + (layout.up ? -dy : dy), layout.lines));
+    return chooseCell(
+        within(at[0] + dx, 0, layout.columns - 1), within(at[1] + (layout.up ? -dy : dy), 0, layout.lines - 1));
 }
 
 /** Bar and classes of what is drawn. */
 function gridLegend() {
-    const { sweep, rows, chosen, statistic } = sweepParts.now, seen = new Set(),
-                                           shown = sweep.kind === "plane" ? [chosen] : rows;
-    for (const row of shown) {
-        row.outcomes.forEach((counts, cell) => {
-            const verdict = statistic === "verdict" ? outcomeNames.indexOf(row.verdicts[cell]) :
-                isFraction(statistic)               ? -1 :
-                                                      mostlyWrong(counts);
-            if (verdict >= 0) seen.add(verdict);
-        });
-    }
+    const { sweep, rows, chosen, statistic } = sweepParts.now, isVerdict = statistic === "verdict",
+                                           isPlane = sweep.kind === "plane", shown = isPlane ? [chosen] : rows;
+    const cells = shown.flatMap((row) => row.outcomes.map((counts, cell) => ({ row, counts, cell })));
+    const outcomeOf = ({ row, counts, cell }) => isVerdict ? outcomeNames.indexOf(row.verdicts[cell]) :
+        isFraction(statistic)                              ? -1 :
+                                                             mostlyWrong(counts);
+    const seen = new Set(cells.map(outcomeOf).filter((outcome) => outcome >= 0));
     const scale =
         isFraction(statistic) ? [0, 0.25, 0.5, 0.75, 1].map((x) => [x, String(x)]) : sweep.scales[chosen.format].ticks;
-    const entries = [rampBar(scale, statistic === "verdict" ? "lost bits, max" : words(statistic))];
-    const add = (colour, text) => entries.push(make("span", { className: "class" }, swatch(colour), ` ${text}`));
-    if (statistic === "verdict") {
-        add(sweep.right, `right: ${sweep.right_means}`);
-        if (rows.some((row) => row.verdicts.includes("within_inputs")))
-            entries.push(make("span", { className: "class" }, `22/21 b, paler: ${sweep.within_means}`));
-        entries.push(make("span", { className: "class" }, sweep.numbers_mean));
+    const entries = [rampBar(scale, isVerdict ? "lost bits, max" : words(statistic))];
+    const say = (text) => entries.push(make("span.class", text));
+    if (isVerdict) {
+        entries.push(ofColour(sweep.right, `right: ${sweep.right_means}`));
+        if (rows.some((row) => row.verdicts.includes("within_inputs"))) say(`22/21 b, paler: ${sweep.within_means}`);
+        say(sweep.numbers_mean);
     }
     for (const outcome of [...seen].sort())
-        add(index.outcomes[outcome][1],
-            `${words(outcomeNames[outcome])}${statistic === "verdict" ? "" : " on most rays"}`);
-    if (statistic === "lost_bits_p99" && sweep.kind === "plane") {
-        const any = chosen.outcomes.some((_, cell) => isBlamed(sweep, chosen, cell));
         entries.push(
-            make("span", { className: "class", id: "outlined" }, any ? sweep.outlined_means : sweep.nowhere_outlined));
+            ofColour(index.outcomes[outcome][1], `${words(outcomeNames[outcome])}${isVerdict ? "" : " on most rays"}`));
+    if (statistic === "lost_bits_p99" && isPlane) {
+        const any = cells.some(({ cell }) => isBlamed(sweep, chosen, cell));
+        entries.push(make("span.class#outlined", any ? sweep.outlined_means : sweep.nowhere_outlined));
     }
-    const few = !isFraction(statistic) && statistic !== "verdict" &&
-        (sweep.kind === "plane" ? [chosen] : rows)
-            .some((row) => row.outcomes.some((_, cell) => isWithheld(row, statistic, cell)));
-    if (few) entries.push(make("span", { className: "class" }, `crossed out: ${sweep.gap_means}`));
+    if (!isFraction(statistic) && !isVerdict && cells.some(({ row, cell }) => isWithheld(row, statistic, cell)))
+        say(`crossed out: ${sweep.gap_means}`);
     return entries;
 }
 
@@ -287,8 +275,7 @@ const gridKeys = {
 };
 
 function buildGrid() {
-    const canvas = make("canvas", { id: "grid", tabIndex: 0, role: "img", "aria-label": "cells" });
-    gridParts.canvas = canvas;
+    const canvas = gridParts.canvas = make("canvas#grid", { tabIndex: 0, role: "img", "aria-label": "cells" });
     canvas.addEventListener("click", (event) => {
         const at = gridUnder(event);
         canvas.focus();

@@ -4,33 +4,20 @@ const title = (row) => `${row.form} in ${row.format}`;
 
 /** `t`, the truth and the metrics of a pixel under a form in each of its formats. */
 async function pixelFacts(map, row, x, y) {
-    const i = y * map.width + x;
-    const same = map.rows.filter((r) => r.form === row.form);
-    const all = await Promise.all(same.map((r) => pixelsOf(map, r)));
-    const pixels = all[same.indexOf(row)], { truth } = pixels;
-    const answers = same.map((r, k) => {
-        const p = all[k], hit = p.object[i] > 0, agreed = p.outcome[i] === agreeHit, s = sampleAt(p, i);
-        return {
-            format: r.format,
-            outcome: outcomeNames[p.outcome[i]],
-            hit,
-            t: p.t[i],
-            object: p.object[i] - 1,
-            ulp_error: agreed ? derived.ulp_error(s) : NaN,
-            lost_bits: agreed ? derived.lost_bits(s) : NaN,
-        };
-    });
-    const metrics =
-        map.metrics.map((m) => [m, valueAt(pixels, m, i)]).filter(([m]) => !m.marches || row.form.startsWith("sdf."));
+    const i = y * map.width + x, same = map.rows.filter((r) => r.form === row.form);
+    const all = await Promise.all(same.map((r) => pixelsOf(map, r))), pixels = all[same.indexOf(row)],
+          { truth } = pixels;
     return {
-        outcome: outcomeNames[pixels.outcome[i]],
-        decision: ["miss", "hit", "unresolved"][truth.decision[i]],
-        truth: truth.truth[i],
-        rest: truth.rest[i],
-        bound: truth.bound[i],
-        trueObject: truth.object[i] - 1,
-        answers,
-        metrics,
+        outcome: pixels.outcome[i],
+        truth: Object.fromEntries(Object.entries(truth).map(([name, values]) => [name, values[i]])),
+        answers: all.map((p) => {
+            const agreed = p.outcome[i] === agreeHit, of = (name) => (agreed ? derived[name](sampleAt(p, i)) : NaN);
+            return {
+                ...{ format: p.row.format, outcome: p.outcome[i], hit: p.object[i] > 0, t: p.t[i] },
+                ...{ ulp_error: of("ulp_error"), lost_bits: of("lost_bits") }
+            };
+        }),
+        metrics: map.metrics.filter((m) => !m.marches || marches(row.form)).map((m) => [m, valueAt(pixels, m, i)])
     };
 }
 
@@ -38,26 +25,23 @@ const tidy = (x) => (Number.isFinite(x) ? decimal(Number(x.toPrecision(7))) : de
 
 function cells(tag, ...texts) {
     return make(
-        "tr", {},
+        "tr",
         ...texts.map((text, k) => make(k === 0 ? "th" : tag, k === 0 ? { scope: "row" } : { className: "n" }, text)));
 }
 
 function header(...texts) {
-    return make("thead", {}, make("tr", {}, ...texts.map((text) => make("th", { scope: "col" }, text))));
+    return make("thead", make("tr", ...texts.map((text) => make("th", { scope: "col" }, text))));
 }
 
-function truthText(facts, row) {
-    if (facts.decision !== "hit")
-        return [
-            facts.decision === "miss" ? "The ray truly misses." :
-                                        "The true answer could not be proved, so this ray is not counted."
-        ];
-    const bound = facts.bound === -32768 ? "exactly" : `within 2^${facts.bound}`;
-    const rest = facts.rest === 0 ? "" : ` ${facts.rest < 0 ? "-" : "+"} ${tidy(Math.abs(facts.rest))}`;
+function truthText({ decision, truth, rest, bound, object }, row) {
+    if (decision === 0) return ["The ray truly misses."];
+    if (decision === 2) return ["The true answer could not be proved, so this ray is not counted."];
+    const off = rest === 0 ? "" : ` ${rest < 0 ? "-" : "+"} ${tidy(Math.abs(rest))}`;
     return [
-        make("b", {}, row.direction === "unit" ? "true distance " : "true t "),
-        make("code", { data: { truth: decimal(facts.truth) } }, decimal(facts.truth)), `${rest}, ${bound}; `,
-        make("code", {}, hex(facts.truth)), `; solid ${facts.trueObject}`
+        make("b", row.direction === "unit" ? "true distance " : "true t "),
+        make("code", { data: { truth: decimal(truth) } }, decimal(truth)),
+        `${off}, ${bound === -32768 ? "exactly" : `within 2^${bound}`}; `, make("code", hex(truth)),
+        `; solid ${object - 1}`
     ];
 }
 
@@ -66,11 +50,11 @@ function answerTable(facts) {
     for (const a of facts.answers) {
         body.append(cells(
             "td", a.format, a.hit ? decimal(a.t) : "no hit", a.hit ? hex(a.t) : "",
-            Number.isNaN(a.ulp_error) ? words(a.outcome) : tidy(a.ulp_error),
+            Number.isNaN(a.ulp_error) ? words(outcomeNames[a.outcome]) : tidy(a.ulp_error),
             Number.isNaN(a.lost_bits) ? "" : a.lost_bits.toFixed(2)));
         body.lastChild.dataset.format = a.format;
     }
-    return make("table", { className: "answers" }, header("format", "t", "t exactly", "ulp error", "lost bits"), body);
+    return make("table.answers", header("format", "t", "t exactly", "ulp error", "lost bits"), body);
 }
 
 function metricTable(facts) {
@@ -83,7 +67,7 @@ function metricTable(facts) {
         body.lastChild.title = m.meaning;
         body.lastChild.dataset.metric = m.name;
     }
-    return make("table", { className: "metrics" }, body);
+    return make("table.metrics", body);
 }
 
 /** What to type for the same map, and for one ray of it. */
@@ -116,7 +100,7 @@ function intervalAbout(column, value, rays) {
 }
 
 /** `in = […]`, and what was measured. */
-function intervalLine(column, value, rays, isDrawn = false) {
+function intervalLine(column, value, rays, isDrawn) {
     const [low, high] = intervalAbout(column, value, rays);
     const advice = isDrawn ?
         "; the rays are random, so take the interval that `lostbits check --measure --seeds 31` prints" :
@@ -124,26 +108,31 @@ function intervalLine(column, value, rays, isDrawn = false) {
     return `# measured ${decimal(value)}${advice}\nin = [${decimal(low)}, ${decimal(high)}]`;
 }
 
-/** A claim of what the summary has for this row, two-sided, ready for data/claims. */
-function claimFor(map, row, metric) {
-    const rays = row.outcomes.reduce((a, b) => a + b, 0);
-    const statistic = row.statistics[metric.name];
-    const quantile = typeof statistic?.[1] === "number" && isEnough(row.outcomes[agreeHit], row.true_hits);
-    const [column, value] = quantile ? [`${metric.name}_p99`, statistic[1]] : ["agree_hit", row.outcomes[agreeHit]];
+/** A two-sided claim about a row of the page, ready for data/claims; `given` is what it is measured on. */
+function claimText(id, given, { form, format }, [column, value], rays, isDrawn) {
     return `[[claim]]
-id = "my.${map.id}.${row.form}.${row.format}.${column}"
+id = "my.${id}.${form}.${format}.${column}"
 statement = "Say in one sentence what should hold"
 source = "-"
 verdict = "holds"
 note = "${column} over ${rays} rays, from the report"
 [claim.given]
-scene = "${map.id}"
-form = "${row.form}"
-format = "${row.format}"
+${given}
+form = "${form}"
+format = "${format}"
 [claim.expect]
 metric = "${column}"
-${intervalLine(column, value, rays)}
+${intervalLine(column, value, rays, isDrawn)}
 `;
+}
+
+/** Of what the summary has for this row. */
+function claimFor(map, row, metric) {
+    const p99 = row.statistics[metric.name]?.[1], agreed = row.outcomes[agreeHit];
+    const known = typeof p99 === "number" && isEnough(agreed, row.true_hits);
+    return claimText(
+        map.id, `scene = "${map.id}"`, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed],
+        total(row.outcomes));
 }
 
 let asked = 0;
@@ -154,19 +143,10 @@ async function showPixel(element, map, row, x, y, pinned) {
           other = otherRow() ? [await otherAnswer(map, otherRow(), x, y)] : [];
     if (number !== asked) return;  // another pixel has been asked for since
     element.replaceChildren(
-        make("h3", {}, `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
+        make("h3", `Pixel ${x}, ${y}${pinned ? "" : " (under the pointer)"}`),
         make(
-            "p", { className: "outcome" }, swatch(index.outcomes[outcomeNames.indexOf(facts.outcome)][1]),
-            ` ${letterA()}${words(facts.outcome)}: ${title(row)}`),
-        ...other, make("p", {}, ...truthText(facts, row)), answerTable(facts), metricTable(facts));
+            "p.outcome", swatch(index.outcomes[facts.outcome][1]),
+            ` ${letterA()}${words(outcomeNames[facts.outcome])}: ${title(row)}`),
+        ...other, make("p", ...truthText(facts.truth, row)), answerTable(facts), metricTable(facts));
     element.dataset.pixel = `${x},${y}`;
-}
-
-/** A small square of a class's colour. */
-function swatch(colour) {
-    const canvas = make("canvas", { width: 12, height: 12, className: "swatch", "aria-hidden": "true" });
-    const context = canvas.getContext("2d");
-    context.fillStyle = `rgb(${colour.join(",")})`;
-    context.fillRect(0, 0, 12, 12);
-    return canvas;
 }

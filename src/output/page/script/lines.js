@@ -9,8 +9,8 @@ const endGap = 14;  // pixels between the names of lines
  */
 function heights({ rows, statistic }) {
     if (!isFraction(statistic)) return { of: (value) => value };
-    const most = Math.max(1, ...rows.flatMap((row) => row.outcomes.map((o) => o.reduce((a, b) => a + b, 0)))),
-          low = Math.log10(1 / most), foot = low - 0.5, decades = [];
+    const most = Math.max(1, ...rows.flatMap((row) => row.outcomes.map((o) => total(o)))), low = Math.log10(1 / most),
+          foot = low - 0.5, decades = [];
     for (let e = Math.ceil(low); e <= 0; ++e) decades.push(e);
     return {
         of: (value) =>
@@ -90,18 +90,11 @@ function drawEnds(plot) {
     context.lineWidth = k;
     ends.forEach(({ group, x, y }, i) => {
         context.strokeStyle = group.colour;
-        context.beginPath();
         // From where the line stops, if that is before the edge: dotted.
         context.setLineDash(x < right - 2 * k ? [k, 4 * k] : []);
-        context.moveTo(x, y);
-        context.lineTo(right, y);
-        context.stroke();
+        strokeAlong(context, [x, y], [right, y]);
         context.setLineDash([]);
-        context.beginPath();
-        context.moveTo(right, y);
-        context.lineTo(right + 12 * k, places[i]);
-        context.lineTo(right + 16 * k, places[i]);
-        context.stroke();
+        strokeAlong(context, [right, y], [right + 12 * k, places[i]], [right + 16 * k, places[i]]);
         context.fillStyle = ink("--ink");
         context.fillText(endName(group), right + 19 * k, places[i]);
     });
@@ -118,7 +111,7 @@ function shadeTooFar(plot) {
     const { sweep, chosen } = sweepParts.now, part = sweep.too_far[chosen.format];
     if (!part) return;
     const { ctx: context, bbox } = plot, right = bbox.left + bbox.width;
-    const [from, to] = part.map((v) => Math.min(right, Math.max(bbox.left, plot.valToPos(asNumber(v), "x", true))));
+    const [from, to] = part.map((v) => within(plot.valToPos(asNumber(v), "x", true), bbox.left, right));
     context.save();
     context.fillStyle = ink("--shade");
     context.fillRect(
@@ -130,19 +123,17 @@ function shadeTooFar(plot) {
 function drawLineKey() {
     const { sweep, chosen, rows } = sweepParts.now, { groups, lineKey } = sweepParts;
     const entries = groups.map((group) => {
-        const names = make("span", {}, ` ${group.rows.map(shortName).join(", ")}`);
-        if (group.rows.length > 1) names.append(make("small", {}, ` (${group.rows.length} forms, the same values)`));
-        if (lastOf(group) < 0) names.append(make("small", {}, " (no values)"));
-        const entry = make("li", {}, lineSample(group), names);
+        const names = make("span", ` ${group.rows.map(shortName).join(", ")}`);
+        if (group.rows.length > 1) names.append(make("small", ` (${group.rows.length} forms, the same values)`));
+        if (lastOf(group) < 0) names.append(make("small", " (no values)"));
+        const entry = make("li", lineSample(group), names);
         entry.classList.toggle("chosen", group.rows.includes(chosen));
         return entry;
     });
-    if (groups.length < rows.length)
-        entries.unshift(make("li", { className: "hint" }, `${rows.length} forms, ${groups.length} lines:`));
-    if (sweep.too_far[chosen.format])
-        entries.push(make("li", {}, make("span", { className: "shade" }), ` ${sweep.too_far_means}`));
+    if (groups.length < rows.length) entries.unshift(make("li.hint", `${rows.length} forms, ${groups.length} lines:`));
+    if (sweep.too_far[chosen.format]) entries.push(make("li", make("span.shade"), ` ${sweep.too_far_means}`));
     if (rows.some((row) => row.outcomes.some((_, k) => isWithheld(row, sweepParts.now.statistic, k))))
-        entries.push(make("li", { className: "hint" }, sweep.gap_means));
+        entries.push(make("li.hint", sweep.gap_means));
     lineKey.replaceChildren(...entries);
 }
 
@@ -229,10 +220,7 @@ function drawStep(plot) {
     context.save();
     context.strokeStyle = ink("--ink");
     context.lineWidth = devicePixelRatio;
-    context.beginPath();
-    context.moveTo(x, bbox.top);
-    context.lineTo(x, bbox.top + bbox.height);
-    context.stroke();
+    strokeAlong(context, [x, bbox.top], [x, bbox.top + bbox.height]);
     if (Number.isFinite(value)) {
         context.beginPath();
         context.arc(x, plot.valToPos(sweepParts.heights.of(value), "y", true), 5 * devicePixelRatio, 0, 2 * Math.PI);
@@ -248,22 +236,20 @@ function stepAt(k) {
 }
 
 function onsetLines(row) {
-    if (row.onsets.length === 0) return [make("p", {}, "No threshold is crossed along this sweep.")];
+    if (row.onsets.length === 0) return [make("p", "No threshold is crossed along this sweep.")];
     const body = make("tbody");
     for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
         body.append(cells(
             "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
             low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
     return [make(
-        "details", {}, make("summary", {}, `Onsets of ${title(row)}: ${row.onsets.length}`),
-        make(
-            "table", {}, header("event", "threshold", "last good", "first seen bad", "first seen bad over draws"),
-            body))];
+        "details", make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
+        make("table", header("event", "threshold", "last good", "first seen bad", "first seen bad over draws"), body))];
 }
 
 function walkSteps(by) {
     const last = sweepParts.now.sweep.steps.length - 1;
-    return goTo({ u: state.u < 0 ? last >> 1 : Math.min(last, Math.max(0, state.u + by)) });
+    return goTo({ u: state.u < 0 ? last >> 1 : within(state.u + by, 0, last) });
 }
 
 const lineKeys = {
@@ -275,7 +261,7 @@ const lineKeys = {
 };
 
 function buildLines() {
-    const element = make("div", { className: "plot", id: "sweep-plot", tabIndex: 0, role: "group" });
+    const element = make("div.plot#sweep-plot", { tabIndex: 0, role: "group" });
     element.addEventListener("click", (event) => {
         if (!event.target.closest(".u-over")) return;
         const { idx } = sweepParts.plot.cursor;

@@ -40,8 +40,7 @@ async function start() {
     });
     for (const link of document.querySelectorAll("a[data-view]"))
         link.href = `#${link.dataset.view}`;  // without scripts they lead to its table and pictures
-    addEventListener("popstate", follow);
-    addEventListener("hashchange", follow);
+    addEventListener("popstate", follow);  // of links and of the address, too: once, or what was not found is forgotten
     // On paper nothing can be opened.
     let closed = [];
     addEventListener("beforeprint", () => {
@@ -61,8 +60,7 @@ async function start() {
     for (const part of document.querySelectorAll("details.part"))
         part.open = index.maps.length + index.sweeps.length === 0;
     settle();
-    if (location.hash.includes("=")) await follow();
-    else await Promise.all(listeners.map((show) => show([])));
+    await (location.hash.includes("=") ? follow() : drawAll());
     document.documentElement.dataset.ready = String(Math.round(performance.now()));
 }
 

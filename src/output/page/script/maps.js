@@ -14,31 +14,31 @@ function drawView(canvas, map, field) {
     context.drawImage(field, left, top, w, h, 0, 0, canvas.width, canvas.height);
 }
 
+/** Where in a canvas an event is: 0 to 1 each way. */
+function shareOf(canvas, { clientX, clientY }) {
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    return [(clientX - left) / width, (clientY - top) / height];
+}
+
 function pixelUnder(canvas, map, event) {
-    const box = canvas.getBoundingClientRect(), { left, top, w, h } = viewOf(map);
-    const inside = (x, n) => Math.min(n - 1, Math.max(0, Math.floor(x)));
+    const { left, top, w, h } = viewOf(map), [u, v] = shareOf(canvas, event);
     return {
-        x: inside(left + ((event.clientX - box.left) / box.width) * w, map.width),
-        y: inside(top + ((event.clientY - box.top) / box.height) * h, map.height)
+        x: within(Math.floor(left + u * w), 0, map.width - 1),
+        y: within(Math.floor(top + v * h), 0, map.height - 1)
     };
 }
 
 /** Zooms about the point under the pointer. */
-function zoomBy(canvas, map, event, factor) {
-    const box = canvas.getBoundingClientRect();
-    const u = (event.clientX - box.left) / box.width - 0.5, v = (event.clientY - box.top) / box.height - 0.5;
-    const zoom = Math.min(64, Math.max(1, state.zoom * factor));
+function zoomBy(canvas, event, factor) {
+    const [u, v] = shareOf(canvas, event).map((x) => x - 0.5), zoom = within(state.zoom * factor, 1, 64);
     goTo({ zoom, cx: state.cx + u / state.zoom - u / zoom, cy: state.cy + v / state.zoom - v / zoom });
 }
 
-function crosshair(canvas, map) {
-    if (state.x < 0) return;
-    const { left, top, w, h } = viewOf(map), context = canvas.getContext("2d");
-    const sx = canvas.width / w, sy = canvas.height / h;
-    const x = (state.x - left) * sx, y = (state.y - top) * sy;
+/** A ring about a pixel or cell, light around dark. */
+function ringAround(context, x, y, w, h) {
     for (const [colour, grow] of [["#fff", 2.5], ["#202024", 1.5]]) {
         context.strokeStyle = colour;
-        context.strokeRect(x - grow, y - grow, sx + 2 * grow, sy + 2 * grow);
+        context.strokeRect(x - grow, y - grow, w + 2 * grow, h + 2 * grow);
     }
 }
 
@@ -68,7 +68,10 @@ async function drawMap() {
         context.fillStyle = "#202024";
         context.fillRect(at - 1, 0, 2, canvas.height);
     }
-    crosshair(canvas, map);
+    if (state.x >= 0) {
+        const { left, top, w, h } = viewOf(map), sx = canvas.width / w, sy = canvas.height / h;
+        ringAround(canvas.getContext("2d"), (state.x - left) * sx, (state.y - top) * sy, sx, sy);
+    }
     canvas.setAttribute(
         "aria-label",
         `${map.title}: ${words(metric.name)} of ${title(rowNow())}${
@@ -76,31 +79,23 @@ async function drawMap() {
 }
 
 function drawPickers() {
-    const map = mapNow(), row = rowNow(), other = otherRow();
-    const options = (names) => [...new Set(names)].map((n) => [n, n]);
-    const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
-    const pickers = [
+    const map = mapNow(), row = rowNow(), others = map.rows.filter((r) => r !== row);
+    const picker = (label, id, key, options) =>
+        choice(label, id, options, state[key], (value) => goTo({ [key]: value }));
+    const names = (all) => [...new Set(all)].map((n) => [n, n]);
+    showPickers(
+        mapParts.pickers,
         choice(
             "scene", "pick-scene", titled(index.maps), state.scene,
             (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
-        choice(
-            `${letterA()}form`, "pick-form", options(map.rows.map((r) => r.form)), state.form,
-            (form) => goTo({ form })),
-        choice(
-            "format", "pick-format", options(map.rows.filter((r) => r.form === state.form).map((r) => r.format)),
-            state.format, (format) => goTo({ format })),
-        choice(
-            "metric", "pick-metric", able.map((m) => [m.name, words(m.name)]), state.metric,
-            (metric) => goTo({ metric })),
-        choice(
-            other ? "B: against" : "against", "pick-other",
-            [["", "nothing"], ...map.rows.filter((r) => r !== row).map((r) => [keyOf(r), title(r)])], state.other,
-            (other) => goTo({ other })),
-    ];
-    const held = document.activeElement?.id;
-    mapParts.pickers.replaceChildren(...pickers);
-    if (held?.startsWith("pick-"))
-        document.getElementById(held)?.focus();  // a picker that was just used keeps the keyboard
+        picker(`${letterA()}form`, "pick-form", "form", names(map.rows.map((r) => r.form))),
+        picker(
+            "format", "pick-format", "format",
+            names(map.rows.filter((r) => r.form === state.form).map((r) => r.format))),
+        picker("metric", "pick-metric", "metric", ableMetrics(map).map((m) => [m.name, words(m.name)])),
+        picker(
+            otherRow() ? "B: against" : "against", "pick-other", "other",
+            [["", "nothing"], ...others.map((r) => [keyOf(r), title(r)])]));
     mapParts.slider.hidden = state.other === "";
     mapParts.slider.value = state.split;
     mapParts.copyClaim.disabled = !map.own_size;  // a claim is of the scene at its own size
@@ -114,30 +109,24 @@ function worstOf({ worst, worst_explain }) {
     if (!worst) return [];
     return [
         `Worst pixel ${worst.x}, ${worst.y}${worst_explain ? ": " : ""}`,
-        ...(worst_explain ? [make("code", {}, worst_explain)] : [])
+        ...(worst_explain ? [make("code", worst_explain)] : [])
     ];
 }
 
 async function drawInspector(at) {
-    const map = mapNow(), pinned = at === undefined, { x, y } = at ?? state;
+    const map = mapNow(), row = rowNow(), { inspector, operations } = mapParts, { x, y } = at ?? state;
     if (x < 0) {
-        mapParts.inspector.replaceChildren(
-            make(
-                "p", {},
-                "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
-            ...summaryOf(map, rowNow()),
-            make(
-                "p", { className: "hint" },
-                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, " +
-                    "[ and ] the form; w goes to the worst pixel, n and N to the rays whose operations are held; " +
-                    "x swaps A and B."));
-        delete mapParts.inspector.dataset.pixel;
-        await showOperations(mapParts.operations, map, rowNow(), x, y);
-        return;
+        inspector.replaceChildren(
+            make("p", "Point at the picture to see a ray's numbers; click, or move with the arrow keys, to keep them."),
+            ...summaryOf(map, row),
+            hint(
+                "Wheel, + and − zoom; drag moves; 0 shows all; m and M change the metric, [ and ] the form; w goes to " +
+                "the worst pixel, n and N to the rays whose operations are held; x swaps A and B."));
+        delete inspector.dataset.pixel;
     }
     await Promise.all([
-        showPixel(mapParts.inspector, map, rowNow(), x, y, pinned),
-        showOperations(mapParts.operations, map, rowNow(), x, y)
+        x < 0 ? null : showPixel(inspector, map, row, x, y, at === undefined),
+        showOperations(operations, map, row, x, y)
     ]);
 }
 
@@ -152,10 +141,12 @@ async function hover({ x, y }) {
     if (state.x < 0) await drawInspector({ x, y });
 }
 
-function toWorst() {
-    const { worst } = rowNow();
-    return worst && goTo({ x: worst.x, y: worst.y, ...(state.zoom > 1 ? centredAt(mapNow(), worst.x, worst.y) : {}) });
-}
+/** Of a ray: its pixel, in the middle of what is looked at. */
+const toPixel = ({ x, y }) => goTo({ x, y, ...(state.zoom > 1 ? centredAt(mapNow(), x, y) : {}) });
+const toWorst = () => rowNow().worst && toPixel(rowNow().worst);
+
+const turnMetric = (by) => turn("metric", ableMetrics(mapNow()).map((m) => m.name), by);
+const turnForm = (by) => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], by);
 
 const mapKeys = {
     w: toWorst,
@@ -169,44 +160,36 @@ const mapKeys = {
     "=": () => goTo(centred(state.zoom * 2)),
     "-": () => goTo(centred(state.zoom / 2)),
     0: () => goTo({ zoom: 1 }),
-    m: () => turn(
-        "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name), 1),
-    M: () => turn(
-        "metric", metricsOf(mapNow()).filter((m) => !m.marches || state.form.startsWith("sdf.")).map((m) => m.name),
-        -1),
-    "]": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], 1),
-    "[": () => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], -1),
+    m: () => turnMetric(1),
+    M: () => turnMetric(-1),
+    "]": () => turnForm(1),
+    "[": () => turnForm(-1),
     x: () => otherRow() && goTo({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
+    Escape: () => goTo({ x: -1, y: -1 })
 };
 
 function turn(key, names, by) {
     return goTo({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
 }
 
+const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
 /** Around the chosen pixel, or where the view is. */
-function centred(zoom) {
-    const map = mapNow();
-    return state.x < 0 ? { zoom } : { zoom, cx: (state.x + 0.5) / map.width, cy: (state.y + 0.5) / map.height };
-}
+const centred = (zoom) => ({ zoom, ...(state.x < 0 ? {} : centredAt(mapNow(), state.x, state.y)) });
 
 function step(dx, dy) {
     const map = mapNow();
     if (state.x < 0) return goTo({ x: map.width >> 1, y: map.height >> 1 });
-    const x = Math.min(map.width - 1, Math.max(0, state.x + dx)),
-          y = Math.min(map.height - 1, Math.max(0, state.y + dy));
-    const { left, top, w, h } = viewOf(map);
-    const seen = x >= left && x < left + w && y >= top && y < top + h;
-    return goTo(seen ? { x, y } : { x, y, ...centredAt(map, x, y) });
+    const x = within(state.x + dx, 0, map.width - 1), y = within(state.y + dy, 0, map.height - 1);
+    const { left, top, w, h } = viewOf(map), seen = x >= left && x < left + w && y >= top && y < top + h;
+    return goTo({ x, y, ...(seen ? {} : centredAt(map, x, y)) });
 }
-
-const centredAt = (map, x, y) => ({ cx: (x + 0.5) / map.width, cy: (y + 0.5) / map.height });
 
 /** Wheel, drag and click on a picture of the current map. */
 function steer(canvas, onclick) {
     let held = null;
     canvas.addEventListener("wheel", (event) => {
         event.preventDefault();
-        zoomBy(canvas, mapNow(), event, event.deltaY < 0 ? 1.5 : 1 / 1.5);
+        zoomBy(canvas, event, event.deltaY < 0 ? 1.5 : 1 / 1.5);
     }, { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
         held = { x: event.clientX, y: event.clientY, cx: state.cx, cy: state.cy, moved: false };
@@ -226,56 +209,42 @@ function steer(canvas, onclick) {
 }
 
 function buildMaps() {
-    const root = document.getElementById("map-view");
-    const [note, showNote] = noteBox("scene-note");
-    Object.assign(mapParts, {
-        showNote,
-        halfA: make("span", { className: "half a", hidden: true }),
-        halfB: make("span", { className: "half b", hidden: true }),
-        pickers: make("div", { className: "pickers" }),
-        what: make("p", { className: "what" }),
-        canvas: make("canvas", { id: "map", tabIndex: 0, role: "img" }),
-        slider:
-            make("input", { type: "range", min: 0, max: 1, step: "any", id: "split", "aria-label": "where B begins" }),
-        under: make("p", { className: "hint", id: "under" }, "\u00a0"),
-        worst: make("p", { className: "hint", id: "worst-line" }),
-        legend: make("div", { className: "legend" }),
-        inspector: make("div", { className: "inspector", id: "inspector", "aria-live": "polite" }),
-        operations: make("div", { id: "operations" }),
-        copied: make("pre", { className: "copied", hidden: true }),
-    });
-    const { canvas, slider, copied } = mapParts;
+    const root = document.getElementById("map-view"), copied = copiedBox(), [note, showNote] = noteBox("scene-note");
     const command = (which) =>
         commandsFor(mapNow(), rowNow(), Math.max(0, state.x), Math.max(0, state.y), metricNow())[which];
-    const buttons = make(
-        "div", { className: "buttons" },
-        make("button", { type: "button", id: "worst", onclick: toWorst }, "worst pixel"),
-        make(
-            "button", { type: "button", id: "copy-command", onclick: () => copyText(command("map"), copied) },
-            "copy the command"),
-        make(
-            "button", { type: "button", id: "copy-explain", onclick: () => copyText(command("explain"), copied) },
-            "copy the command for this ray"),
-        make(
-            "button", {
-                type: "button",
-                id: "copy-claim",
-                onclick: () => copyText(claimFor(mapNow(), rowNow(), metricNow()), copied)
-            },
-            "copy as claim"),
-        make(
-            "button", { type: "button", id: "copy-link", onclick: () => copyText(location.href, copied) },
-            "copy the link"));
-    mapParts.picture = make(
-        "div", { className: "picture" }, make("div", { className: "halves" }, canvas, mapParts.halfA, mapParts.halfB),
-        slider, mapParts.under, mapParts.worst, mapParts.legend);
+    const buttons = copyButtons(
+        copied, ["copy-command", "copy the command", () => command("map")],
+        ["copy-explain", "copy the command for this ray", () => command("explain")],
+        ["copy-claim", "copy as claim", () => claimFor(mapNow(), rowNow(), metricNow())],
+        ["copy-link", "copy the link", () => location.href]);
+    const parts = Object.assign(mapParts, {
+        showNote,
+        copied,
+        copyClaim: buttons[2],
+        halfA: make("span.half.a", { hidden: true }),
+        halfB: make("span.half.b", { hidden: true }),
+        pickers: make("div.pickers"),
+        what: make("p.what"),
+        canvas: make("canvas#map", { tabIndex: 0, role: "img" }),
+        slider: make("input#split", { type: "range", min: 0, max: 1, step: "any", "aria-label": "where B begins" }),
+        under: make("p.hint#under", "\u00a0"),
+        worst: make("p.hint#worst-line"),
+        legend: make("div.legend"),
+        inspector: make("div.inspector#inspector", { "aria-live": "polite" }),
+        operations: make("div#operations")
+    });
+    const { canvas, slider } = parts;
+    parts.picture = make(
+        "div.picture", make("div.halves", canvas, parts.halfA, parts.halfB), slider, parts.under, parts.worst,
+        parts.legend);
     root.append(
-        mapParts.pickers, mapParts.what, note,
+        parts.pickers, parts.what, note,
         make(
-            "div", { className: "stage" }, mapParts.picture,
-            make("div", { className: "side" }, mapParts.inspector, buttons, copied)),
-        mapParts.operations, make("div", { id: "panes" }));
-    mapParts.copyClaim = buttons.querySelector("#copy-claim");
+            "div.stage", parts.picture,
+            make(
+                "div.side", parts.inspector, make("div.buttons", button("#worst", toWorst, "worst pixel"), ...buttons),
+                copied)),
+        parts.operations, make("div#panes"));
     root.hidden = false;
 
     steer(canvas, (event) => {
@@ -287,12 +256,7 @@ function buildMaps() {
         mapParts.under.textContent = "\u00a0";
         if (state.x < 0) drawInspector();
     });
-    canvas.addEventListener("keydown", (event) => {
-        if (event.key === "Escape") goTo({ x: -1, y: -1 });
-        else if (!event.ctrlKey && !event.metaKey && !event.altKey && mapKeys[event.key]) mapKeys[event.key]();
-        else return;
-        event.preventDefault();
-    });
+    onKeys(canvas, mapKeys);
     slider.addEventListener("input", () => goTo({ split: Number(slider.value) }));
     listeners.push(async () => {
         drawPickers();

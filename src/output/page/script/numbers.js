@@ -3,12 +3,6 @@
 
 const word = new DataView(new ArrayBuffer(8));
 
-function doubleOf(high, low) {
-    word.setUint32(0, high >>> 0);
-    word.setUint32(4, low >>> 0);
-    return word.getFloat64(0);
-}
-
 function highOf(x) {
     word.setFloat64(0, x);
     return word.getUint32(0);

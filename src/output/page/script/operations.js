@@ -1,15 +1,7 @@
 // The operations of the rays that the page holds: what `lostbits explain` said of them, and the way to them.
 
-const raysRead = new Map();
-
 /** The rays of a row whose operations are held, the worst first; none of a form that is compiled elsewhere. */
-function raysOf(map, row) {
-    const name = `rays:${map.id}:${keyOf(row)}`;
-    if (!row.formula) return Promise.resolve([]);
-    if (!raysRead.has(name))
-        raysRead.set(name, bytesOf(name).then((bytes) => JSON.parse(new TextDecoder().decode(bytes))));
-    return raysRead.get(name);
-}
+const raysOf = (map, row) => (row.formula ? jsonOf(`rays:${map.id}:${keyOf(row)}`) : Promise.resolve([]));
 
 const isAt = (x, y) => (ray) => ray.x === x && ray.y === y;
 const reasons = (ray) => ray.why.map(words).join(", ");
@@ -20,28 +12,21 @@ function nearestRay(rays, x, y) {
     return { ray, pixels: away(ray) };
 }
 
-const showRay = ({ x, y }) => goTo({ x, y, ...(state.zoom > 1 ? centredAt(mapNow(), x, y) : {}) });
-
 /** To the next of the held rays; from another pixel, to the first. */
 async function turnRay(by) {
     const rays = await raysOf(mapNow(), rowNow()), at = rays.findIndex(isAt(state.x, state.y));
     if (rays.length === 0) return;
-    await showRay(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
+    await toPixel(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
 }
 
 /** A button for each held ray; the one that the table is of is pressed. */
 function rayButtons(rays, x, y) {
     const buttons = rays.map(
-        (ray) => make(
-            "button", {
-                type: "button",
-                id: `ray-${ray.x}-${ray.y}`,
-                "aria-pressed": String(isAt(x, y)(ray)),
-                onclick: () => showRay(ray)
-            },
-            make("b", {}, `${ray.x}, ${ray.y}`), ` ${reasons(ray)}`));
+        (ray) =>
+            button(`#ray-${ray.x}-${ray.y}`, () => toPixel(ray), make("b", `${ray.x}, ${ray.y}`), ` ${reasons(ray)}`));
+    rays.forEach((ray, k) => (buttons[k].ariaPressed = String(isAt(x, y)(ray))));
     return make(
-        "div", { className: "rays", role: "group", "aria-label": "rays whose operations this page holds" },
+        "div.rays", { role: "group", "aria-label": "rays whose operations this page holds" },
         "Rays whose operations this page holds: ", ...buttons);
 }
 
@@ -61,7 +46,7 @@ function operationRow(held) {
     }
     line.dataset.node = node;
     if (culprit) line.className = "culprit";
-    if (turned) line.children[1].append(make("em", {}, " rounding chose the other side"));
+    if (turned) line.children[1].append(make("em", " rounding chose the other side"));
     return line;
 }
 
@@ -69,20 +54,20 @@ function operationTable(row, ray) {
     const of = ray.solid === undefined ? "" : `, solid ${ray.solid}`;
     const earlier = ray.earlier > 0 ? ` ${ray.earlier} operations of earlier samples are left out.` : "";
     return [
-        make("h3", {}, `Operation by operation: ${title(row)}${of}, pixel ${ray.x}, ${ray.y} (${reasons(ray)})`),
-        ...ray.says.map((sentence) => make("p", { className: "sentence" }, sentence)),
-        make("p", { className: "hint sideways" }, "The table goes on to the right: scroll it sideways."),
+        make("h3", `Operation by operation: ${title(row)}${of}, pixel ${ray.x}, ${ray.y} (${reasons(ray)})`),
+        ...ray.says.map((sentence) => make("p.sentence", sentence)),
+        make("p.hint.sideways", "The table goes on to the right: scroll it sideways."),
         make(
-            "div", { className: "scrolls", tabIndex: 0, role: "region", "aria-label": "operations, scrolled sideways" },
+            "div.scrolls", { tabIndex: 0, role: "region", "aria-label": "operations, scrolled sideways" },
             make(
-                "table", { className: "operations" }, make("caption", {}, `The ray of pixel ${ray.x}, ${ray.y}`),
+                "table.operations", make("caption", `The ray of pixel ${ray.x}, ${ray.y}`),
                 header(
                     "operation", "computed from", "computed", "without rounding", "off, ulp", "bits cancelled",
                     "local bits", "own, ulp", `of ${ray.subject}, ulp`),
-                make("tbody", {}, ...ray.rows.map(operationRow)))),
-        ...ray.sums.map((sentence) => make("p", { className: "sentence" }, sentence)),
+                make("tbody", ...ray.rows.map(operationRow)))),
+        ...ray.sums.map((sentence) => make("p.sentence", sentence)),
         make(
-            "p", { className: "hint" },
+            "p.hint",
             "own: its rounding, in ulps of its own result. " +
                 `of ${ray.subject}: how much of the error of ${ray.subject} is assigned to that rounding. ` +
                 "local: bits that the operation alone loses on exact operands. " +
@@ -97,20 +82,15 @@ function elsewhere(map, row, rays, x, y) {
     const parts = [
         row.formula ? `The page does not hold the operations of pixel ${x}, ${y}. ` :
                       "This form is compiled elsewhere, so its operations are not known. ",
-        make("code", {}, explain), says, " ",
-        make(
-            "button", { type: "button", id: "copy-elsewhere", onclick: () => copyText(explain, mapParts.copied) },
-            "copy it")
+        make("code", explain), says, " ", ...copyButtons(mapParts.copied, ["copy-elsewhere", "copy it", () => explain])
     ];
     if (rays.length > 0) {
         const { ray, pixels } = nearestRay(rays, x, y);
         parts.push(
             ` The nearest ray that it holds is ${rounded(pixels)} pixel${pixels === 1 ? "" : "s"} away: `,
-            make(
-                "button", { type: "button", id: "nearest-ray", onclick: () => showRay(ray) },
-                `pixel ${ray.x}, ${ray.y} (${reasons(ray)})`));
+            button("#nearest-ray", () => toPixel(ray), `pixel ${ray.x}, ${ray.y} (${reasons(ray)})`));
     }
-    return make("p", { className: "hint" }, ...parts);
+    return hint(...parts);
 }
 
 let operationsAsked = 0;

@@ -15,6 +15,12 @@ const lineLook = (look) => ({
     dash: lineDashes[Math.floor(look / lineColours.length)]
 });
 
+function strokeAlong(context, ...points) {
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(x, y);
+    context.stroke();
+}
+
 /** A piece of such a line, for a key. */
 function lineSample({ colour, dash }) {
     const sample = make("canvas", { width: 30, height: 10, className: "line-sample", "aria-hidden": "true" }),
@@ -22,10 +28,7 @@ function lineSample({ colour, dash }) {
     context.strokeStyle = colour;
     context.lineWidth = 2.5;
     context.setLineDash(dash ?? []);
-    context.beginPath();
-    context.moveTo(1, 5);
-    context.lineTo(29, 5);
-    context.stroke();
+    strokeAlong(context, [1, 5], [29, 5]);
     return sample;
 }
 

@@ -8,34 +8,22 @@ const classes = {
 };
 const metricsOf = (map) => [...map.metrics, classes];
 
-const state = {
-    scene: "",
-    form: "",
-    format: "",
-    metric: "",
-    other: "",
-    split: 0.5,
-    x: -1,
-    y: -1,
-    zoom: 1,
-    cx: 0.5,
-    cy: 0.5,
-    sweep: "",
-    statistic: "",
-    line: "",
-    judged: "",
-    u: -1,
-    v: -1,
-    shape: "",
-    set: ""
+const initial = {
+    ...{ scene: "", form: "", format: "", metric: "", other: "", split: 0.5, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5 },
+    ...{ sweep: "", statistic: "", line: "", judged: "", u: -1, v: -1, shape: "", set: "" }
 };
+const state = {...initial };
 const listeners = [];
+let drawing = Promise.resolve();  // what is being drawn
 const notes = [];
 
 const mapNow = () => index.maps.find((m) => m.id === state.scene);
 const rowNow = () => mapNow().rows.find((r) => r.form === state.form && r.format === state.format);
 const otherRow = () => mapNow().rows.find((r) => keyOf(r) === state.other);
 const metricNow = () => metricsOf(mapNow()).find((m) => m.name === state.metric);
+/** Metrics of marches are those of forms that march. */
+const marches = (form) => form.startsWith("sdf.");
+const ableMetrics = (map) => metricsOf(map).filter((m) => !m.marches || marches(state.form));
 
 const sweepHas = (key) => index.sweeps.find((s) => s.id === state.sweep)?.rows.includes(key) === true;
 
@@ -59,17 +47,15 @@ function settle(asked = {}) {
         if (alongSweep) asked = {...asked, form: "", format: "" };
         choose("form", map.rows.map((r) => r.form));
         choose("format", map.rows.filter((r) => r.form === state.form).map((r) => r.format));
-        const able = metricsOf(map).filter((m) => !m.marches || state.form.startsWith("sdf."));
-        choose("metric", able.map((m) => m.name));
+        choose("metric", ableMetrics(map).map((m) => m.name));
         if (state.other !== "") choose("other", ["", ...map.rows.map(keyOf)]);
         if (!(state.x >= 0 && state.x < map.width && state.y >= 0 && state.y < map.height)) state.x = state.y = -1;
     }
-    const limited = (x, low, high, otherwise) => (Number.isFinite(x) ? Math.min(high, Math.max(low, x)) : otherwise);
-    state.zoom = limited(state.zoom, 1, 64, 1);
-    const margin = 0.5 / state.zoom;
-    state.cx = limited(state.cx, margin, 1 - margin, 0.5);
-    state.cy = limited(state.cy, margin, 1 - margin, 0.5);
-    state.split = limited(state.split, 0, 1, 0.5);
+    const limit = (key, low, high) =>
+        (state[key] = Number.isFinite(state[key]) ? within(state[key], low, high) : initial[key]);
+    limit("zoom", 1, 64);
+    for (const key of ["cx", "cy"]) limit(key, 0.5 / state.zoom, 1 - 0.5 / state.zoom);
+    limit("split", 0, 1);
     if (state.line !== "" && !sweepHas(state.line)) state.line = "";
     for (const key of ["u", "v"]) state[key] = state[key] >= 0 ? Math.trunc(state[key]) : -1;
     if (index.trades.length > 0) {
@@ -78,24 +64,13 @@ function settle(asked = {}) {
     }
 }
 
-const short = (x) => String(Number(x.toFixed(4)));
-
 /** Only what differs from what the page would show by itself. */
 function hashOf() {
-    const parts = [];
-    const add = (key, text) => parts.push(`${key}=${encodeURIComponent(text)}`);
-    for (const key of ["scene", "form", "format", "metric", "other", "sweep", "statistic", "shape", "set"]) {
-        if (state[key] !== "") add(key, state[key]);
-    }
-    if (state.x >= 0) parts.push(`x=${state.x}`, `y=${state.y}`);
-    if (state.zoom > 1) parts.push(`zoom=${short(state.zoom)}`, `cx=${short(state.cx)}`, `cy=${short(state.cy)}`);
-    if (state.line !== "" && state.line !== `${state.form}.${state.format}`) add("line", state.line);
-    if (state.judged !== "") add("judged", state.judged);
-    for (const key of ["u", "v"]) {
-        if (state[key] >= 0) parts.push(`${key}=${state[key]}`);
-    }
-    if (state.other !== "") parts.push(`split=${short(state.split)}`);
-    return "#" + parts.join("&");
+    const isSaid = (key, value) => (key === "split" ? state.other !== "" : value !== initial[key]) &&
+        !(key === "line" && value === `${state.form}.${state.format}`);
+    const text = (value) => (typeof value === "number" ? Number(value.toFixed(4)) : encodeURIComponent(value));
+    const said = Object.entries(state).filter(([key, value]) => isSaid(key, value));
+    return "#" + said.map(([key, value]) => `${key}=${text(value)}`).join("&");
 }
 
 /** Takes what a hash says; false where it is a plain anchor. */
@@ -108,12 +83,10 @@ function readHash(hash) {
         if (!(key in state)) notes.push(`"${key}" is not known in a link`);
         else state[key] = typeof state[key] === "number" ? (value === "" ? NaN : Number(value)) : value;
     }
-    if (!("zoom" in asked)) Object.assign(state, { zoom: 1, cx: 0.5, cy: 0.5 });
-    if (asked.scene && !("x" in asked)) state.x = state.y = -1;
-    if (asked.scene && !("other" in asked)) state.other = "";
-    for (const [key, none] of [["line", ""], ["judged", ""], ["u", -1], ["v", -1]]) {
-        if (!(key in asked)) state[key] = none;
-    }
+    const forgotten = ["line", "judged", "u", "v", ...(asked.zoom ? [] : ["zoom", "cx", "cy"])];
+    if (asked.scene) forgotten.push("other", ...("x" in asked ? [] : ["x", "y"]));
+    for (const key of forgotten)
+        if (!(key in asked) || key === "y") state[key] = initial[key];
     if (asked.sweep && !asked.scene && asked.form) state.line = `${asked.form}.${asked.format ?? state.format}`;
     state.x = Math.trunc(state.x);
     state.y = Math.trunc(state.y);
@@ -128,13 +101,19 @@ function goTo(changes) {
     Object.assign(state, changes);
     settle();
     history.replaceState(null, "", hashOf());
-    return Promise.all(listeners.map((show) => show(Object.keys(changes))));
+    return drawAll();
 }
+
+const drawAll = () => (drawing = Promise.all(listeners.map((show) => show())));
 
 // Small helpers for the parts below.
 
-function make(tag, properties = {}, ...children) {
-    const element = document.createElement(tag);
+/** An element, as `div.class#id` says; its properties, if it has any, come before its children. */
+function make(what, ...children) {
+    const [, tag, classes, , id] = what.match(/^(\w+)((?:\.[\w-]+)*)(#(.+))?$/), element = document.createElement(tag);
+    element.className = classes.slice(1).replaceAll(".", " ");
+    if (id) element.id = id;
+    const properties = children[0]?.constructor === Object ? children.shift() : {};
     for (const [key, value] of Object.entries(properties)) {
         if (key === "data") Object.assign(element.dataset, value);
         else if (key.includes("-")) element.setAttribute(key, value);
@@ -144,20 +123,43 @@ function make(tag, properties = {}, ...children) {
     return element;
 }
 
+const button = (what, onclick, ...children) => make(`button${what}`, { type: "button", onclick }, ...children);
+const hint = (...children) => make("p.hint", ...children);
+
 function choice(label, id, options, value, onchange) {
-    const select = make("select", { id });
+    const select = make(`select#${id}`, { onchange: () => onchange(select.value) });
     for (const [key, text] of options)
         select.append(make("option", { value: key, textContent: text, selected: key === value }));
-    select.addEventListener("change", () => onchange(select.value));
-    return make("label", {}, label + " ", select);
+    return make("label", label + " ", select);
 }
 
-/** For a picker; two of one title are told apart by their files. */
+/** Puts pickers into the place of others; one that was just used keeps the keyboard. */
+function showPickers(place, ...pickers) {
+    const held = document.activeElement?.id;
+    place.replaceChildren(...pickers);
+    if (held) place.querySelector(`#${held}`)?.focus();
+}
+
+/** For a picker; without a title, the file's name, and two of one title are told apart by their files. */
 const titled = (parts) => parts.map(
-    ({ id, title }) => [id, parts.some((p) => p.id !== id && p.title === title) ? `${title} (${id})` : title]);
+    ({
+        id,
+        title
+    }) => [id, parts.some((p) => p.id !== id && title && p.title === title) ? `${title} (${id})` : title || id]);
 
 const words = (name) =>
     name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_solid").replaceAll("_", " ");
+const total = (counts) => counts.reduce((sum, n) => sum + n, 0);
+const within = (x, low, high) => Math.min(high, Math.max(low, x));
+
+/** What keys do on an element; those with Ctrl, Alt or Meta are the browser's. */
+function onKeys(element, keys) {
+    element.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
+        event.preventDefault();
+        keys[event.key]();
+    });
+}
 
 /** Puts a text on the clipboard and shows it: it can be read and selected where a browser lends no clipboard. */
 function copyText(text, output) {
@@ -165,3 +167,8 @@ function copyText(text, output) {
     output.textContent = text;
     navigator.clipboard?.writeText(text).catch(() => {});
 }
+
+const copiedBox = () => make("pre.copied", { hidden: true });
+/** Buttons that each copy what a function says: their ids, words and functions. */
+const copyButtons = (output, ...all) =>
+    all.map(([id, words, text]) => button(`#${id}`, () => copyText(text(), output), words));

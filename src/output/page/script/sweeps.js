@@ -5,13 +5,8 @@ const sweepParts = {
     shown: "",
     plot: null
 };
-const sweepsRead = new Map();
 
-function sweepOf(id) {
-    if (!sweepsRead.has(id))
-        sweepsRead.set(id, bytesOf(`sweep:${id}`).then((bytes) => JSON.parse(new TextDecoder().decode(bytes))));
-    return sweepsRead.get(id);
-}
+const sweepOf = (id) => jsonOf(`sweep:${id}`);
 
 const asNumber = (v) => (v === null ? NaN : v === "inf" ? Infinity : v === "-inf" ? -Infinity : v);
 
@@ -72,7 +67,7 @@ function cellNow() {
 }
 
 function factsTable({ row, cell, place }) {
-    const { sweep } = sweepParts.now, body = make("tbody"), rays = row.outcomes[cell].reduce((a, b) => a + b, 0);
+    const { sweep } = sweepParts.now, body = make("tbody"), rays = total(row.outcomes[cell]);
     const add = (name, value, exactly, key) => {
         body.append(cells("td", name, value, ...(row.verdicts ? [] : [exactly])));
         body.lastChild.dataset.fact = key;
@@ -87,7 +82,7 @@ function factsTable({ row, cell, place }) {
     }
     const [note] = row.verdicts ? [sweep.cases[cell][1]] : [""],
           by = row.judged && row.judged !== "own" ? `, judged by the ${row.judged} solid` : "";
-    return make("table", {}, make("caption", {}, `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
+    return make("table", make("caption", `${title(row)}${by}${note ? `. ${note}` : ""}`), body);
 }
 
 /** The verdict on a case; of one that the inputs decide, both numbers. */
@@ -113,7 +108,7 @@ function showCell(under) {
         known ?
             factsTable(known) :
             make(
-                "p", { className: "hint" },
+                "p.hint",
                 sweep.kind === "line" ?
                     "Point at the plot for the numbers of a step; click, or walk with the arrow keys, to keep them. " +
                         "A click also chooses the form whose line is under the pointer. " +
@@ -129,31 +124,12 @@ function sweepClaim() {
     const known = statistic !== "verdict" && Number.isFinite(cellValue(sweep, row, statistic, cell));
     const [column, value] =
         known ? [statistic, cellValue(sweep, row, statistic, cell)] : ["agree_hit", row.outcomes[cell][agreeHit]];
-    const across = sweep.kind === "plane" ? sweep.axes[0].values.length : 1;
     const at = sweep.kind === "cases" ?
         `case = ${JSON.stringify(sweep.cases[cell][0])}${
             row.judged === "own" ? "" : `\nconvention = "${row.judged}"`}` :
-                                   `at = [${
-            (sweep.kind === "line" ?
-                                            [sweep.steps[cell]] :
-                                            [sweep.axes[0].values[cell % across], sweep.axes[1].values[Math.floor(cell / across)]])
-                .map(decimal)
-                .join(", ")}]`;
-    return `[[claim]]
-id = "my.${sweep.id}.${row.form}.${row.format}.${column}"
-statement = "Say in one sentence what should hold"
-source = "-"
-verdict = "holds"
-note = "From the report"
-[claim.given]
-sweep = "${sweep.id}"
-${at}
-form = "${row.form}"
-format = "${row.format}"
-[claim.expect]
-metric = "${column}"
-${intervalLine(column, value, row.outcomes[cell].reduce((a, b) => a + b, 0), sweep.is_drawn)}
-`;
+                                   `at = [${(sweep.kind === "line" ? [sweep.steps[cell]] : placesOf(sweep, cell)).map(decimal).join(", ")}]`;
+    return claimText(
+        sweep.id, `sweep = "${sweep.id}"\n${at}`, row, [column, value], total(row.outcomes[cell]), sweep.is_drawn);
 }
 
 function turnRow(by) {
@@ -167,44 +143,33 @@ const turnStatistic = (by) => {
 };
 
 /** Arrows as `keys` has them; m and M change the statistic, [ and ] the form, as over a map. */
-function walkedByKeys(element, keys) {
-    const all = {
-        ...keys,
-        m: () => turnStatistic(1),
-        M: () => turnStatistic(-1),
-        "]": () => turnRow(1),
-        "[": () => turnRow(-1)
-    };
-    element.addEventListener("keydown", (event) => {
-        if (event.ctrlKey || event.metaKey || event.altKey || !all[event.key]) return;
-        all[event.key]();
-        event.preventDefault();
-    });
-}
+const walkedByKeys = (element, keys) => onKeys(
+    element,
+    {...keys, m: () => turnStatistic(1), M: () => turnStatistic(-1), "]": () => turnRow(1), "[": () => turnRow(-1) });
 
 function drawSweepPickers() {
-    const { sweep, judged, rows, chosen, statistic } = sweepParts.now, held = document.activeElement?.id;
-    sweepParts.pickers.replaceChildren(
-        choice("sweep", "pick-sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
-        choice(
-            "statistic", "pick-statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
+    const { sweep, judged, rows, chosen, statistic } = sweepParts.now;
+    const picker = (label, id, options, value, onchange) =>
+        choice(label, `pick-${id}`, options.map((o) => (Array.isArray(o) ? o : [o, o])), value, onchange);
+    const ofFormat = (format) => {
+        const all = sweep.rows.filter((r) => r.format === format);
+        return goAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+    };
+    showPickers(
+        sweepParts.pickers,
+        picker("sweep", "sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
+        picker(
+            "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
             (s) => goTo({ statistic: s })),
-        choice(
-            "format", "pick-sweep-format", [...new Set(sweep.rows.map((r) => r.format))].map((f) => [f, f]),
-            chosen.format,
-            (format) => {
-                const all = sweep.rows.filter((r) => r.format === format);
-                return goAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
-            }),
-        choice(
-            "form", "pick-sweep-form", rows.map((r) => [r.form, r.form]), chosen.form,
-            (form) => goAlong(rows.find((r) => r.form === form))));
-    if (sweep.conventions?.length > 1)
-        sweepParts.pickers.append(choice(
-            "judged by", "pick-judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
-            (c) => goTo({ judged: c })));
-    if (held && sweepParts.pickers.querySelector(`#${held}`))
-        document.getElementById(held).focus();  // a picker that was just used keeps the keyboard
+        picker("format", "sweep-format", [...new Set(sweep.rows.map((r) => r.format))], chosen.format, ofFormat),
+        picker(
+            "form", "sweep-form", rows.map((r) => r.form), chosen.form,
+            (form) => goAlong(rows.find((r) => r.form === form))),
+        ...(sweep.conventions?.length > 1 ?
+                [picker(
+                    "judged by", "judged", sweep.conventions.map((c) => [c, `the ${c} solid`]), judged,
+                    (c) => goTo({ judged: c }))] :
+                []));
 }
 
 async function drawSweep() {
@@ -238,41 +203,31 @@ async function drawSweep() {
 }
 
 function buildSweeps() {
-    const root = document.getElementById("sweep-view");
-    const [note, showNote] = noteBox("sweep-note");
-    Object.assign(sweepParts, {
+    const root = document.getElementById("sweep-view"), copied = copiedBox(), [note, showNote] = noteBox("sweep-note");
+    const parts = Object.assign(sweepParts, {
         showNote,
-        lineKey: make("ul", { className: "line-key", id: "line-key" }),
-        pickers: make("div", { className: "pickers" }),
+        lineKey: make("ul.line-key#line-key"),
+        pickers: make("div.pickers"),
         element: buildLines(),
-        grid: make("div", { className: "grid" }, buildGrid()),
-        under: make("p", { className: "hint", id: "sweep-under" }, "\u00a0"),
-        legend: make("div", { className: "legend" }),
-        facts: make("div", { className: "facts", id: "sweep-facts", "aria-live": "polite" }),
-        onsets: make("div"),
-        copied: make("pre", { className: "copied", hidden: true })
+        grid: make("div.grid", buildGrid()),
+        under: make("p.hint#sweep-under", "\u00a0"),
+        legend: make("div.legend"),
+        facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
+        onsets: make("div")
     });
-    const { copied } = sweepParts, command = () => {
-        const { named } = sweepParts.now.sweep, { form, format, from } = sweepParts.now.chosen;
+    const command = () => {
+        const { sweep: { named }, chosen: { form, format, from } } = parts.now;
         return `lostbits sweep ${named} -i ${form} -f ${format}${from} -o out`;
     };
-    const button = (id, words, text) =>
-        make("button", { type: "button", id, onclick: () => copyText(text(), copied) }, words);
+    const buttons = copyButtons(
+        copied, ["copy-sweep-command", "copy the command", command], ["copy-sweep-claim", "copy as claim", sweepClaim],
+        ["copy-sweep-link", "copy the link", () => location.href]);
     root.append(
-        sweepParts.pickers, note,
+        parts.pickers, note,
         make(
-            "div", { className: "stage" },
-            make(
-                "div", { className: "picture wide" }, sweepParts.element, sweepParts.grid, sweepParts.under,
-                sweepParts.legend),
-            make(
-                "div", { className: "side" }, sweepParts.lineKey, sweepParts.facts,
-                make(
-                    "div", { className: "buttons" }, button("copy-sweep-command", "copy the command", command),
-                    button("copy-sweep-claim", "copy as claim", sweepClaim),
-                    button("copy-sweep-link", "copy the link", () => location.href)),
-                copied)),
-        sweepParts.onsets);
+            "div.stage", make("div.picture.wide", parts.element, parts.grid, parts.under, parts.legend),
+            make("div.side", parts.lineKey, parts.facts, make("div.buttons", ...buttons), copied)),
+        parts.onsets);
     root.hidden = false;
     listeners.push(drawSweep);
 }

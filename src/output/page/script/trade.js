@@ -7,52 +7,41 @@ const tradeParts = {
 function plotTrade(trade, set) {
     const points = set.points.filter((p) => typeof p.kept_bits === "number").sort((a, b) => a.time_ns - b.time_ns);
     const x = points.map((p) => p.time_ns), pick = (test) => points.map((p) => (test(p) ? p.kept_bits : null));
-    const look = (k) => ({ stroke: onPage(lineColours[k]), fill: onPage(lineColours[k]) }), look32 = look(0),
-          look64 = look(1);
-    const dots = (label, look, filled, size) => ({
-        label,
-        ...look,
-        paths: () => null,
-        points: { show: true, size, width: 1.5, stroke: look.stroke, fill: filled ? look.fill : ink("--page") }
+    const best = (p) => !p.dominated, right = (p) => best(p) && p.wrong_fraction === 0;
+    // Full dots are on the front, and rightly; small rings are not.
+    const kinds = [true, false].flatMap(
+        (full) => ["f32", "f64"].map((format, k) => ({
+                                         full,
+                                         stroke: onPage(lineColours[k]),
+                                         of: (p) => right(p) === full && p.format === format,
+                                         label: `${format}${full ? "" : ", not on the front, or sometimes wrong"}`
+                                     })));
+    const dots = ({ full, stroke, label }) => ({
+        ...{ label, stroke, fill: stroke, paths: () => null },
+        points: { show: true, size: full ? 9 : 6, width: 1.5, stroke, fill: full ? stroke : ink("--page") }
     });
-    const best = (p) => !p.dominated;
-    const timeAxis = {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map((x) => (x ? rounded(x) : "")) };
+    const front = { label: "the Pareto front", stroke: ink("--ink"), width: 1.25, spanGaps: true };
     tradeParts.points = points;
     tradeParts.element.replaceChildren();
-    const plot =
-        new uPlot(
-            {
-                ...plotSize(tradeParts.element),
-                scales: {
-                    x: { time: false, distr: 3, log: 2, range: () => logEnds(x) },
-                    y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
-                },
-                axes: [timeAxis, axisLook(trade.axes[1])],
-                legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
-                cursor: { points: { show: false } },
-                series: [
-                    {}, {
-                        label: "the Pareto front",
-                        stroke: ink("--ink"),
-                        width: 1.25,
-                        spanGaps: true,
-                        paths: uPlot.paths.stepped({ align: 1 }),
-                        points: { show: false }
-                    },
-                    dots("f32", look32, true, 9), dots("f64", look64, true, 9),
-                    dots("f32, not on the front, or sometimes wrong", look32, false, 6),
-                    dots("f64, not on the front, or sometimes wrong", look64, false, 6)
-                ],
-                hooks: { setCursor: [(u) => pointUnder(u)], draw: [nameFront] },
+    return new uPlot(
+        {
+            ...plotSize(tradeParts.element),
+            scales: {
+                x: { time: false, distr: 3, log: 2, range: () => logEnds(x) },
+                y: { range: (_, low, high) => [0, Math.max(4, high + 2)] }
             },
-            [
-                x, pick(best), pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f32"),
-                pick((p) => best(p) && p.wrong_fraction === 0 && p.format === "f64"),
-                pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f32"),
-                pick((p) => !(best(p) && p.wrong_fraction === 0) && p.format === "f64")
+            axes: [
+                {...axisLook(trade.axes[0]), values: (_, ticks) => ticks.map((x) => (x ? rounded(x) : "")) },
+                axisLook(trade.axes[1])
             ],
-            tradeParts.element);
-    return plot;
+            legend: { live: false, markers: { fill: (u, k) => (k >= 4 ? ink("--page") : u.series[k].stroke()) } },
+            cursor: { points: { show: false } },
+            series: [
+                {}, {...front, paths: uPlot.paths.stepped({ align: 1 }), points: { show: false } }, ...kinds.map(dots)
+            ],
+            hooks: { setCursor: [pointUnder], draw: [nameFront] },
+        },
+        [x, pick(best), ...kinds.map(({ of }) => pick(of))], tradeParts.element);
 }
 
 /** Names beside the points of the front, on no point and on no other name; what finds no place stays without. */
@@ -77,27 +66,24 @@ function nameFront(plot) {
     context.textAlign = "left";
     tradeParts.named = [];
     for (const { p, x, y } of front) {
-        const text = p.form.slice(p.form.indexOf(".") + 1), w = context.measureText(text).width + 4 * k, h = 14 * k;
+        const text = shortName(p), w = context.measureText(text).width + 4 * k, h = 14 * k;
+        // At a distance to the right, above, below and to the left, then askew.
         const boxes = [8, 20, 34, 50, 70].flatMap((away) => {
-            const d = away * k;
+            const d = away * k, right = (d) => x + d, left = (d) => x - d - w, above = (d) => y - d - h,
+                  below = (d) => y + d;
             return [
-                [x + d, y - h / 2, w, h], [x - w / 2, y - d - h, w, h], [x - w / 2, y + d, w, h],
-                [x - d - w, y - h / 2, w, h], [x + d * 0.7, y - d * 0.7 - h, w, h], [x + d * 0.7, y + d * 0.7, w, h],
-                [x - d * 0.7 - w, y - d * 0.7 - h, w, h], [x - d * 0.7 - w, y + d * 0.7, w, h]
-            ];
+                ...[[right(d), y - h / 2], [x - w / 2, above(d)], [x - w / 2, below(d)], [left(d), y - h / 2]],
+                ...[right(0.7 * d), left(0.7 * d)].flatMap((at) => [[at, above(0.7 * d)], [at, below(0.7 * d)]])
+            ].map(([x, y]) => [x, y, w, h]);
         });
         const box = boxes.find(free);
         if (!box) continue;
         taken.push(box);
         tradeParts.named.push({ text, box, at: [x, y] });
-        const [left, top] = box, nearX = Math.min(Math.max(x, left), left + w),
-                     nearY = Math.min(Math.max(y, top), top + h);
+        const [left, top] = box, near = [within(x, left, left + w), within(y, top, top + h)];
         context.strokeStyle = ink("--line");
         context.lineWidth = k;
-        context.beginPath();
-        context.moveTo(x, y);
-        context.lineTo(nearX, nearY);
-        if (Math.hypot(nearX - x, nearY - y) > 14 * k) context.stroke();
+        if (Math.hypot(near[0] - x, near[1] - y) > 14 * k) strokeAlong(context, [x, y], near);
         context.fillStyle = ink("--ink");
         context.fillText(text, left + 2 * k, top + h / 2);
     }
@@ -126,7 +112,7 @@ function sayPoint(p) {
 /** The next point by time, with the cursor on it: for the keyboard. */
 function walkPoints(by) {
     const { points, plot, under } = tradeParts, last = points.length - 1;
-    const next = under ? Math.min(last, Math.max(0, points.indexOf(under) + by)) : by > 0 ? 0 : last;
+    const next = under ? within(points.indexOf(under) + by, 0, last) : by > 0 ? 0 : last;
     const p = points[next];
     plot.setCursor({ left: plot.valToPos(p.time_ns, "x"), top: plot.valToPos(p.kept_bits, "y") }, false);
     sayPoint(p);
@@ -148,7 +134,8 @@ function drawTrade() {
     const shown = `${trade.shape} ${set.name}`;
     if (shown === tradeParts.shown) return;
     tradeParts.shown = shown;
-    tradeParts.pickers.replaceChildren(
+    showPickers(
+        tradeParts.pickers,
         choice(
             "shape", "pick-shape", index.trades.map((t) => [t.shape, t.shape]), trade.shape,
             (shape) => goTo({ shape })),
@@ -160,7 +147,7 @@ function drawTrade() {
 function buildTrade() {
     const root = document.getElementById("trade-view");
     Object.assign(tradeParts, {
-        pickers: make("div", { className: "pickers" }),
+        pickers: make("div.pickers"),
         element: make("div", {
             className: "plot",
             id: "trade-plot",
@@ -168,20 +155,13 @@ function buildTrade() {
             role: "group",
             "aria-label": "time against kept bits; arrow keys move from point to point, Enter shows the map"
         }),
-        words: make("p", { className: "hint", "aria-live": "polite" }, " ")
+        words: make("p.hint", { "aria-live": "polite" }, " ")
     });
     root.append(tradeParts.pickers, tradeParts.element, tradeParts.words);
     root.hidden = false;
     tradeParts.element.addEventListener("click", () => showMapOf(tradeParts.under));
-    const keys = {
-        ArrowRight: () => walkPoints(1),
-        ArrowLeft: () => walkPoints(-1),
-        Enter: () => showMapOf(tradeParts.under)
-    };
-    tradeParts.element.addEventListener("keydown", (event) => {
-        if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
-        keys[event.key]();
-        event.preventDefault();
-    });
+    onKeys(
+        tradeParts.element,
+        { ArrowRight: () => walkPoints(1), ArrowLeft: () => walkPoints(-1), Enter: () => showMapOf(tradeParts.under) });
     listeners.push(drawTrade);
 }
