@@ -10,7 +10,7 @@
 #include "measure/claim/claim.hpp"
 #include "measure/offset/offsets.hpp"
 #include "output/choice/choice_text.hpp"
-#include "output/claim/verdict_counts.hpp"
+#include "output/claim/claim_files.hpp"
 #include "output/mend/mend_text.hpp"
 #include "output/page/map_data.hpp"
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "measure/speed/trade.hpp"
-#include "measure/sweep/cases.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/page/text.hpp"
 
