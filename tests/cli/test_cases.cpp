@@ -41,11 +41,9 @@ std::string cell(const lostbits::output::file::CsvTable& table, const char* colu
 TEST_CASE("a file of cases leaves a table and a picture") {
     const Scratch scratch;
     const auto r =
-        run("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -o '" +
-            scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    CHECK(r.out.find("/not-numbers/") != std::string::npos);
+        must("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5" +
+             into(scratch, ""));
+    CHECK(has(r.out, "/not-numbers/"));
     for (const std::string folder : {"not-numbers", "scale"}) {
         for (const std::string name : {"cases.csv", "matrix.png", "datapackage.json", "manifest.json"}) {
             CAPTURE(folder, name);
@@ -76,10 +74,8 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
     text.replace(begin, text.find('"', begin) - begin, std::string(400, 'x'));
     const std::string file = scratch.write("s.toml", text);
     for (const char* j : {"1", "2"}) {
-        const auto r = run("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " +
-                           std::string(j) + " -o '" + (scratch.path() / j).string() + "'");
-        INFO(r.err);
-        REQUIRE(r.code == 0);
+        must("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " + std::string(j) +
+             " -o '" + (scratch.path() / j).string() + "'");
     }
     for (const char* name : {"worst.csv", "hard.toml", "datapackage.json"}) {
         const std::string one = contents(scratch.path() / "1/s" / name);
@@ -88,11 +84,8 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
     }
     const auto worst = lostbits::output::file::read_csv(scratch.path() / "1/s/worst.csv");
     REQUIRE(worst.rows() == 4);
-    const auto again =
-        run("sweep '" + (scratch.path() / "1/s/hard.toml").string() +
-            "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -o '" + scratch.path().string() + "'");
-    INFO(again.err);
-    REQUIRE(again.code == 0);
+    must("sweep '" + (scratch.path() / "1/s/hard.toml").string() +
+         "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16" + into(scratch, ""));
     const auto cases = lostbits::output::file::read_csv(scratch.path() / "hard/cases.csv");
     REQUIRE(cases.rows() == 4 * 4);
     int values = 0;
@@ -137,10 +130,9 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
         const std::string good = c.options.empty() ? "extremes/contact" : "worst/near";
         const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options +
                            " -i sphere.press -f f32" + into(scratch));
-        INFO(r.err);
         CHECK(r.code == 2);
-        CHECK(r.err.find("s.toml" + std::string(c.place)) != std::string::npos);
-        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(has(r.err, "s.toml" + std::string(c.place)));
+        CHECK(has(r.err, c.says));
         CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
     }
     const Scratch scratch;

@@ -47,7 +47,6 @@ TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
     const Scratch scratch;
     const auto measured = [&](const std::string& given, const std::string& name) {
         const auto r = check(scratch, claims(given, metric(name, "[-1, 1000]")), " --profile timing --measure");
-        INFO(r.err);
         REQUIRE(r.code == 0);
         REQUIRE(r.out.starts_with("c = "));
         return std::stod(r.out.substr(4));
@@ -99,7 +98,6 @@ TEST_CASE("a claim about a choice fails nothing, and wrong words are refused wit
     for (const Case& c : cases) {
         INFO(c.given << c.metric);
         const auto r = check(scratch, claims(c.given, metric(c.metric, "[0, 1]")));
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, "c.toml:"));
         CHECK(has(r.err, c.says));

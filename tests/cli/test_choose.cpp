@@ -11,7 +11,7 @@ using namespace lostbits::test;
 namespace {
 
 Outcome choose(const std::string& words, const Scratch& scratch) {
-    return run("choose " + words + " --quick --size 32x32 -o '" + scratch.path().string() + "'");
+    return run("choose " + words + " --quick --size 32x32" + into(scratch, ""));
 }
 
 }  // namespace
@@ -19,7 +19,6 @@ Outcome choose(const std::string& words, const Scratch& scratch) {
 TEST_CASE("choose says what meets a wish, and writes every form by price") {
     const Scratch scratch;
     const auto r = choose("rtg-fig-7-3-4100-oblique --bits 40 -i sphere.schoolbook -i sphere.unified", scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "The cheapest is sphere.unified in f64"));
     CHECK(has(r.out, "It holds"));
@@ -35,14 +34,13 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
         CHECK(row.at("chosen") == (chosen ? "1" : "0"));
     }
     CHECK(read_csv(folder / "room.csv").size() == 3);  // parallel rays have no view to widen
-    CHECK(std::filesystem::exists(folder / "front.png"));
+    CHECK(fs::exists(folder / "front.png"));
 }
 
 TEST_CASE("choose takes a length for a wish") {
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique", forms = " -i sphere.unified,sphere.schoolbook -f f32,f64";
     const auto r = choose(scene + " --tolerance 0.5mm --unit m --at max" + forms, scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "every hit at most 0.0005 off, no wrong decision"));
     CHECK(has(r.out, " off, no wrong decision in 1024 rays"));
@@ -63,11 +61,10 @@ TEST_CASE("choose takes a length for a wish") {
 TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);
-    INFO(r.err);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "Pixel by pixel"));
     const auto folder = scratch.path() / "near-benign";
-    CHECK(std::filesystem::exists(folder / "requirement.png"));
+    CHECK(fs::exists(folder / "requirement.png"));
     const auto rows = read_csv(folder / "requirement.csv");
     REQUIRE(rows.size() == 6);  // two rows with a time, three formats, and nothing
     int required = 0, of_formats = 0;

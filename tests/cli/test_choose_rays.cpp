@@ -28,9 +28,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
 
 TEST_CASE("choose takes a file of rays, and says what its own answers are worth") {
     const Scratch scratch;
-    const auto r = run("choose " + far_rays + " --bits 16" + into(scratch, ""));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("choose " + far_rays + " --bits 16" + into(scratch, ""));
     CHECK(has(r.out, "no wrong decision in 1536 rays"));
     CHECK(has(r.out, "The answers that were there, file.far-sphere in f32"));
     CHECK(has(r.out, "185 of 1536 rays decided wrongly"));
@@ -50,7 +48,7 @@ TEST_CASE("choose takes a file of rays, and says what its own answers are worth"
     CHECK(same->at("wrong") == "185");
     CHECK(same->at("kept_bits") == rows.back().at("kept_bits"));
     CHECK(read_csv(scratch.path() / "far-sphere" / "room.csv").size() == 3);
-    CHECK(std::filesystem::exists(scratch.path() / "far-sphere" / "front.png"));
+    CHECK(fs::exists(scratch.path() / "far-sphere" / "front.png"));
 }
 
 TEST_CASE("choose takes raw rays, a pipe and several files") {
@@ -58,18 +56,13 @@ TEST_CASE("choose takes raw rays, a pipe and several files") {
     const std::string rest =
         " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch, "");
     const std::string raw = LOSTBITS_DATA_DIR "/dumps/far-sphere.f32";
-    const auto by_columns = run("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
-    CHECK(by_columns.code == 0);
+    const auto by_columns = must("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
     CHECK(has(by_columns.out, "in 1536 rays"));
     const std::string csv = LOSTBITS_DATA_DIR "/dumps/far-sphere.csv";
-    const auto twice = run("choose '" + csv + "' '" + csv + "'" + rest);
-    INFO(twice.err);
-    CHECK(twice.code == 0);
+    const auto twice = must("choose '" + csv + "' '" + csv + "'" + rest);
     CHECK(has(twice.out, "in 3072 rays"));
     CHECK(has(twice.out, "370 of 3072 rays decided wrongly"));
-    const auto piped = run("choose /dev/stdin --container csv" + rest, ".", "cat '" + csv + "' |");
-    INFO(piped.err);
-    CHECK(piped.code == 0);
+    const auto piped = must("choose /dev/stdin --container csv" + rest, ".", "cat '" + csv + "' |");
     CHECK(has(piped.out, "in 1536 rays"));
 }
 
@@ -79,7 +72,6 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
     const std::string file = file_with(scratch, "near.csv", text);
     const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch, ""));
-    INFO(r.err);
     CHECK(r.code == 1);
     CHECK(
         has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));

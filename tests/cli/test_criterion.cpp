@@ -77,7 +77,6 @@ TEST_CASE("a number that moves out of its interval says whether the verdict stan
                              claim("still", "\"refuted\"", "[0.8, 0.9]", "\"= 0\"") +
                              claim("describes", "\"holds\"", "[0.8, 0.9]", "");
     const auto r = run("check '" + scratch.write("c.toml", text) + "'");
-    INFO(r.out);
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: holds, but the number has changed: stands"));
     CHECK(
@@ -100,7 +99,6 @@ TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
     const auto r = run("check '" + file + "' --junit '" + at("j.xml") + "' --export-csv '" + at("c.csv") +
                        "' --export-json '" + at("c.json") + "' --report '" + at("report") + "'");
-    INFO(r.out << r.err);
     CHECK(r.code == 1);
     const std::string counts = "from a source 1 holds, 1 is qualified, 1 is refuted; of our own 2 hold";
     CHECK(has(r.out, "5 verdicts confirmed, 1 failed\n" + counts + "\n"));
@@ -147,7 +145,7 @@ TEST_CASE("a 99th percentile of random rays has the bounds of its order statisti
                                     of("high", sweep, "lost_bits_p99_high") + of("median", sweep, "lost_bits_p50") +
                                     of("picture", scene, "lost_bits_p99"));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
-    REQUIRE(run("check '" + file + "' --export-json '" + at("c.json") + "'").code == 0);
+    must("check '" + file + "' --export-json '" + at("c.json") + "'");
     const auto array = nlohmann::json::parse(contents(at("c.json")));
     const auto measured = [&](int i) { return array[i]["measured"].get<double>(); };
     CHECK(array[0]["p99_bounds"] == nlohmann::json{measured(1), measured(2)});
@@ -155,7 +153,7 @@ TEST_CASE("a 99th percentile of random rays has the bounds of its order statisti
     CHECK(measured(0) < measured(2));
     CHECK(array[3]["p99_bounds"].is_null());
     CHECK(array[4]["p99_bounds"].is_null());
-    REQUIRE(run("check '" + file + "' --filter p99 --report '" + at("report") + "'").code == 0);
+    must("check '" + file + "' --filter p99 --report '" + at("report") + "'");
     CHECK(has(contents(at("report") + "/README.md"), " (95 %: "));
 }
 

@@ -23,7 +23,7 @@ Outcome diff(const std::string& a, const std::string& b, const std::string& opti
     return run("diff a.csv b.csv " + options, scratch.path());
 }
 
-void write_exr(const std::filesystem::path& path, float x, const char* command = "map") {
+void write_exr(const fs::path& path, float x, const char* command = "map") {
     auto exr = backend().open_exr(
         path, {2, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {{"lostbits:command", command}}});
     const float samples[] = {1, x};
@@ -32,7 +32,7 @@ void write_exr(const std::filesystem::path& path, float x, const char* command =
 }
 
 /// A part of one channel and one pixel for each name and value.
-void write_parts(const std::filesystem::path& path, const std::vector<std::pair<std::string, float>>& values) {
+void write_parts(const fs::path& path, const std::vector<std::pair<std::string, float>>& values) {
     std::vector<output::image::ExrPart> parts;
     for (const auto& value : values)
         parts.push_back({value.first, {1, 1, {{"err.ulp", output::image::Channel::Type::f32}}, {}}});
@@ -75,8 +75,8 @@ TEST_CASE("diff: tolerances and ignored columns by name and glob, before and aft
     const Scratch scratch;
     static_cast<void>(scratch.write("a.csv", a));
     static_cast<void>(scratch.write("b.csv", b));
-    CHECK(run("diff --tolerance '*=1' a.csv b.csv", scratch.path()).code == 0);
-    CHECK(run("diff --ignore '*' a.csv b.csv", scratch.path()).code == 0);
+    must("diff --tolerance '*=1' a.csv b.csv", scratch.path());
+    must("diff --ignore '*' a.csv b.csv", scratch.path());
 }
 
 TEST_CASE("diff: twenty lines a file and the number of the others, all of them with -v") {
@@ -108,7 +108,6 @@ TEST_CASE("diff: columns and rows that only one side has") {
          {"a.csv:1: column d is missing in the second\n", "a.csv:1: column e is added in the second\n",
           "a.csv:1: column a moved from place 1 to place 3\n", "a.csv: rows: 1 != 2; the first 1 are compared\n",
           "a.csv: 4 differences"}) {
-        INFO(r.out);
         CHECK(has(r.out, line));
     }
 }
@@ -121,7 +120,7 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
     static_cast<void>(scratch.write("bad.exr", "no picture"));
     static_cast<void>(scratch.write("other.exr", "nor this"));
     static_cast<void>(scratch.write("c.txt", "text"));
-    std::filesystem::create_directory(scratch.path() / "folder");
+    fs::create_directory(scratch.path() / "folder");
     const struct {
         const char *arguments, *says;
     } cases[] = {
@@ -155,7 +154,6 @@ TEST_CASE("diff: bad input exits with 2, says why, and prints no half of an answ
         INFO(c.arguments);
         const auto r = run(std::string("diff ") + c.arguments, scratch.path(),
                            "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_IMAGE_MODULE_FILE "';");
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.out.empty());
         CHECK(r.err.starts_with("lostbits: "));
@@ -171,12 +169,12 @@ TEST_CASE("diff: only pictures need the image module, and without it they exit w
     write_exr(scratch.path() / "b.exr", 3);
     const std::string without = "export LOSTBITS_IMAGE_MODULE=/nowhere.so;";
     CHECK(run("diff a.csv b.csv", scratch.path(), without).code == 1);
-    CHECK(run("diff a.csv a.csv", scratch.path(), without).code == 0);
+    must("diff a.csv a.csv", scratch.path(), without);
     const auto r = run("diff a.exr b.exr", scratch.path(), without);
     CHECK(r.code == 3);
     CHECK(has(r.err, "/nowhere.so"));
     CHECK(r.out.empty());
-    CHECK(run("diff a.exr a.exr", scratch.path(), without).code == 0);
+    must("diff a.exr a.exr", scratch.path(), without);
     CHECK(run("diff a.exr a.exr --ignore err.upl", scratch.path()).code == 2);
     CHECK(run("diff a.csv b.csv >/dev/full", scratch.path()).code == 3);
 }
@@ -203,10 +201,10 @@ TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
           "  err.ulp: 1 differ, largest abs 0.5 at 1,0, largest rel 0.2 at 1,0\n"
           "a.exr: err.ulp at 1,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
     CHECK(run("diff a.exr c.exr", scratch.path()).out == "same\n");
-    CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).code == 0);
+    must("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path());
     CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
     CHECK(run("diff a.exr nan.exr --tolerance err.ulp=100,100", scratch.path()).code == 1);
-    CHECK(run("diff a.exr nan.exr --ignore err.ulp", scratch.path()).code == 0);
+    must("diff a.exr nan.exr --ignore err.ulp", scratch.path());
 }
 
 TEST_CASE("diff: an EXR of several parts, part by part and by name") {
@@ -223,7 +221,7 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
           "a.exr: press.f64: err.ulp at 0,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
     CHECK(run("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path()).out == "same\n");
     CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
-    CHECK(run("diff a.exr a.exr --ignore err.ulp", scratch.path()).code == 0);
+    must("diff a.exr a.exr --ignore err.ulp", scratch.path());
     CHECK(run("diff a.exr c.exr", scratch.path()).out ==
           "a.exr: 3 differences\n"
           "a.exr: part press.f64 is moved in the second\n"
@@ -234,14 +232,14 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
 TEST_CASE("diff: a pipe is taken for what the other side is") {
     const Scratch scratch;
     static_cast<void>(scratch.write("a.csv", "x\n1e3\n"));
-    CHECK(run("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |").code == 0);
+    must("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |");
     CHECK(run("diff /dev/stdin a.csv", scratch.path(), "printf 'x\\n1001\\n' |").code == 1);
 }
 
 TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     const Scratch scratch;
     for (const char* folder : {"one/sub", "two/sub"}) {
-        std::filesystem::create_directories(scratch.path() / folder);
+        fs::create_directories(scratch.path() / folder);
         const std::string name = std::string(folder, 3);
         static_cast<void>(scratch.write(name + "/t.csv", name == "one" ? "x\n1e3\n" : "x\n1000\n"));
         static_cast<void>(scratch.write(std::string(folder) + "/u.csv", "y\n1\n"));
@@ -279,8 +277,8 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     const auto r = compare();
     CHECK(r.code == 1);
     CHECK(r.out == "one/.hidden: only in one\ntwo/sub/extra.txt: only in two\n");
-    std::filesystem::remove(scratch.path() / "one/.hidden");
-    std::filesystem::remove(scratch.path() / "two/sub/extra.txt");
+    fs::remove(scratch.path() / "one/.hidden");
+    fs::remove(scratch.path() / "two/sub/extra.txt");
     CHECK(compare().code == 0);
 
     // One bad file spoils the answer, and a pipe or a broken link is not skipped.
@@ -288,13 +286,13 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     CHECK(compare().code == 2);
     CHECK(has(compare().err, "two/t.csv:2: "));
     static_cast<void>(scratch.write("two/t.csv", "x\n1000\n"));
-    std::filesystem::create_symlink("nowhere", scratch.path() / "two/link");
+    fs::create_symlink("nowhere", scratch.path() / "two/link");
     CHECK(compare().code == 2);
 }
 
 TEST_CASE("diff: two folders without a file select nothing") {
     const Scratch scratch;
-    for (const char* folder : {"one", "two"}) std::filesystem::create_directory(scratch.path() / folder);
+    for (const char* folder : {"one", "two"}) fs::create_directory(scratch.path() / folder);
     CHECK(run("diff one two", scratch.path()).code == 4);
 }
 
@@ -302,8 +300,8 @@ TEST_CASE("diff: what map writes is the same as itself, and another form is not"
     draw_pictures();
     const Scratch scratch;
     const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv --exr -i ";
-    for (const char* out : {"one", "two"}) REQUIRE(run(map + "sphere.press -o " + out, scratch.path()).code == 0);
-    REQUIRE(run(map + "sphere.schoolbook -o three", scratch.path()).code == 0);
+    for (const char* out : {"one", "two"}) must(map + "sphere.press -o " + out, scratch.path());
+    must(map + "sphere.schoolbook -o three", scratch.path());
     CHECK(run("diff one two", scratch.path()).out == "same\n");
     const std::string stem = "/near-benign/sphere.";
     const auto tables = run("diff one" + stem + "press.f32.csv three" + stem + "schoolbook.f32.csv", scratch.path());

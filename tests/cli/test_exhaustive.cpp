@@ -37,9 +37,7 @@ double number(const std::string& text) { return std::strtod(text.c_str(), nullpt
 /// What a command of a table's column says.
 nlohmann::json explained(const std::string& command) {
     REQUIRE(command.starts_with("lostbits explain "));
-    const auto r = run(command.substr(9) + " --json -q");
-    INFO(command << "\n" << r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must(command.substr(9) + " --json -q");
     return nlohmann::json::parse(r.out);
 }
 
@@ -48,10 +46,7 @@ nlohmann::json explained(const std::string& command) {
 TEST_CASE("every float between two: exact onsets, the worst of each binade, and a sentence that says it") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small);
-    const auto r =
-        run("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker" + into(scratch, ""));
     const std::string sentence =
         "all 65537 floats between 0x1.69p+10 (1444) and 0x1.6bp+10 (1452) were tried: sphere.schoolbook on the ray "
         "beside "
@@ -95,8 +90,8 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
         else CHECK(there["lost_bits"].get<double>() >= number(cell(onsets, "threshold", i)));
     }
     CHECK(found >= 1);
-    CHECK(std::filesystem::exists(scratch.path() / "s/datapackage.json"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/unfinished.state"));
+    CHECK(fs::exists(scratch.path() / "s/datapackage.json"));
+    CHECK_FALSE(fs::exists(scratch.path() / "s/unfinished.state"));
 }
 
 TEST_CASE("a convention of the file is said, and holds for what explains a float") {
@@ -104,9 +99,7 @@ TEST_CASE("a convention of the file is said, and holds for what explains a float
     std::string touch = replaced("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\"");
     touch.replace(touch.find("0.75, 0.75, 0"), 13, "0, 1, 0");  // it touches the sphere
     const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
-    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -o '" + scratch.path().string() + "'");
-    INFO(r.err << r.out);
-    REQUIRE(r.code == 0);
+    const auto r = must("sweep '" + file + "' -i sphere.schoolbook" + into(scratch, ""));
     CHECK(has(r.out,
               "sphere.schoolbook, judged by the open solid, on the ray beside fails at the first of them already"));
     const auto statements = table(scratch, "s/statements.csv");
@@ -119,22 +112,22 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
     const std::string file = scratch.write("s.toml", replaced("\"0x1.6bp10\"", "\"0x1.6bp16\""));
     const std::string rows = "sweep '" + file + "' -i sphere.schoolbook -o ";
     const auto out = [&](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
-    REQUIRE(run("-q -j 2 " + rows + out("whole")).code == 0);
+    must("-q -j 2 " + rows + out("whole"));
     const auto state = scratch.path() / "parts/s/unfinished.state";
     int stops = 0;
     for (std::string more; stops < 20; more = " --resume") {
         const auto r = run(
             "-j 1 " + rows + out("parts") + more + " & child=$!; sleep 0.6; kill -TERM $child; wait $child; exit $?",
             ".", "set -m; ");
-        if (!std::filesystem::exists(state)) break;
+        if (!fs::exists(state)) break;
         ++stops;
         CHECK(has(r.err, "with --resume goes on from there"));
         const auto joined = run("merge '" + state.string() + "' -o " + out("joined"));
         CHECK(joined.code == 2);
         CHECK(has(joined.err, " floats of s were tried: a part is that of a run that was stopped"));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "parts/s/binades.csv"));
+        CHECK_FALSE(fs::exists(scratch.path() / "parts/s/binades.csv"));
     }
-    if (std::filesystem::exists(state)) REQUIRE(run("-q " + rows + out("parts") + " --resume").code == 0);
+    if (fs::exists(state)) must("-q " + rows + out("parts") + " --resume");
     CHECK(stops > 0);  // none: the machine is faster than the test foresees
     for (const char* name : {"binades.csv", "onsets.csv", "statements.csv", "lost_bits_max.png", "wrong.png"}) {
         const std::string whole = contents(scratch.path() / "whole/s" / name);
@@ -142,7 +135,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
         const bool same = whole == contents(scratch.path() / "parts/s" / name);
         CHECK(same);
     }
-    CHECK_FALSE(std::filesystem::exists(state));
+    CHECK_FALSE(fs::exists(state));
 }
 
 TEST_CASE("a resume with another file, other forms, another version or a damaged state is refused") {
@@ -158,13 +151,13 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     CHECK(has(other_kind.err, "--resume: sphere-distance is not a sweep over every float"));
     // A state as a stopped run writes it, though all is tried: that of the only shard.
     const auto state_of = [&](const std::string& form) {
-        REQUIRE(run("-q sweep s.toml -i " + form + " --shard 1/1 -o parts", scratch.path()).code == 0);
+        must("-q sweep s.toml -i " + form + " --shard 1/1 -o parts", scratch.path());
         return contents(scratch.path() / "parts/shard-1-of-1/shard.state");
     };
     const std::string good = state_of("sphere.press");
     const auto write = [&](const std::string& state) {
-        std::filesystem::remove_all(scratch.path() / "s");
-        std::filesystem::create_directories(scratch.path() / "s");
+        fs::remove_all(scratch.path() / "s");
+        fs::create_directories(scratch.path() / "s");
         static_cast<void>(scratch.write("s/unfinished.state", state));
         static_cast<void>(scratch.write("s/manifest.json", R"({"schema": "lostbits-manifest/1", "program": "lostbits",
             "command": "lostbits sweep s.toml", "files": ["unfinished.state"]})"));
@@ -172,10 +165,9 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     const auto refused = [&](const std::string& state, const std::string& what) {
         write(state);
         const auto r = run(resume, scratch.path());
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, what));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/binades.csv"));
+        CHECK_FALSE(fs::exists(scratch.path() / "s/binades.csv"));
     };
     /// The good one with other bytes in a place, and its own hash at the end.
     const auto forged = [&](std::size_t at, const std::string& by, std::size_t size) {
@@ -201,22 +193,21 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     refused(good, "belongs to a run that read other files");
     static_cast<void>(scratch.write("s.toml", small));
     write(good);
-    CHECK(run("-q " + resume, scratch.path()).code == 0);
+    must("-q " + resume, scratch.path());
     CHECK(table(scratch, "s/statements.csv").rows() == 2);
     // Of several sweeps those that have no state begin anew.
     static_cast<void>(scratch.write("t.toml", small));
     const std::string both = "-q sweep t.toml s.toml -i sphere.press --resume -o .";
     CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: there is no such file"));
     write(good);
-    CHECK(run(both, scratch.path()).code == 0);
+    must(both, scratch.path());
     CHECK(table(scratch, "s/statements.csv").rows() == 2);
     CHECK(table(scratch, "t/statements.csv").rows() == 2);
     // Without --resume it begins anew, and says that a state is there.
     write(good);
-    const auto anew = run(sweep + " -o .", scratch.path());
-    CHECK(anew.code == 0);
+    const auto anew = must(sweep + " -o .", scratch.path());
     CHECK(has(anew.err, "this one begins anew (--resume goes on)"));
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "s/unfinished.state"));
+    CHECK_FALSE(fs::exists(scratch.path() / "s/unfinished.state"));
 }
 
 TEST_CASE("an axis of every float is of one format, and bad input leaves nothing behind") {
@@ -224,10 +215,9 @@ TEST_CASE("an axis of every float is of one format, and bad input leaves nothing
     const std::string file = scratch.write("s.toml", small), out = into(scratch);
     const auto refused = [&](const std::string& arguments, const std::string& says) {
         const auto r = run("sweep " + arguments + out);
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, says));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+        CHECK_FALSE(fs::exists(scratch.path() / "out"));
     };
     refused("'" + file + "' -f f64", "-f f64: s tries every number of one format, and that is f32; leave out -f");
     refused("'" + file + "' -f f32 -f bf16", "-f bf16: s tries");
@@ -259,9 +249,7 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict says how 
     const std::string range = "\nfrom = \"0x1.6ap10\"\nto = \"0x1.6a09eap10\"";
     static_cast<void>(scratch.write(
         "c.toml", head + claim("first", all, onset) + claim("before", all + range, "metric = \"wrong\"\nin = [0, 0]")));
-    const auto r = run("-v check c.toml --export-csv c.csv --export-json c.json", scratch.path());
-    INFO(r.out << r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("-v check c.toml --export-csv c.csv --export-json c.json", scratch.path());
     CHECK(has(r.out, "ok       first (holds, all 65537 floats): 1448.155029296875\n"));
     CHECK(has(r.out, "ok       before (holds, all 1270 floats): 0\n"));
     const auto csv = table(scratch, "c.csv");
@@ -271,7 +259,6 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict says how 
     const auto broken = [&](const std::string& given, const std::string& expect, const std::string& says) {
         static_cast<void>(scratch.write("b.toml", head + claim("b", given, expect)));
         const auto b = run("check b.toml", scratch.path());
-        INFO(b.err << b.out);
         CHECK(b.code == 2);
         CHECK(has(b.err, says));
     };

@@ -11,10 +11,7 @@
 
 namespace test_explain_ray {
 
-using lostbits::test::has;
-using lostbits::test::run;
-using lostbits::test::Scratch;
-using lostbits::test::settled_exactly;
+using namespace lostbits::test;
 
 namespace {
 
@@ -22,9 +19,7 @@ using Json = nlohmann::json;
 
 /// What the command says, in place of its table.
 Json explained(const std::string& arguments, const Scratch& folder) {
-    const auto r = run("explain " + arguments + " --json -q", folder.path());
-    INFO(arguments << "\n" << r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("explain " + arguments + " --json -q", folder.path());
     return Json::parse(r.out);
 }
 
@@ -59,7 +54,7 @@ TEST_CASE("a ray is taken as given: what a format cannot hold is input error, an
     CHECK(hex(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
     CHECK(explained(ideal + "-f f64 --as f64", folder)["inputs_rounded"] == false);
     const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
-    CHECK(text.out.find("f32 cannot hold all of these numbers and gets them rounded") != std::string::npos);
+    CHECK(has(text.out, "f32 cannot hold all of these numbers and gets them rounded"));
 }
 
 TEST_CASE("a ray with solids of its own ends where it is told to, and is judged by the convention it is told") {
@@ -103,7 +98,7 @@ TEST_CASE("explain refuses words that name no ray, and says what to write") {
         const auto r = run("explain " + arguments);
         INFO(arguments << "\n" << r.err);
         CHECK(r.code == 2);
-        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(has(r.err, says));
         CHECK(r.out.empty());
     }
 }
@@ -111,7 +106,6 @@ TEST_CASE("explain refuses words that name no ray, and says what to write") {
 TEST_CASE("a direction that is normalised is said to be") {
     const std::string ray = "explain sdf-sphere --ray 0,0,4,0,0,-2 ";
     const auto march = run(ray + "-i sdf.sphere_trace");
-    INFO(march.out << march.err);
     CHECK(has(march.out,
               "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a "
               "distance."));
@@ -123,8 +117,7 @@ TEST_CASE("a direction that is normalised is said to be") {
 
 TEST_CASE("a ray is asked alone, however many spheres there are") {
     // Its row of the picture in p2, where every sphere is a candidate, took minutes.
-    const auto r = run("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
-    REQUIRE(r.code == 0);
+    const auto r = must("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
     CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
 }
 
@@ -137,14 +130,13 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
     // Of a scene: where a decision is wrong the first that is so, and elsewhere the largest error.
     for (const auto& [scene, column] :
          {std::pair{"rtg-fig-7-3-4100-oblique --size 64x48", "fault"}, {"near-benign --size 64x48", "worst"}}) {
-        REQUIRE(run(std::string("map ") + scene + with + " -o map", folder.path()).code == 0);
+        must(std::string("map ") + scene + with + " -o map", folder.path());
         const std::string id(scene, std::string_view(scene).find(' '));
         const auto row = first("map/" + id + "/summary.csv");
         CAPTURE(id);
         CHECK(row.at("fault_explain").empty() == (std::string(column) == "worst"));
         const std::string named = row.at(std::string(column) + "_explain");
-        const auto worst = run("explain " + (scene + (" --worst" + with)), folder.path());
-        REQUIRE(worst.code == 0);
+        const auto worst = must("explain " + (scene + (" --worst" + with)), folder.path());
         const auto there = run(named.substr(named.find(' ') + 1), folder.path());
         const auto end = worst.out.find('\n');
         const auto pixel = named.find("--pixel ") + 8;
@@ -157,7 +149,7 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
         CAPTURE(sweep);
         const bool cases = sweep.starts_with("extremes");
         const std::string id = cases ? "contact" : "sphere-tilt", file = cases ? "/cases.csv" : "/samples.csv";
-        REQUIRE(run("sweep " + sweep + with + " --seeds 0 -o sweep", folder.path()).code == 0);
+        must("sweep " + sweep + with + " --seeds 0 -o sweep", folder.path());
         std::string largest;
         double most = -1;
         bool wrong = false;
@@ -211,9 +203,7 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
 TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
     const Scratch folder;
     const std::string with = " --set rays=64 --boxes 16 -i sphere.unified -f f32";
-    const auto r = run("explain sphere-distance --ranges --at 4 --set views=1" + with, folder.path());
-    INFO(r.err);
-    CHECK(r.code == 0);
+    const auto r = must("explain sphere-distance --ranges --at 4 --set views=1" + with, folder.path());
     CHECK(has(r.out, "over the ranges of the rays of sphere-distance at 4"));
     CHECK(has(r.out, "the ranges of the 64 rays of the step"));
     const auto far = run("explain sphere-distance --ranges --at 4096 --set views=1 --json" + with, folder.path());
@@ -242,10 +232,8 @@ TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
 TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of how many") {
     const Scratch folder;
     const std::string changes = " --set views=16 --set rays=4 --steps 7", with = " -i sphere.schoolbook -f f32";
-    const auto worst = run("explain sphere-distance --worst" + changes + with, folder.path());
-    INFO(worst.out << worst.err);
-    REQUIRE(worst.code == 0);
-    REQUIRE(run("sweep sphere-distance" + changes + with + " --seeds 0 -o sweep", folder.path()).code == 0);
+    const auto worst = must("explain sphere-distance --worst" + changes + with, folder.path());
+    must("sweep sphere-distance" + changes + with + " --seeds 0 -o sweep", folder.path());
     // The same by hand: the most frequent wrong decision over all steps, and the first ray of that.
     std::map<std::string, int> wrong;
     const auto rows = lostbits::test::read_csv(folder.path() / "sweep/sphere-distance/samples.csv");
@@ -279,7 +267,6 @@ TEST_CASE("a claim about all wrong decisions names the first of them, as explain
                                     claim("sweep", "sweep = \"sphere-distance\"\nat = 4096\n"));
     const std::string junit = (scratch.path() / "j.xml").string();
     const auto r = run("check '" + file + "' --junit '" + junit + "'");
-    INFO(r.out << r.err);
     REQUIRE(r.code == 1);
     const auto worst = run("explain grazing --worst -i sphere.press -f f32").out;
     REQUIRE(worst.starts_with("Pixel "));

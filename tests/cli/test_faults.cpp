@@ -16,7 +16,6 @@ namespace test_faults {
 
 using namespace lostbits::test;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -58,9 +57,7 @@ TEST_CASE("the process of another container keeps its half-written file, and bot
     const Held held(other);
     // The word `exec` that follows is for the shell outside; the program becomes process 1 of the container.
     const std::string before = container.empty() ? "" : "exec " + container + " sh -c 'shift; exec \"$@\"' sh";
-    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path(), before);
-    INFO(r.err);
-    CHECK(r.code == 0);
+    must("check " + claims + " --export-csv claims.csv", scratch.path(), before);
     CHECK(fs::exists(other));
     CHECK(read_csv(scratch.path() / "claims.csv").size() == 1);
 }
@@ -75,7 +72,6 @@ TEST_CASE("two containers that write one folder at a time do not mix") {
     };
     for (int k = 0; k < 3; ++k) {
         const auto r = run(both("map mine.toml -i sphere.press -f f64 --size 60x60 -o out"), scratch.path());
-        INFO(r.out << r.err);
         const bool first = has(r.out, "0 2"), second = has(r.out, "2 0");
         CHECK((first || second || has(r.out, "0 0")));
         CHECK((has(r.out, "0 0") || has(r.err, "another run is writing there")));
@@ -94,9 +90,7 @@ TEST_CASE("what a dead run left of a single file goes when it is written again")
     const std::string claims = scratch.write("claims.toml", one_claim);
     for (const char* left : {".claims.csv.partial-4711", ".claims.csv.partial-abcdefghijkl", ".other.csv.partial-1"})
         static_cast<void>(scratch.write(left, "half a line"));
-    const auto r = run("check " + claims + " --export-csv claims.csv", scratch.path());
-    INFO(r.err);
-    CHECK(r.code == 0);
+    must("check " + claims + " --export-csv claims.csv", scratch.path());
     CHECK(scratch.files() ==
           std::vector<std::string>{".other.csv.partial-1", "claims.csv", "claims.toml", "mine.toml"});
 }
@@ -132,7 +126,7 @@ TEST_CASE("closed standard streams end up in no file") {
     const Scratch scratch;
     static_cast<void>(scratch.write("mine.toml", good_scene));
     const std::string words = "map mine.toml -i sphere.press -f f32 --pixels csv --progress bar -v -o ";
-    REQUIRE(run(words + "right", scratch.path()).code == 0);
+    must(words + "right", scratch.path());
     for (const char* closed : {"2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-", "<&-"}) {
         INFO(closed);
         const auto r = run(words + "out " + closed, scratch.path());

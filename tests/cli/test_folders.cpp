@@ -16,7 +16,6 @@ namespace test_folders {
 
 using namespace lostbits::test;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -262,7 +261,6 @@ TEST_CASE("an interrupted report leaves no folder") {
         run("report near-benign --size 700x700 -j 1 -o page/inner & child=$!; sleep 1.5; kill -TERM $child; "
             "wait $child; exit $?",
             scratch.path(), "set -m; ");
-    INFO(r.err);
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
     CHECK_FALSE(fs::exists(scratch.path() / "page"));

@@ -14,13 +14,12 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     const Scratch scratch;
     const auto in = [&scratch](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
     const std::string check = "check --filter 'float.*' ";
-    REQUIRE(run(check + "--save " + in("before.json")).code == 0);
+    must(check + "--save " + in("before.json"));
     auto baseline = nlohmann::json::parse(contents(scratch.path() / "before.json"));
     CHECK(baseline["schema"] == "lostbits-baseline/1");
     REQUIRE(baseline["claims"].size() >= 2);
 
-    const auto same = run(check + "--against " + in("before.json") + " --moves " + in("moves.md"));
-    CHECK(same.code == 0);
+    const auto same = must(check + "--against " + in("before.json") + " --moves " + in("moves.md"));
     CHECK(has(same.out, "no measured value moved; " + std::to_string(baseline["claims"].size()) + " are the same"));
     CHECK(has(contents(scratch.path() / "moves.md"), "no measured value moved"));
 
@@ -39,9 +38,7 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     baseline["claims"].push_back(gone);
     static_cast<void>(scratch.write("before.json", baseline.dump()));
     const auto moved =
-        run(check + "--against " + in("before.json") + " --moves " + in("moves.md") + " --junit " + in("junit.xml"));
-    INFO(moved.out);
-    CHECK(moved.code == 0);
+        must(check + "--against " + in("before.json") + " --moves " + in("moves.md") + " --junit " + in("junit.xml"));
     CHECK(has(moved.out, "3 measured values moved"));
     CHECK(has(moved.out, first));
     CHECK(has(moved.out, "new: agrees"));
@@ -59,7 +56,6 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
     const Scratch scratch;
     const auto refused = [&](const std::string& options, const std::string& says) {
         const auto r = run("check --filter 'float.*' " + options);
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, says));
     };
@@ -73,7 +69,7 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
         static_cast<void>(scratch.write("b.json", text));
         refused("--against '" + place + "'", "name a file that `lostbits check --save` wrote");
     }
-    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
+    must("check --filter 'float.*' --save '" + place + "'");
     const auto good = nlohmann::json::parse(contents(place));
     const auto changed = [&](const char* key, const nlohmann::json& value, const std::string& says) {
         auto baseline = good;
@@ -98,7 +94,7 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
 TEST_CASE("a baseline of other claims, or of another quantity, is said to be one") {
     const Scratch scratch;
     const std::string place = (scratch.path() / "b.json").string(), check = "check --filter 'float.*' --against '";
-    REQUIRE(run("check --filter 'float.*' --save '" + place + "'").code == 0);
+    must("check --filter 'float.*' --save '" + place + "'");
     auto baseline = nlohmann::json::parse(contents(place));
     baseline["claims"][0]["quantity"] = "p99 of something else";
     static_cast<void>(scratch.write("b.json", baseline.dump()));
@@ -118,7 +114,6 @@ TEST_CASE("two options of check that name one file are refused") {
           "--save" + in("x") + " --junit" + in("../" + scratch.path().filename().string() + "/x"),
           "--against" + in("x") + " --moves" + in("x")}) {
         const auto r = run("check --filter 'float.*' " + options);
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, "names the same file; give each a file of its own"));
         CHECK(scratch.files().empty());
@@ -129,8 +124,8 @@ TEST_CASE("two options of check that name one file are refused") {
     CHECK(has(among.err, "--junit ./r/README.md: lies among the files of --report r"));
     CHECK(scratch.files().empty());
     const std::string check = "check --filter 'float.*' --save b.json";
-    CHECK(run(check, scratch.path()).code == 0);
-    CHECK(run(check + " --against ./b.json", scratch.path()).code == 0);
+    must(check, scratch.path());
+    must(check + " --against ./b.json", scratch.path());
 }
 
 }  // namespace test_history

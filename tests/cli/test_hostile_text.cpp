@@ -10,7 +10,6 @@ namespace test_hostile_text {
 
 using namespace lostbits::test;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -37,7 +36,6 @@ TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
     static_cast<void>(scratch.write("claims.toml", claims(hostile, hostile)));
     const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
                        scratch.path());
-    INFO(r.out << r.err);
     REQUIRE(r.code == 1);
     // One line more than there are, and it would be somebody else's command.
     CHECK_FALSE(has_forged_command(r.out));
@@ -67,9 +65,7 @@ TEST_CASE("titles and names of files are text on a terminal") {
     const Scratch scratch;
     fs::create_directories(scratch.path() / "data/scenes");
     static_cast<void>(scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\"")));
-    const auto list = run("--data data list scenes", scratch.path());
-    INFO(list.out << list.err);
-    CHECK(list.code == 0);
+    const auto list = must("--data data list scenes", scratch.path());
     CHECK_FALSE(has_forged_command(list.out));
     CHECK(has(run("--data data list scenes --json", scratch.path()).out, "\\n::error::forged"));
     // A column, and a file that is not there.
@@ -89,9 +85,7 @@ TEST_CASE("titles and names of files are text on a terminal") {
 TEST_CASE("a column that is named like a formula is text in the table of rays") {
     const Scratch scratch;
     static_cast<void>(scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,=cmd()\n0,0,5,0,0,-1,=cmd()\n"));
-    const auto r = run("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
     std::size_t tables = 0;
     for (const std::string& file : scratch.files()) {
         const std::string text = contents(scratch.path() / file);

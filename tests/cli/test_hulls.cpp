@@ -10,19 +10,15 @@
 namespace test_cli_hulls {
 
 using namespace lostbits;
-using test::has;
-using test::number_in;
-using test::read_csv;
-using test::run;
-using test::Scratch;
+using namespace lostbits::test;
 
 TEST_CASE("a map behind boxes tells the level that loses a hit") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    REQUIRE(run("map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
-                "--metric padding -o '" +
-                out + "'")
-                .code == 0);
+    must(
+        "map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
+        "--metric padding -o '" +
+        out + "'");
     std::map<std::string, double> culled;
     for (const auto& row : read_csv(folder.path() / "out/behind-boxes.sphere/summary.csv")) {
         culled[row.at("form")] = number_in(row.at("false_miss"));
@@ -39,18 +35,14 @@ TEST_CASE("two levels of boxes are named from the inside out, and explained") {
     const Scratch folder;
     const std::string name = "box.filtered^box.signs@relative^box.embree_padded~pbrt";
     const std::string out = (folder.path() / "out").string();
-    REQUIRE(
-        run("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to -o '" + out + "'").code ==
-        0);
+    must("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to -o '" + out + "'");
     const auto rows = read_csv(folder.path() / "out/behind-boxes.instance/summary.csv");
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].at("form") == name);
-    const auto explained = run("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
-    CHECK(explained.code == 0);
+    const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
     CHECK(has(explained.out, name));
     // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the solid.
-    REQUIRE(run("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8 -o '" + out + "/one'").code ==
-            0);
+    must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8 -o '" + out + "/one'");
     CHECK(read_csv(folder.path() / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
           "box.filtered^box.signs@plain");
 }
@@ -59,15 +51,13 @@ TEST_CASE("steps and offsets of a form behind a box in the world are those of it
     const Scratch folder;
     const std::string form = "box.signs@plain", out = (folder.path() / "out").string();
     const auto step = [&](const std::string& name, const std::string& where) {
-        REQUIRE(run("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step -o '" + out +
-                    where + "'")
-                    .code == 0);
+        must("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step -o '" + out + where +
+             "'");
         return read_csv(folder.path() / ("out" + where) / "behind-boxes.instance/summary.csv")[0].at(
             "worst_step_inverse");
     };
     CHECK(step(form, "/a") == step(form + "^box.embree_robust", "/b"));
-    CHECK(run("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8 -o '" + out + "/c'")
-              .code == 0);
+    must("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8 -o '" + out + "/c'");
 }
 
 TEST_CASE("what cannot be behind a box is refused with what to write") {

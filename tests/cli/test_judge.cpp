@@ -11,7 +11,6 @@
 namespace test_judge {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -37,11 +36,10 @@ TEST_CASE("the program of the page on judging writes the file that it judges") {
 
 TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same numbers") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + into(scratch, "a")).code == 0);
-    REQUIRE(run("judge " + far_raw + into(scratch, "b")).code == 0);
-    REQUIRE(run("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
-                "cat '" + (dumps / "far-sphere.csv").string() + "' |")
-                .code == 0);
+    must("judge " + far_csv + into(scratch, "a"));
+    must("judge " + far_raw + into(scratch, "b"));
+    must("judge /dev/stdin --container csv --format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
+         "cat '" + (dumps / "far-sphere.csv").string() + "' |");
     const auto a = read_csv(scratch.path() / "a/far-sphere/summary.csv");
     const auto b = read_csv(scratch.path() / "b/far-sphere/summary.csv");
     auto c = read_csv(scratch.path() / "c/stdin/summary.csv");
@@ -55,9 +53,7 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
 
 TEST_CASE("judged rays are grouped by a column of the file") {
     const Scratch scratch;
-    const auto r = run("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
     CHECK(has(r.out, "    y 31 "));
     CHECK(has(r.out, "too few      beyond"));
     const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
@@ -83,7 +79,6 @@ TEST_CASE("a length has a unit where one is declared, and a group is a column of
     const Scratch scratch;
     const auto says = [&](const std::string& words, const std::string& what) {
         const auto r = run("judge " + far_csv + " " + words + into(scratch));
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, what));
     };
@@ -96,7 +91,7 @@ TEST_CASE("a length has a unit where one is declared, and a group is a column of
     says("--by ox", "it has x, y");
     says("--by x --metric tolerance:0.1 --tolerance 0.2", "one number a run");
     const auto beyond = [&](const std::string& words, const std::string& folder) {
-        REQUIRE(run("judge " + far_csv + " " + words + into(scratch, folder)).code == 0);
+        must("judge " + far_csv + " " + words + into(scratch, folder));
         return read_csv(scratch.path() / folder / "far-sphere/summary.csv").front().at("tolerance_beyond");
     };
     const std::string in_units = beyond("--tolerance 0.02", "a");
@@ -115,7 +110,7 @@ TEST_CASE("a length has a unit where one is declared, and a group is a column of
 
 TEST_CASE("the rows of judged rays keep the columns of the file") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --rows" + into(scratch)).code == 0);
+    must("judge " + far_csv + " --rows" + into(scratch));
     const auto rows = read_csv(scratch.path() / "out/far-sphere/file.far-sphere.f32.csv");
     REQUIRE(rows.size() == 1536);
     CHECK(rows[100].at("x") == "4");
@@ -134,14 +129,12 @@ TEST_CASE("the rows of judged rays keep the columns of the file") {
 
 TEST_CASE("the worst rays of a file are cases that the formula of its answers gets as wrong") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --worst 3" + into(scratch)).code == 0);
+    must("judge " + far_csv + " --worst 3" + into(scratch));
     const std::string cases = (scratch.path() / "out/far-sphere/worst.toml").string();
-    const auto r = run("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("sweep '" + cases + "' -i sphere.schoolbook -f f32" + into(scratch, "again"));
     const auto rows = read_csv(scratch.path() / "again/worst/cases.csv");
     CHECK(rows.size() == 9);  // three errors, three false misses, three false hits
-    REQUIRE(run("judge " + far_csv + " --worst 0" + into(scratch)).code == 0);
+    must("judge " + far_csv + " --worst 0" + into(scratch));
     CHECK_FALSE(fs::exists(cases));
     std::size_t false_hits = 0;
     for (const auto& row : rows) {
@@ -158,7 +151,7 @@ TEST_CASE("rays without answers are answered by forms") {
     CHECK(none.code == 4);
     CHECK(has(none.err, "-i 'sphere.*'"));
     CHECK(run("judge '" + file + "' -i 'box.*'" + into(scratch)).code == 4);
-    REQUIRE(run("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch)).code == 0);
+    must("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch));
     const auto rows = read_csv(scratch.path() / "out/rays/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("agree_hit") == "1");
@@ -167,8 +160,7 @@ TEST_CASE("rays without answers are answered by forms") {
 
 TEST_CASE("metrics of a formula are measured of forms, and left out of the file's answers") {
     const Scratch scratch;
-    const auto r = run("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
-    REQUIRE(r.code == 0);
+    const auto r = must("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
     CHECK(has(r.err, "file.far-sphere"));
     CHECK(has(r.err, "culprit"));
     const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
@@ -212,7 +204,6 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
         const Scratch scratch;
         const std::string file = scratch.write("rays.csv", b.text);
         const auto r = run("judge '" + file + "' " + b.options + into(scratch));
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(r.out.empty());
         CHECK(has(r.err, b.says));
@@ -225,7 +216,7 @@ TEST_CASE("judge says what it needs to know, and writes nothing") {
 
 TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
     const Scratch scratch;
-    REQUIRE(run("judge " + far_csv + " --against sphere.schoolbook" + into(scratch)).code == 0);
+    must("judge " + far_csv + " --against sphere.schoolbook" + into(scratch));
     const auto rows = read_csv(scratch.path() / "out/far-sphere/summary.csv");
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].at("against_same_t") == "1309");  // the program of the page has the operations of that form
@@ -236,8 +227,7 @@ TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
         text +=
             "0,0," + std::to_string(-5 - i) + ",0,0," + std::to_string(2 + i) + ",1," + std::to_string(4 + i) + "\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto wrong = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
-    CHECK(wrong.code == 0);
+    const auto wrong = must("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wrong.err, "--direction unit"));
     const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --format f32" + into(scratch));
     CHECK(right.err.empty());
@@ -249,8 +239,7 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto r = run("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
-    CHECK(r.code == 0);
+    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --format f32" + into(scratch));
     CHECK(has(r.err, "20 numbers are not numbers of f32"));
     const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wide.err, "--format f32"));
@@ -261,8 +250,7 @@ TEST_CASE("what judge suspects is said in words of files") {
     const Scratch scratch;
     const auto judged = [&](const std::string& rows, const std::string& options) {
         const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n" + rows);
-        const auto r = run("judge '" + file + "' --format f32 " + options + into(scratch));
-        CHECK(r.code == 0);
+        const auto r = must("judge '" + file + "' --format f32 " + options + into(scratch));
         for (const char* word : {"unit_direction", "flags", "inside=", "hand over", "whole_line", "roots"})
             CHECK_FALSE(has(r.err, word));
         return r.err;

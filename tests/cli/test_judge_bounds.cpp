@@ -8,7 +8,6 @@
 namespace test_judge_bounds {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -17,7 +16,7 @@ std::vector<std::map<std::string, std::string>> judged(const std::string& text, 
                                                        const std::string& row) {
     const Scratch scratch;
     const std::string file = scratch.write("rays.csv", text);
-    REQUIRE(run("judge '" + file + "' " + options + " --rows -q" + into(scratch)).code == 0);
+    must("judge '" + file + "' " + options + " --rows -q" + into(scratch));
     return read_csv(scratch.path() / "out/rays" / (row + ".csv"));
 }
 
@@ -49,7 +48,7 @@ TEST_CASE("a bound whose products underflow is not below the error, and proves n
 TEST_CASE("rays that part the slabs of a box far stay within what docs/bounds.md says of all floats") {
     // Before a search looked, the page said 3 u, the largest that random rays of short numbers had shown.
     static const std::regex said(R"(\*\*no ray in float needs more than\s+([0-9.]+) u)");
-    const std::string page = contents(std::filesystem::path(LOSTBITS_REPORTS_DIR).parent_path() / "docs/bounds.md");
+    const std::string page = contents(fs::path(LOSTBITS_REPORTS_DIR).parent_path() / "docs/bounds.md");
     std::smatch bound;
     REQUIRE(std::regex_search(page, bound, said));
     const auto needed = [](const std::string& ray) {

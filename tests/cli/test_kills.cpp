@@ -15,7 +15,6 @@
 namespace test_kills {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 

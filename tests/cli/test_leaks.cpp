@@ -34,9 +34,7 @@ TEST_CASE("no command loses memory but where the list says why") {
           std::string("report mine.toml -i sphere.press -f f32 --no-claims -o page"),
           "map mine.toml -i example.schoolbook -f f32 -o plugin" + library,
           "map mine.toml -i example.schoolbook -f f32 -o alone --isolate" + library}) {
-        const auto r = run(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
-        INFO(words << "\n" << r.err);
-        CHECK(r.code == 0);
+        const auto r = must(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
         CHECK_FALSE(
             has(r.err, "detected memory leaks"));  // with a library a process that looks is not the one that ends
     }

@@ -10,7 +10,6 @@
 namespace test_limits {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -58,7 +57,6 @@ TEST_CASE("a picture that claims more than its file can hold is refused before m
     static_cast<void>(scratch.write("a.exr", exr_head(16384)));
     static_cast<void>(scratch.write("b.exr", exr_head(16384) + "x"));
     const auto r = run("diff a.exr b.exr", scratch.path(), under_sanitizer ? "" : "ulimit -v 4000000;");
-    INFO(r.err);
     CHECK(r.code == 2);
     CHECK(has(r.err, "a.exr: claims 16384x16384 pixels of 76 bytes, 20 GB, which no file of"));
     CHECK(has(r.err, "give one that is complete"));
@@ -97,7 +95,6 @@ TEST_CASE("any number of columns may have moved") {
     std::ranges::shuffle(order, std::mt19937(1));
     static_cast<void>(scratch.write("b.csv", table()));
     const auto r = run("diff a.csv b.csv", scratch.path(), at_most(5));
-    INFO(r.err);
     CHECK(r.code == 1);
     CHECK(has(r.out, "moved from place"));
 }
@@ -124,7 +121,6 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     static_cast<void>(scratch.write("mine.toml", good_scene));
     const auto few =
         run("map mine.toml -i 'sphere.*' -f p2..p53 --pictures all -o out", scratch.path(), "ulimit -n 128;");
-    INFO(few.err);
     CHECK(few.code == 3);
     CHECK(has(few.err, "files at once, and this machine lets a process have 128 open (`ulimit -n`)"));
     CHECK(has(few.err, "select fewer forms, formats or metrics"));
@@ -132,7 +128,6 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     if (under_sanitizer) return;
     const auto little = run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' --pictures all -o out", scratch.path(),
                             "ulimit -v 2000000;");
-    INFO(little.err);
     CHECK(little.code == 3);
     // Of memory, where the machine lets so many be open.
     CHECK((has(little.err, " of memory, and ") || has(little.err, "(`ulimit -n`)")));

@@ -13,8 +13,7 @@
 namespace test_list {
 
 using namespace lostbits;
-using test::run;
-using test::Scratch;
+using namespace lostbits::test;
 
 TEST_CASE("list shows every intersector, as text and as JSON") {
     const auto text = run("list intersectors");
@@ -27,7 +26,7 @@ TEST_CASE("list shows every intersector, as text and as JSON") {
         const std::string name(intersect::table::intersectors()[i].info->name);
         CHECK(array[i]["name"] == name);
         CHECK_FALSE(array[i]["source"].get<std::string>().empty());
-        CHECK(text.out.find("\n" + name + " ") != std::string::npos);
+        CHECK(has(text.out, "\n" + name + " "));
         // No form of the catalogue has a word of its own.
         const std::string shape = name.substr(0, name.find('.'));
         const bool is_flat = shape == "triangle" || shape == "disc" || shape == "plane";
@@ -52,8 +51,8 @@ TEST_CASE("list metrics is the metric table") {
 TEST_CASE("the metrics of labels are listed, and every form has labels to map") {
     const auto text = run("list metrics").out;
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL", "tolerance:LENGTH", "enough_bits:BITS"})
-        CHECK(text.find(name) != std::string::npos);
-    CHECK(text.find("lostbits list labels") != std::string::npos);
+        CHECK(has(text, name));
+    CHECK(has(text, "lostbits list labels"));
     const auto array = nlohmann::json::parse(run("list labels --json").out);
     REQUIRE(array.size() == intersect::table::intersectors().size());
     const Scratch scratch;
@@ -68,7 +67,6 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
         const auto r = run("map " + test::scene_of(form.shape) + " --size 8x8 -f f32 -i " +
                                std::string(form.info->name) + " --metric \"contribution:" + last + "\" -q -o out",
                            scratch.path());
-        INFO(r.err);
         mapped += r.code == 0;
     }
     CHECK(mapped == static_cast<int>(array.size()));
@@ -141,7 +139,7 @@ TEST_CASE("list claims has every claim that check would measure, with its verdic
     }
     const test::Scratch scratch;
     const auto file = scratch.path() / "claims.json";
-    REQUIRE(run("check -q --filter 'float.*' --export-json '" + file.string() + "'").code == 0);
+    must("check -q --filter 'float.*' --export-json '" + file.string() + "'");
     const auto measured = nlohmann::json::parse(test::contents(file));
     REQUIRE(measured.size() > 5);
     for (const auto& claim : measured) {
@@ -157,9 +155,8 @@ TEST_CASE("list claims has every claim that check would measure, with its verdic
 
 TEST_CASE("help and version go to stdout and end with 0") {
     for (const char* arguments : {"--help", "map --help", "list --help"}) {
-        const auto r = run(arguments);
-        CHECK(r.code == 0);
-        CHECK(r.out.find("Usage") != std::string::npos);
+        const auto r = must(arguments);
+        CHECK(has(r.out, "Usage"));
     }
     CHECK(run("--version").out.find("lostbits ") == 0);
 }
@@ -167,7 +164,7 @@ TEST_CASE("help and version go to stdout and end with 0") {
 TEST_CASE("a full disk behind stdout is an error, not a silence") {
     const auto r = run("list intersectors >/dev/full");
     CHECK(r.code == 3);
-    CHECK(r.err.find("standard output") != std::string::npos);
+    CHECK(has(r.err, "standard output"));
 }
 
 TEST_CASE("every sentence of a claim can be read alone") {

@@ -22,19 +22,14 @@ const std::set<std::string_view> stay_apart{"bevy_view", "nvpro",         "godot
 }  // namespace
 
 using namespace lostbits;
-using test::has;
-using test::number_in;
-using test::read_csv;
-using test::run;
-using test::Scratch;
+using namespace lostbits::test;
 
 TEST_CASE("twelve kilometres out the ways that subtract points of the world lose the direction, and no other does") {
     const Scratch folder;
-    const auto r =
-        run("map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
-            "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
-            (folder.path() / "out").string() + "'");
-    REQUIRE(r.code == 0);
+    must(
+        "map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
+        "direction_lost_bits --metric origin_lost_bits --metric origin_error -o '" +
+        (folder.path() / "out").string() + "'");
     const auto rows = read_csv(folder.path() / "out/camera-far.zero_to_one/summary.csv");
     REQUIRE(rows.size() == scene::camera::makers().size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -54,9 +49,8 @@ TEST_CASE("a way behind the form and the same way in the scene are one map") {
     const Scratch folder;
     const auto mapped = [&folder](const std::string& words, const std::string& name) {
         const std::string out = (folder.path() / name).string();
-        REQUIRE(run("map camera-far.endless " + words +
-                    " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'")
-                    .code == 0);
+        must("map camera-far.endless " + words +
+             " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error -o '" + out + "'");
         return read_csv(folder.path() / name / "camera-far.endless/summary.csv");
     };
     for (const std::string maker : {"three", "bevy"}) {
@@ -115,7 +109,7 @@ TEST_CASE("what is wrong with a way to make rays is said, and nothing is written
         CHECK(r.code == 2);
         CHECK(has(r.err, message));
     }
-    CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
+    CHECK_FALSE(fs::exists(folder.path() / "out"));
     CHECK(has(run("explain camera-far.endless --ray 0,0,0,0,0,1 -i sphere.unified@ray-dxr").err, "no camera makes it"));
 }
 

@@ -9,7 +9,6 @@
 namespace test_manners {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -24,15 +23,11 @@ TEST_CASE("an option takes one value, and the scene may stand behind it") {
     for (const char* options : {"-i sphere.unified", "-i sphere.unified -f f32", "-f f32", "--set sphere[0].radius=0.5",
                                 "--metric lost_bits"}) {
         INFO(options);
-        const auto r = run("map " + std::string(options) + " " + scene + " --size 8x8" + into(scratch));
-        INFO(r.err);
-        CHECK(r.code == 0);
+        must("map " + std::string(options) + " " + scene + " --size 8x8" + into(scratch));
     }
-    CHECK(run("render --stage visible " + std::string("raycast-course.small --size 8x6") + into(scratch)).code == 0);
-    CHECK(run("sweep -f f32 -i sphere.press sphere-tilt --seeds 0 --steps 4" + into(scratch)).code == 0);
-    CHECK(run("report --claims 'rtg7.fig6.schoolbook-near-*' -i sphere.press -f f32 near-benign --size 8x8" +
-              into(scratch))
-              .code == 0);
+    must("render --stage visible " + std::string("raycast-course.small --size 8x6") + into(scratch));
+    must("sweep -f f32 -i sphere.press sphere-tilt --seeds 0 --steps 4" + into(scratch));
+    must("report --claims 'rtg7.fig6.schoolbook-near-*' -i sphere.press -f f32 near-benign --size 8x8" + into(scratch));
     const auto none = run("report --claims nothing near-benign" + into(scratch));
     CHECK(none.code == 2);
     CHECK(has(none.err, "no claim of the profile results has this id"));
@@ -42,9 +37,7 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("mine.toml", good_scene) + "'";
     const auto rows = [&](const std::string& options) {
-        const auto r = run("map " + scene + " --size 8x8 " + options + into(scratch));
-        INFO(options << r.err);
-        REQUIRE(r.code == 0);
+        must("map " + scene + " --size 8x8 " + options + into(scratch));
         std::string text;
         for (const auto& row : read_csv(scratch.path() / "out/mine/summary.csv"))
             text += row.at("form") + " " + row.at("format") + "\n";
@@ -54,15 +47,15 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     CHECK(both == "sphere.press f32\nsphere.press f64\nsphere.unified f32\nsphere.unified f64\n");
     CHECK(rows("-i sphere.press,sphere.unified -f f32,f64") == both);
     CHECK(rows("-i 'sphere.press, sphere.unified ' -f 'f32, f64'") == both);
-    CHECK(run("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + into(scratch)).code == 0);
+    must("render raycast-course.small --stage 'visible, diffuse' --size 8x6" + into(scratch));
     // A comma inside brackets is the vector's own.
     const auto title = [&](const std::string& set) {
-        REQUIRE(run("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + into(scratch)).code == 0);
+        must("map " + scene + " --size 8x8 -i sphere.press -f f32 " + set + into(scratch));
         return contents(scratch.path() / "out/mine/datapackage.json");
     };
     const std::string changed = title("--set 'sphere[0].centre=[0.1,0.2,0],sphere[0].radius=0.5'");
     CHECK(has(changed, "sphere[0].centre=[0.1,0.2,0], sphere[0].radius=0.5"));
-    CHECK(run("check --measure --filter 'float.*,box.no-such-*' -q").code == 0);
+    must("check --measure --filter 'float.*,box.no-such-*' -q");
 }
 
 TEST_CASE("what is not understood is said in a sentence, with what may have been meant") {
@@ -173,7 +166,6 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
     }
     for (const char* what : {"scenes", "sweeps", "claims"}) {
         const auto r = run("list " + std::string(what) + " --data /nowhere");
-        INFO(r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, "/nowhere/" + std::string(what) + ": is not a folder of " + what));
         CHECK(has(r.err, "LOSTBITS_DATA"));
@@ -182,9 +174,7 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
 
 TEST_CASE("built-in names work from any folder") {
     const Scratch scratch;
-    const auto r = run("map near-benign -i sphere.press -f f32 --size 8x8 -o out", scratch.path(), fresh);
-    INFO(r.err);
-    CHECK(r.code == 0);
+    must("map near-benign -i sphere.press -f f32 --size 8x8 -o out", scratch.path(), fresh);
     CHECK(fs::exists(scratch.path() / "out/near-benign/contact.png"));
     CHECK(run("list sweeps", scratch.path(), fresh).out == run("list sweeps").out);
 }
@@ -222,12 +212,8 @@ in = [0, 0]
 )"));
     for (const auto& folder : {scratch.path(), scratch.path() / "own"}) {
         const std::string own = folder == scratch.path() ? "own/" : "";
-        const auto swept = run("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
-        INFO(swept.err);
-        CHECK(swept.code == 0);
-        const auto checked = run("check " + own + "claims.toml", folder);
-        INFO(checked.err << checked.out);
-        CHECK(checked.code == 0);
+        must("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
+        must("check " + own + "claims.toml", folder);
     }
 }
 
@@ -244,10 +230,8 @@ TEST_CASE("an option that would do nothing is refused, or it is said") {
     CHECK(has(marched.err, "sphere.press does not march"));
     const Scratch scratch;
     const std::string march = good_scene + "\n[march]\nhit_eps = 1e-4\n";
-    const auto mapped = run("map '" + scratch.write("m.toml", march) +
-                            "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + into(scratch));
-    INFO(mapped.err);
-    CHECK(mapped.code == 0);
+    const auto mapped = must("map '" + scratch.write("m.toml", march) +
+                             "' --set march.hit_eps=1e-3 -i sphere.press -f f32 --size 8x8" + into(scratch));
     CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
 }
 
@@ -255,8 +239,7 @@ TEST_CASE("a camera that sees nothing says so") {
     const Scratch scratch;
     const std::string away =
         "'" + scratch.write("away.toml", spoilt("look_at = [0, 0, 0]", "look_at = [0, 0, 90]")) + "'";
-    const auto r = run("map " + away + " -i sphere.press -f f32" + into(scratch));
-    CHECK(r.code == 0);
+    const auto r = must("map " + away + " -i sphere.press -f f32" + into(scratch));
     CHECK(has(r.err, "scene away: no ray of its camera meets a solid"));
     const std::string there = "'" + scratch.write("there.toml", good_scene) + "'";
     CHECK_FALSE(has(run("map " + there + " -i sphere.press -f f32" + into(scratch)).err, "meets a solid"));
@@ -266,11 +249,9 @@ TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal
     const Scratch scratch;
     static_cast<void>(scratch.write("a.toml", good_scene));
     static_cast<void>(scratch.write("b.toml", good_scene));
-    const auto r = run("map a.toml b.toml -i sphere.press -f f32 --progress bar -o out 2>&1", scratch.path());
-    CHECK(r.code == 0);
+    const auto r = must("map a.toml b.toml -i sphere.press -f f32 --progress bar -o out 2>&1", scratch.path());
     std::size_t paths = 0;
     for (auto at = r.out.find("out/"); at != std::string::npos; at = r.out.find("out/", at + 1), ++paths) {
-        INFO(r.out);
         REQUIRE(at > 0);
         // A line begins at a line break, or where the bar was wiped out: blanks, then back to the first column.
         CHECK((r.out[at - 1] == '\n' || r.out[at - 1] == '\r'));

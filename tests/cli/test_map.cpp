@@ -25,12 +25,12 @@ namespace {
 const auto without_mesh =
     std::span(lostbits::measure::answer::outcome_names).first(lostbits::measure::answer::outcomes_without_mesh);
 
-std::vector<std::string> part_names(const std::filesystem::path& path) {
+std::vector<std::string> part_names(const fs::path& path) {
     draw_pictures();
     return lostbits::output::image::image_backend().exr_parts(path);
 }
 
-ExrImage read_part(const std::filesystem::path& path, const std::string& name) {
+ExrImage read_part(const fs::path& path, const std::string& name) {
     const auto names = part_names(path);
     const auto place = std::ranges::find(names, name) - names.begin();
     return lostbits::output::image::image_backend().read_exr(path, static_cast<std::size_t>(place));
@@ -66,10 +66,7 @@ double exact(const ExrImage& exr, const std::string& number, std::size_t i) {
 TEST_CASE("map writes every file of every form and format") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
-    const auto r = run("map '" + scene + "' -i 'sphere.*' -f f32 -f f64 -f bf16 --pictures all -o '" +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("map '" + scene + "' -i 'sphere.*' -f f32 -f f64 -f bf16 --pictures all" + into(scratch, ""));
     CHECK(r.out == (scratch.path() / "scene/contact.png").string() + "\n");
     std::size_t rows = 0;
     for (const auto& form : lostbits::intersect::table::intersectors(lostbits::Shape::sphere)) {
@@ -77,7 +74,7 @@ TEST_CASE("map writes every file of every form and format") {
             const std::string stem = std::string(form.info->name) + "." + format;
             const bool expected = form.exists_in(*lostbits::find_format(format));
             rows += expected;
-            CHECK(std::filesystem::exists(scratch.path() / "scene" / (stem + ".png")) == expected);
+            CHECK(fs::exists(scratch.path() / "scene" / (stem + ".png")) == expected);
         }
     }
     const auto summary = read_csv(scratch.path() / "scene/summary.csv");
@@ -99,9 +96,9 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
     const Scratch scratch;
     const std::string what =
         "map near-benign --size 32x24 -i sphere.schoolbook -i sphere.unit_half_b -i "
-        "sphere.schoolbook_strict -f f32 -f f64 --exr -o '" +
-        scratch.path().string() + "'";
-    REQUIRE(run(what).code == 0);
+        "sphere.schoolbook_strict -f f32 -f f64 --exr" +
+        into(scratch, "");
+    must(what);
     const auto file = scratch.path() / "near-benign/near-benign.exr";
     std::vector<std::string> expected;
     for (const auto& row : read_csv(scratch.path() / "near-benign/summary.csv"))
@@ -133,12 +130,10 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
 
 TEST_CASE("EXR, pixel CSV and summary tell the same story") {
     const Scratch scratch;
-    const auto r = run(
+    must(
         "map rtg-fig-7-3-2000-oblique --size 48x48 -i sphere.schoolbook -i sphere.unit_half_b -f f64 -f f32 --metric "
-        "'*' --pixels csv --exr -o '" +
-        scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+        "'*' --pixels csv --exr" +
+        into(scratch, ""));
     const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
     for (const auto& summary : read_csv(folder / "summary.csv")) {
         const std::string stem = summary.at("form") + "." + summary.at("format");
@@ -214,17 +209,17 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
 
 TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     const Scratch scratch;
-    const std::string out = " -i sphere.press -f f32 -o '" + scratch.path().string() + "'";
-    REQUIRE(run("map rtg-fig-7-4 --size 40x30" + out).code == 0);
+    const std::string out = " -i sphere.press -f f32" + into(scratch, "");
+    must("map rtg-fig-7-4 --size 40x30" + out);
     for (const char* id : {"r1e3", "r1e4", "r1e5", "r1e6", "r6371000"})
-        CHECK(std::filesystem::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
-    REQUIRE(run("map rtg-fig-7-4 --variant r1e3 --size 20x10" + out).code == 0);
+        CHECK(fs::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
+    must("map rtg-fig-7-4 --variant r1e3 --size 20x10" + out);
     CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e3/summary.csv").front().at("rays") == "200");
     CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e4/summary.csv").front().at("rays") == "1200");
     const std::string scene = scratch.write("scene.toml", good_scene);
-    REQUIRE(run("map '" + scene + "'" + out).code == 0);
+    must("map '" + scene + "'" + out);
     const auto before = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
-    REQUIRE(run("map '" + scene + "' --set 'sphere[0].radius=0.25'" + out).code == 0);
+    must("map '" + scene + "' --set 'sphere[0].radius=0.25'" + out);
     const auto after = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
     CHECK(number_in(after) > 0);
     CHECK(number_in(after) < number_in(before));
@@ -238,10 +233,10 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
 
 TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 and f64 do not") {
     const Scratch scratch;
-    REQUIRE(run("map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric "
-                "input_error --metric model_error -o '" +
-                scratch.path().string() + "'")
-                .code == 0);
+    must(
+        "map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric "
+        "input_error --metric model_error" +
+        into(scratch, ""));
     const auto worst = [&](const char* scene, const char* format) {
         for (const auto& row : read_csv(scratch.path() / scene / "summary.csv")) {
             if (row.at("format") == format) return number_in(row.at("input_error_max"));
@@ -260,7 +255,6 @@ TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     const auto r = run("map '" + scene + "' --size 4000x4000 -j 1 -o '" + (scratch.path() / "out").string() +
                            "' & child=$!; sleep 1.5; kill -TERM $child; wait $child; exit $?",
                        ".", "set -m; ");
-    INFO(r.err);
     CHECK(r.code == 130);
     CHECK(scratch.files() == std::vector<std::string>{"scene.toml"});
 }
@@ -271,7 +265,6 @@ TEST_CASE("a run that is asked to stop does so within a band, however many spher
     const Scratch scratch;
     const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q" + into(scratch), ".",
                        "timeout --preserve-status -s TERM -k 40 3 sh -c 'exec \"$@\"' ");
-    INFO(r.err);
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
 }

@@ -14,7 +14,7 @@ using lostbits::output::image::outcome_colours;
 
 namespace {
 
-lostbits::output::image::PngImage png(const std::filesystem::path& path) {
+lostbits::output::image::PngImage png(const fs::path& path) {
     draw_pictures();
     return lostbits::output::image::image_backend().read_png(path);
 }
@@ -24,11 +24,8 @@ lostbits::output::image::PngImage png(const std::filesystem::path& path) {
 TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
     draw_pictures();
     const Scratch scratch;
-    const auto r =
-        run("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v -o '" +
-            scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v" +
+                        into(scratch, ""));
     CHECK(has(r.out, "wrong solid"));
     const auto folder = scratch.path() / "rtg-fig-7-6-far";
     const auto row = read_csv(folder / "summary.csv").front();
@@ -60,9 +57,9 @@ TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
     const auto picture = [&](const char* name) {
         return png(scratch.path() / name / "near-benign/contact.png").pixels;
     };
-    REQUIRE(run(what + out("all")).code == 0);
-    REQUIRE(run(what + "--range 0:2" + out("near")).code == 0);
-    REQUIRE(run(what + "--range 0:20" + out("far")).code == 0);
+    must(what + out("all"));
+    must(what + "--range 0:2" + out("near"));
+    must(what + "--range 0:20" + out("far"));
     CHECK(picture("all") != picture("near"));
     CHECK(picture("near") != picture("far"));
     for (const char* wrong : {"4:1", "0", "0:", ":3", "a:b", "0:inf", "1:1", "0:8 --metric ulp_error",
@@ -71,12 +68,12 @@ TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
         const auto r = run(what + "--range " + wrong + out("none"));
         CHECK(r.code == 2);
         CHECK(has(r.err, "--range "));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "none"));
+        CHECK_FALSE(fs::exists(scratch.path() / "none"));
     }
 }
 
 TEST_CASE("what a sheet shows is drawn alone only with --pictures all, whatever the command") {
-    const std::string rays = (std::filesystem::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv").string();
+    const std::string rays = (fs::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv").string();
     for (const std::string& words :
          {std::string("map near-benign --size 8x6 -i sphere.press -f f32"),
           std::string("offsets near-benign --size 8x6 --strategy offset.none --points computed"),
@@ -86,10 +83,10 @@ TEST_CASE("what a sheet shows is drawn alone only with --pictures all, whatever 
         INFO(words);
         const auto pictures = [&words](const std::string& more) {
             const Scratch scratch;
-            REQUIRE(run(words + more + into(scratch)).code == 0);
+            must(words + more + into(scratch));
             std::vector<std::string> names;
             for (const std::string& file : scratch.files())
-                if (file.ends_with(".png")) names.push_back(std::filesystem::path(file).filename().string());
+                if (file.ends_with(".png")) names.push_back(fs::path(file).filename().string());
             return names;
         };
         CHECK(pictures("") == std::vector<std::string>{"contact.png"});

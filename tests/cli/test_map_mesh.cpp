@@ -24,7 +24,7 @@ std::string scene_of(const std::string& file) {
            file + "\"\n";
 }
 
-std::filesystem::path written(const Scratch& folder, const std::string& name, const std::string& text) {
+fs::path written(const Scratch& folder, const std::string& name, const std::string& text) {
     std::ofstream(folder.path() / name) << text;
     return folder.path() / name;
 }
@@ -37,9 +37,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     const auto scene = written(folder, "square.toml", scene_of("square.obj"));
     const auto out = folder.path() / "out";
     const auto r =
-        run("map '" + scene.string() + "' -i triangle.woop -f f32 --pixels csv -v -o '" + out.string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+        must("map '" + scene.string() + "' -i triangle.woop -f f32 --pixels csv -v -o '" + out.string() + "'");
     CHECK(has(r.out, "double hit"));
     CHECK_FALSE(has(r.err, "no area"));
     const auto row = read_csv(out / "square" / "summary.csv").front();
@@ -51,9 +49,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     for (const auto& pixel : read_csv(out / "square" / "triangle.woop.f32.csv"))
         seen += pixel.at("outcome") == "double_hit";
     CHECK(seen == 9);
-    const auto told = run("explain '" + scene.string() + "' --pixel 4,4 -i triangle.woop -f f32");
-    INFO(told.out);
-    CHECK(told.code == 0);
+    const auto told = must("explain '" + scene.string() + "' --pixel 4,4 -i triangle.woop -f f32");
     CHECK(has(told.out, "Of the mesh this is a double hit: the form claims a triangle beside it too"));
 }
 
@@ -61,14 +57,12 @@ TEST_CASE("explain calls a ray at a mesh what a map calls it") {
     const Scratch folder;
     const std::string form = " -i triangle.undivided -f f32";
     const auto check = [&](const std::string& scene, const std::vector<std::string>& outcomes) {
-        REQUIRE(run("map " + scene + " --pixels csv" + form + " -o '" + folder.path().string() + "'").code == 0);
+        must("map " + scene + " --pixels csv" + form + into(folder, ""));
         std::map<std::string, std::string> pixels;
         for (const auto& pixel : read_csv(folder.path() / scene / "triangle.undivided.f32.csv"))
             pixels.try_emplace(pixel.at("outcome"), pixel.at("x") + "," + pixel.at("y"));
         for (const std::string& outcome : outcomes) {
-            const auto told = run("explain " + scene + " --pixel " + pixels.at(outcome) + form + " --json");
-            INFO(outcome << " at " << pixels.at(outcome));
-            REQUIRE(told.code == 0);
+            const auto told = must("explain " + scene + " --pixel " + pixels.at(outcome) + form + " --json");
             const auto json = nlohmann::json::parse(told.out);
             CHECK(json.value("in_mesh", json.at("outcome").get<std::string>()) == outcome);
         }
@@ -88,7 +82,7 @@ TEST_CASE("faces without area are told of, and a bad mesh ends before anything i
     const auto bad = map_of(square + "f 1 2 9\n");
     CHECK(bad.code == 2);
     CHECK(has(bad.err, "a.obj:7: names vertex 9, and 4 stand above"));
-    CHECK_FALSE(std::filesystem::exists(out));
+    CHECK_FALSE(fs::exists(out));
     const auto flat = map_of(square + "f 1 2 2\n");
     CHECK(flat.code == 0);
     CHECK(has(flat.err, "1 of 3 faces of its meshes have no area and are left out; the first is "));

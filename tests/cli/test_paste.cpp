@@ -13,9 +13,7 @@ namespace test_paste {
 
 using lostbits::output::file::CsvTable;
 using lostbits::output::file::read_csv;
-using lostbits::test::contents;
-using lostbits::test::run;
-using lostbits::test::Scratch;
+using namespace lostbits::test;
 
 namespace {
 
@@ -32,9 +30,7 @@ const std::string cell(const CsvTable& table, const std::string& column, std::si
 Json explained(const std::string& command, const Scratch& folder) {
     INFO(command);
     REQUIRE(command.starts_with("lostbits explain "));
-    const auto r = run(command.substr(9) + " --json -q", folder.path());
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must(command.substr(9) + " --json -q", folder.path());
     return Json::parse(r.out);
 }
 
@@ -86,11 +82,7 @@ Checked paste_rows(const CsvTable& table, const Scratch& folder, std::size_t eve
 }
 
 /// Runs a command in the folder; it succeeds.
-void make(const std::string& arguments, const Scratch& folder) {
-    const auto r = run(arguments + " -q", folder.path());
-    INFO(arguments << "\n" << r.err);
-    REQUIRE(r.code == 0);
-}
+void make(const std::string& arguments, const Scratch& folder) { must(arguments + " -q", folder.path()); }
 
 const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
 
@@ -287,7 +279,6 @@ TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML 
             claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
                   "ulp_error_max")));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
-    INFO(r.out << r.err);
     REQUIRE(r.code == 1);
     const auto table = read_csv(folder.path() / "c.csv");
     const Json array = Json::parse(contents(folder.path() / "c.json"));
@@ -297,8 +288,8 @@ TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML 
         const std::string command = cell(table, "witness_explain", i);
         CAPTURE(command);
         CHECK(array[i]["witness_explain"] == command);
-        CHECK(r.out.find("explain it: " + command + "\n") != std::string::npos);
-        CHECK(xml.find("\n" + command + "\n") != std::string::npos);
+        CHECK(has(r.out, "explain it: " + command + "\n"));
+        CHECK(has(xml, "\n" + command + "\n"));
         const Json j = explained(command, folder);
         const std::string metric = cell(table, "quantity", i);
         if (metric.find("ulp_error") == std::string::npos) CHECK(j["outcome"] == metric);

@@ -13,9 +13,9 @@ using namespace lostbits::test;
 TEST_CASE("the picture and the table of the README are what the program makes") {
     draw_pictures();
     const Scratch scratch;
-    REQUIRE(run("map rtg-fig-7-3-4100-oblique -o '" + scratch.path().string() + "'").code == 0);
+    must("map rtg-fig-7-3-4100-oblique" + into(scratch, ""));
     const auto made = scratch.path() / "rtg-fig-7-3-4100-oblique";
-    const std::filesystem::path kept = LOSTBITS_REPORTS_DIR "/readme";
+    const fs::path kept = LOSTBITS_REPORTS_DIR "/readme";
     CHECK(contents(made / "summary.csv") == contents(kept / "summary.csv"));
     auto& backend = lostbits::output::image::image_backend();
     const auto now = backend.read_png(made / "contact.png"), then = backend.read_png(kept / "contact.png");
@@ -25,7 +25,7 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     CHECK((now.pixels == then.pixels));
 
     if (!is_long()) return;  // 8 s
-    REQUIRE(run("sweep sphere-distance -f f32 -o '" + scratch.path().string() + "'").code == 0);
+    must("sweep sphere-distance -f f32" + into(scratch, ""));
     const auto plot = backend.read_png(scratch.path() / "sphere-distance/lost_bits_p50.f32.png"),
                kept_plot = backend.read_png(kept / "lost_bits_p50.f32.png");
     CHECK((plot.pixels == kept_plot.pixels));
@@ -37,9 +37,7 @@ TEST_CASE("the scene of the README can be mapped as it stands there") {
     REQUIRE(begin != std::string::npos + 8);
     const Scratch scratch;
     const std::string file = scratch.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
-    const auto r = run("map '" + file + "' --size 24x24 -i sphere.press -f f32 -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    CHECK(r.code == 0);
+    must("map '" + file + "' --size 24x24 -i sphere.press -f f32" + into(scratch, ""));
     CHECK(std::stod(read_csv(scratch.path() / "mine/summary.csv").front().at("agree_hit")) > 100);
 }
 

@@ -45,9 +45,7 @@ std::string without_blobs(const std::string& page) {
 }
 
 std::string report_of(const std::string& arguments, const Scratch& scratch) {
-    const auto r = run("report " + arguments + " -o " + in(scratch));
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must("report " + arguments + " -o " + in(scratch));
     CHECK(r.out == (scratch.path() / "index.html").string() + "\n");
     CHECK(scratch.files() == std::vector<std::string>{"index.html", "manifest.json"});
     return contents(scratch.path() / "index.html");
@@ -68,13 +66,13 @@ TEST_CASE("a report is one file that asks for no other") {
     for (const char* fetching : {"@import", "url(", "<link rel=\"stylesheet", "<iframe", "<object", "<script src",
                                  "fetch(", "XMLHttpRequest", "import("}) {
         INFO(fetching);
-        CHECK(page.find(fetching) == std::string::npos);
+        CHECK_FALSE(has(page, fetching));
     }
     const auto policy = all_of(page, R"re(http-equiv="Content-Security-Policy" content="([^"]*)")re");
     REQUIRE(policy.size() == 1);
     CHECK(policy.front().starts_with("default-src 'none'; script-src 'sha256-"));
     CHECK(policy.front().find("unsafe") == std::string::npos);
-    CHECK(page.find(" style=\"") == std::string::npos);  // the policy forbids them
+    CHECK_FALSE(has(page, " style=\""));  // the policy forbids them
     // What is copied into the page comes with its licence.
     CHECK((page.find("uPlot=function") != std::string::npos) ==
           (page.find("Permission is hereby granted") != std::string::npos));
@@ -85,7 +83,7 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
     const Scratch scratch, maps;
     const std::string what = "rtg-fig-7-3-4100-oblique -i 'sphere.*' -f f32 -f f64 --size 48x48 ";
     const std::string page = report_of(what + "--no-claims", scratch);
-    REQUIRE(run("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps)).code == 0);
+    must("map " + what + "--metric lost_bits --metric excess_bits -o " + in(maps));
     const auto summary = read_csv(maps.path() / "rtg-fig-7-3-4100-oblique/summary.csv");
     std::size_t rows = 0, withheld_rows = 0;
     for (const auto& row : summary) {
@@ -120,7 +118,7 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     const Scratch scratch;
     const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
     const auto json = scratch.path() / "claims.csv";
-    REQUIRE(run("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'").code == 0);
+    must("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'");
     const std::string csv = contents(json);
     const std::size_t held = all_of(csv, "(,holds,)").size(), refuted = all_of(csv, "(,refuted,)").size(),
                       qualified = all_of(csv, "(,qualified,)").size();
@@ -134,7 +132,7 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     const auto links =
         all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
     CHECK(links.size() == 2);
-    for (const auto& link : links) CHECK(link.find("form=sphere.schoolbook&amp;format=f32") != std::string::npos);
+    for (const auto& link : links) CHECK(has(link, "form=sphere.schoolbook&amp;format=f32"));
 }
 
 TEST_CASE("the offsets of a report are the CSV's numbers, and there when they are asked for") {
@@ -142,7 +140,7 @@ TEST_CASE("the offsets of a report are the CSV's numbers, and there when they ar
     const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 24x18 ";
     CHECK(report_of(what, scratch).find("id=\"offsets\"") == std::string::npos);
     const std::string page = report_of(what + "--offsets offset-shells.outside --force", scratch);
-    REQUIRE(run("offsets offset-shells.outside --size 24x18 --points computed -o " + in(table)).code == 0);
+    must("offsets offset-shells.outside --size 24x18 --points computed -o " + in(table));
     const auto summary = read_csv(table.path() / "offset-shells.outside/summary.csv");
     const auto at = page.find("id=\"offsets-offset-shells.outside\"");
     REQUIRE(at != std::string::npos);
@@ -199,7 +197,7 @@ TEST_CASE("a report says what to change in a form, as mend does, when it is aske
     };
     const std::string part = section_of(report_of(what + "--mend near-benign:sphere.half_b:20 --force", scratch));
     CHECK(has(part, "sphere.half_b in f32: 20 correct bits of every hit, no wrong decision <code>near-benign</code>"));
-    REQUIRE(run("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended)).code == 0);
+    must("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended));
     CHECK(part == section_of(contents(mended.path() / "near-benign/index.html")));
     // Where nothing meets the wish, the page says so.
     CHECK(has(section_of(report_of(what + "--mend near-benign:sphere.pythagoras:22:p99 --force", scratch)),
@@ -212,7 +210,7 @@ TEST_CASE("a report that cannot be made leaves nothing") {
         const auto r = run("report " + arguments + " -o " + in(scratch));
         INFO(arguments << ": " << r.err);
         CHECK(r.code == code);
-        CHECK(r.err.find(says) != std::string::npos);
+        CHECK(has(r.err, says));
         CHECK(scratch.files().empty());
     };
     refused("near-bening", 2, "did you mean \"near-benign\"?");
@@ -239,7 +237,7 @@ TEST_CASE("a report that cannot be made leaves nothing") {
 }
 
 TEST_CASE("data/report.toml names what exists") {
-    const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
+    const auto data = fs::path(LOSTBITS_DATA_DIR);
     const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");
     REQUIRE(report.scenes.size() >= 5);
     REQUIRE(report.sweeps.size() >= 5);
@@ -255,11 +253,10 @@ TEST_CASE("data/report.toml names what exists") {
     for (const auto& word : report.mends) {
         const auto colon = word.find(':');
         const auto form = word.substr(colon + 1, word.find(':', colon + 1) - colon - 1);
-        CHECK(std::filesystem::exists(lostbits::scene::file::find_scene(word.substr(0, colon), data).path));
+        CHECK(fs::exists(lostbits::scene::file::find_scene(word.substr(0, colon), data).path));
         CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
     }
-    for (const auto& name : report.sweeps)
-        CHECK(std::filesystem::exists(lostbits::scene::sweep::find_sweep(name, data)));
+    for (const auto& name : report.sweeps) CHECK(fs::exists(lostbits::scene::sweep::find_sweep(name, data)));
     for (const auto& form : report.forms)
         CHECK(run("list intersectors --data '" + data.string() + "'").out.find(form + " ") != std::string::npos);
     const Scratch scratch;
@@ -272,8 +269,8 @@ TEST_CASE("data/report.toml names what exists") {
     } catch (const lostbits::InputError& e) {
         error = e.what();
     }
-    CHECK(error.find("report.toml:6:1") != std::string::npos);
-    CHECK(error.find("did you mean \"scenes\"?") != std::string::npos);
+    CHECK(has(error, "report.toml:6:1"));
+    CHECK(has(error, "did you mean \"scenes\"?"));
 }
 
 TEST_CASE("what is packed for a page") {

@@ -112,9 +112,7 @@ std::string one_of_each_kind() {
 TEST_CASE(
     "every claim measures as stated, in the long tests the dear ones and further draws too, as the table has it") {
     if (under_sanitizer) {  // which looks for faults: a further draw runs the code of the first
-        const auto once = run("check");
-        INFO(once.out << once.err);
-        REQUIRE(once.code == 0);
+        must("check");
         return;
     }
     const Scratch scratch;
@@ -126,9 +124,7 @@ TEST_CASE(
         for (const std::string& id : ids) words += id + ",";
         words.pop_back();
     }
-    const auto check = run(words + " --export-csv '" + csv + "' --export-json '" + json + "'");
-    INFO(check.out);
-    REQUIRE(check.code == 0);
+    must(words + " --export-csv '" + csv + "' --export-json '" + json + "'");
     int drawn = 0;
     const auto measured = nlohmann::json::parse(contents(json));
     CHECK(measured.size() == ids.size());
@@ -143,9 +139,7 @@ TEST_CASE(
     CHECK(drawn > 50);
     // By content: sentences, sources, numbers, worst rays.
     const std::string committed = scratch.write("committed.csv", committed_table(ids));
-    const auto table = run("diff '" + csv + "' '" + committed + "'" + (is_long() ? "" : " --ignore 'draw*'"));
-    INFO(table.out);
-    CHECK(table.code == 0);
+    must("diff '" + csv + "' '" + committed + "'" + (is_long() ? "" : " --ignore 'draw*'"));
 }
 
 // Its pictures measure their subjects once more: in the short tests there is one subject of each kind.
@@ -157,12 +151,10 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
     draw_pictures();
     const Scratch scratch;
     const std::string made = (scratch.path() / "reports").string();
-    std::filesystem::create_directories(made);
-    std::filesystem::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
-                          std::filesystem::copy_options::recursive);  // whose names the document has
-    const auto check = run((is_long() ? "check --seeds 3" : "check" + one_of_each_kind()) + " --report '" + made + "'");
-    INFO(check.out);
-    REQUIRE(check.code == 0);
+    fs::create_directories(made);
+    fs::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
+             fs::copy_options::recursive);  // whose names the document has
+    must((is_long() ? "check --seeds 3" : "check" + one_of_each_kind()) + " --report '" + made + "'");
     const std::string document = contents(made + "/README.md"), committed = contents(LOSTBITS_REPORTS_DIR "/README.md");
     if (is_long()) CHECK(document == committed);
     const std::set<std::string> there = sections(of_one_draw(committed)), here = sections(of_one_draw(document));
@@ -171,17 +163,12 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
         INFO(section);
         CHECK(there.contains(section));
     }
-    for (const auto& picture : std::filesystem::directory_iterator(made + "/pictures")) {
+    for (const auto& picture : fs::directory_iterator(made + "/pictures")) {
         const std::string name = picture.path().filename().string();
-        const auto same =
-            run("diff --strict '" + picture.path().string() + "' '" LOSTBITS_REPORTS_DIR "/pictures/" + name + "'");
-        INFO(name << ": " << same.out << same.err);
-        CHECK(same.code == 0);
+        must("diff --strict '" + picture.path().string() + "' '" LOSTBITS_REPORTS_DIR "/pictures/" + name + "'");
     }
     if (!is_long()) return;
-    const auto pictures = run("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
-    INFO(pictures.out);
-    CHECK(pictures.code == 0);
+    must("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
 }
 
 }  // namespace test_reports

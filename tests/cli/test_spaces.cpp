@@ -11,20 +11,15 @@
 namespace test_cli_spaces {
 
 using namespace lostbits;
-using test::has;
-using test::number_in;
-using test::read_csv;
-using test::run;
-using test::Scratch;
+using namespace lostbits::test;
 
 TEST_CASE("twelve kilometres out a map tells what each space loses, and which step loses it") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    const auto r =
-        run("map instance-far.sphere -i 'sphere.unified@*' -f f32 --size 24x24 --metric worst_step --metric "
-            "step:origin --metric step:form -o '" +
-            out + "'");
-    REQUIRE(r.code == 0);
+    must(
+        "map instance-far.sphere -i 'sphere.unified@*' -f f32 --size 24x24 --metric worst_step --metric "
+        "step:origin --metric step:form -o '" +
+        out + "'");
     const auto rows = read_csv(folder.path() / "out/instance-far.sphere/summary.csv");
     REQUIRE(rows.size() == intersect::space::spaces().size());
     for (const auto& row : rows) {
@@ -43,20 +38,18 @@ TEST_CASE("twelve kilometres out a map tells what each space loses, and which st
 TEST_CASE("a form without a space is asked through the plain one, and a scene of several shapes by sets") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    REQUIRE(run("map instance-far.box -i box.signs -f f32 --size 8x8 -o '" + out + "/one'").code == 0);
+    must("map instance-far.box -i box.signs -f f32 --size 8x8 -o '" + out + "/one'");
     CHECK(read_csv(folder.path() / "out/one/instance-far.box/summary.csv")[0].at("form") == "box.signs@plain");
-    const auto crowd =
-        run("map instance-crowd -i sphere.unified@relative -i box.signs@pbrt -i capsule.half_b -i "
-            "cone.moment@embree -f f32 --size 12x12 -o '" +
-            out + "/many'");
-    REQUIRE(crowd.code == 0);
+    const auto crowd = must(
+        "map instance-crowd -i sphere.unified@relative -i box.signs@pbrt -i capsule.half_b -i "
+        "cone.moment@embree -f f32 --size 12x12 -o '" +
+        out + "/many'");
     CHECK(read_csv(folder.path() / "out/many/instance-crowd/summary.csv")[0].at("form") ==
           "sphere.unified@relative+box.signs@pbrt+capsule.half_b@plain+cone.moment@embree");
 }
 
 TEST_CASE("explain goes through the space, and a matrix can be given with the numbers of a solid") {
-    const auto pixel = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32 --json");
-    REQUIRE(pixel.code == 0);
+    const auto pixel = must("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32 --json");
     const auto x = nlohmann::ordered_json::parse(pixel.out);
     CHECK(x["form"] == "sphere.unified@plain");
     std::string solid, ray, matrix;
@@ -66,8 +59,7 @@ TEST_CASE("explain goes through the space, and a matrix can be given with the nu
         to += (to.empty() ? "" : ",") + number["hex"].get<std::string>();
     }
     const auto own =
-        run("explain --sphere=" + solid + "@" + matrix + " --ray=" + ray + " -i sphere.unified -f f32 --json");
-    REQUIRE(own.code == 0);
+        must("explain --sphere=" + solid + "@" + matrix + " --ray=" + ray + " -i sphere.unified -f f32 --json");
     const auto y = nlohmann::ordered_json::parse(own.out);
     CHECK(x["t"] == y["t"]);
     CHECK(x["truth"] == y["truth"]);
@@ -94,7 +86,7 @@ TEST_CASE("what is wrong with a matrix or a space is said, and nothing is writte
         CHECK((r.code == 2 || r.code == 4));
         CHECK(has(r.err, message));
     }
-    CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
+    CHECK_FALSE(fs::exists(folder.path() / "out"));
     CHECK(has(run("explain --sphere=0,0,0,1@1,2,3 --ray=0,0,9,0,0,-1 -i sphere.unified").err, "is not a matrix"));
     CHECK(has(run("explain --sphere=0,0,0,1@1,0,0,0,0,1,0,0,0,0,0,0 --ray=0,0,9,0,0,-1 -i sphere.unified").err,
               "singular"));
@@ -112,9 +104,7 @@ TEST_CASE("what is wrong with a matrix or a space is said, and nothing is writte
 TEST_CASE("a glob of steps is every step, and a glob of forms through a space leaves out those that march") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    const auto r = run("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*' -o '" + out + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*' -o '" + out + "'");
     const auto rows = read_csv(folder.path() / "out/instance-far.sphere/summary.csv");
     CHECK(rows.size() > 5);
     for (const auto& row : rows) {
@@ -130,12 +120,10 @@ TEST_CASE("a glob of steps is every step, and a glob of forms through a space le
 TEST_CASE("far out the bound of a point is safe in the world, and not where it is taken in the space of the solid") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    const auto r =
-        run("offsets instance-far -i sphere.unified@pbrt -i box.signs@pbrt -i triangle.undivided@pbrt "
-            "-f f32 --size 24x24 --strategy offset.none,offset.bound,offset.bound_object -o '" +
-            out + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must(
+        "offsets instance-far -i sphere.unified@pbrt -i box.signs@pbrt -i triangle.undivided@pbrt "
+        "-f f32 --size 24x24 --strategy offset.none,offset.bound,offset.bound_object -o '" +
+        out + "'");
     int bounds = 0;
     for (const char* variant : {"sphere", "box", "triangle"}) {
         const auto file = std::string("out/instance-far.") + variant + "/summary.csv";
@@ -155,11 +143,11 @@ TEST_CASE("far out the bound of a point is safe in the world, and not where it i
 TEST_CASE("the same solid under a matrix or directly: each way round, and what differs is the ways own") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    REQUIRE(run("consistency instance-far.triangle -i triangle.undivided@plain -i triangle.undivided@relative -f f32 "
-                "--size 32x32 --check placed -o '" +
-                out + "'")
-                .code == 0);
-    REQUIRE(run("consistency near-benign -i sphere.unified -f f32 -f f64 --size 32x32 -o '" + out + "'").code == 0);
+    must(
+        "consistency instance-far.triangle -i triangle.undivided@plain -i triangle.undivided@relative -f f32 "
+        "--size 32x32 --check placed -o '" +
+        out + "'");
+    must("consistency near-benign -i sphere.unified -f f32 -f f64 --size 32x32 -o '" + out + "'");
     const auto placed = read_csv(folder.path() / "out/instance-far.triangle/summary.csv");
     REQUIRE(placed.size() == 2);
     CHECK(number_in(placed[0].at("excess_p50")) > 32);
@@ -179,12 +167,11 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
     const std::string scene = "instance-far.sphere --size 7x7 -i sphere.unified@pbrt -f f32";
-    REQUIRE(run("map " + scene + " -o '" + out + "'").code == 0);
+    must("map " + scene + " -o '" + out + "'");
     std::string names, matrix, solid, with_matrices, without;
     for (int i = 0; i < 49; ++i) {
         const auto pixel = " --pixel " + std::to_string(i % 7) + "," + std::to_string(i / 7);
-        const auto explained = run("explain " + scene + pixel + " --json");
-        REQUIRE(explained.code == 0);
+        const auto explained = must("explain " + scene + pixel + " --json");
         std::string ray;
         names = matrix = solid = "";
         const auto inputs = nlohmann::ordered_json::parse(explained.out)["inputs"];
@@ -200,10 +187,8 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     }
     const std::string head = "ox,oy,oz,dx,dy,dz";
     const std::string file = folder.write("rays.csv", head + names + "\n" + with_matrices);
-    const auto judged = run("judge '" + file + "' --format f32 --sphere=" + solid +
-                            " -i sphere.unified@pbrt -i sphere.unified --rows -o '" + out + "'");
-    INFO(judged.err);
-    REQUIRE(judged.code == 0);
+    must("judge '" + file + "' --format f32 --sphere=" + solid +
+         " -i sphere.unified@pbrt -i sphere.unified --rows -o '" + out + "'");
     const auto rows = read_csv(folder.path() / "out/rays/summary.csv");
     const auto map = read_csv(folder.path() / "out/instance-far.sphere/summary.csv");
     REQUIRE(rows.size() == 2);
@@ -214,17 +199,14 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     // Its worst rays are cases, with their matrices.
     const auto worst = (folder.path() / "out/rays/worst.toml").string();
     CHECK(has(test::contents(worst), "matrix = ["));
-    const auto swept = run("sweep '" + worst + "' -i sphere.unified@pbrt -f f32 -o '" + out + "/w'");
-    INFO(swept.err);
-    REQUIRE(swept.code == 0);
+    must("sweep '" + worst + "' -i sphere.unified@pbrt -f f32 -o '" + out + "/w'");
     double most = 0;
     for (const auto& row : read_csv(folder.path() / "out/w/worst/cases.csv"))
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
     // Given once, with the solid: the same again.
-    REQUIRE(run("judge '" + folder.write("once.csv", head + "\n" + without) + "' --format f32 --sphere=" + solid + "@" +
-                matrix.substr(1) + " -i sphere.unified@pbrt -o '" + out + "'")
-                .code == 0);
+    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --format f32 --sphere=" + solid + "@" +
+         matrix.substr(1) + " -i sphere.unified@pbrt -o '" + out + "'");
     CHECK(read_csv(folder.path() / "out/once/summary.csv")[0].at("lost_bits_p99") == rows[0].at("lost_bits_p99"));
     // A singular one is refused with its line.
     const std::string ray = "0,0,-5,0,0,1";
@@ -244,7 +226,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
 TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {
     const Scratch folder;
     const std::string out = " -o '" + (folder.path() / "out").string() + "'";
-    REQUIRE(run("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out).code == 0);
+    must("trade --scene instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder.path() / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::space::spaces().size());
     CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "under no matrix"));
@@ -253,10 +235,8 @@ TEST_CASE("trade has the price of a space on a scene, and says why it has none a
 TEST_CASE("a mesh under a matrix has its outcomes") {
     const Scratch folder;
     const std::string out = (folder.path() / "out").string();
-    REQUIRE(
-        run("map instance-mesh -i triangle.undivided@plain -i triangle.undivided@relative -f f32 --size 64x64 -o '" +
-            out + "'")
-            .code == 0);
+    must("map instance-mesh -i triangle.undivided@plain -i triangle.undivided@relative -f f32 --size 64x64 -o '" + out +
+         "'");
     const auto rows = read_csv(folder.path() / "out/instance-mesh/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].count("crack") == 1);

@@ -22,13 +22,10 @@ std::string spoil(const std::string& what, const std::string& by) {
 TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
-    const auto r = run("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16 -o '" +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16" + into(scratch, ""));
     for (const char* format : {"f32", "p16"}) {
         for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "false_hit", "false_miss"})
-            CHECK(std::filesystem::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
+            CHECK(fs::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
     }
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     REQUIRE(samples.size() == 2 * 2 * 20);
@@ -69,7 +66,7 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     const std::string what = "sweep '" + file +
                              "' -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
                              "--metric cancellation:c --metric contribution:c -q -o '";
-    REQUIRE(run(what + scratch.path().string() + "'").code == 0);
+    must(what + scratch.path().string() + "'");
     for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png",
                              "culprit.sphere.unified.f32.png"}) {
         INFO(name);
@@ -94,7 +91,7 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     const auto refused =
         run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk" + into(scratch, "no"));
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("did you mean \"disc\"") != std::string::npos);
+    CHECK(has(refused.err, "did you mean \"disc\""));
     const std::string search = R"(schema = "lostbits-sweep/1"
 title = "A test"
 source = "-"
@@ -111,8 +108,8 @@ generations = 2
     const auto worst =
         run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook" + into(scratch, "no"));
     CHECK(worst.code == 2);
-    CHECK(worst.err.find("names an operation and has no largest value") != std::string::npos);
-    CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
+    CHECK(has(worst.err, "names an operation and has no largest value"));
+    CHECK_FALSE(fs::exists(scratch.path() / "no"));
 }
 
 TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
@@ -131,17 +128,13 @@ steps = 4
 set = ["sphere[0].radius", "sphere[1].radius"]
 factors = [1, 0.5]
 )");
-    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     REQUIRE(samples.size() == 4);
     // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
     CHECK(number_in(samples[0].at("agree_hit")) < number_in(samples[3].at("agree_hit")));
-    REQUIRE(
-        run("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32 -o '" +
-            scratch.path().string() + "'")
-            .code == 0);
+    must("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32" +
+         into(scratch, ""));
     CHECK(read_csv(scratch.path() / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
 }
 
@@ -151,12 +144,10 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
         "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
         "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
     const std::string file = scratch.write("s.toml", small_sweep + second);
-    const auto r = run("sweep '" + file + "' -i sphere.unified -f f32 -o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
     CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
-    CHECK(std::filesystem::exists(scratch.path() / "s/sphere.unified.f32.png"));
-    CHECK(!std::filesystem::exists(scratch.path() / "s/onsets.csv"));  // an onset is a place on one axis
+    CHECK(fs::exists(scratch.path() / "s/sphere.unified.f32.png"));
+    CHECK(!fs::exists(scratch.path() / "s/onsets.csv"));  // an onset is a place on one axis
 }
 
 TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
@@ -180,14 +171,13 @@ TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is wr
         const Scratch scratch;
         INFO(c.text);
         const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press" + into(scratch));
-        INFO(r.err);
         CHECK(r.code == 2);
-        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(has(r.err, c.says));
         CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
     }
     const auto unknown = run("sweep sphere-distanc -o out");
     CHECK(unknown.code == 2);
-    CHECK(unknown.err.find("sphere-distance") != std::string::npos);
+    CHECK(has(unknown.err, "sphere-distance"));
 }
 
 }  // namespace test_sweep

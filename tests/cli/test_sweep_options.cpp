@@ -20,7 +20,7 @@ std::string with_steps(int n) {
 TEST_CASE("a sweep says where a form is good again after its first trouble, as its own steps do") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", with_steps(60));
-    REQUIRE(run("sweep '" + file + "' -i sphere.schoolbook -f f32 -q -o '" + scratch.path().string() + "'").code == 0);
+    must("sweep '" + file + "' -i sphere.schoolbook -f f32 -q" + into(scratch, ""));
     const auto samples = read_csv(scratch.path() / "s/samples.csv");
     std::size_t recovered = 0, for_good = 0;
     for (const auto& onset : read_csv(scratch.path() / "s/onsets.csv")) {
@@ -66,7 +66,7 @@ TEST_CASE("an onset that is read from the last step is that of the sweep whose s
     static_cast<void>(scratch.write("s.toml", small_sweep));
     // A step of the axis is an octave, so that both orders have the same values.
     const auto onsets = [&](const std::string& out, const std::string& options) {
-        REQUIRE(run("sweep s.toml -i 'sphere.*' -f f32 -q -o " + out + options, scratch.path()).code == 0);
+        must("sweep s.toml -i 'sphere.*' -f f32 -q -o " + out + options, scratch.path());
         return read_csv(scratch.path() / out / "s/onsets.csv");
     };
     const auto up = onsets("up", ""), down = onsets("down", " --set 'axis[0].from=1048576' --set 'axis[0].to=2'");
@@ -107,7 +107,7 @@ at = 8
 label = "the wrong one"
 measured = { form = "sphere.schoolbook", event = "wrong_object", threshold = 1 }
 )"));
-    REQUIRE(run("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path()).code == 0);
+    must("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path());
     double first = 0;  // the first step with a wrong solid
     for (const auto& step : read_csv(scratch.path() / "s/samples.csv")) {
         if (first == 0 && step.at("format") == "f32" && number_in(step.at("wrong_object")) > 0)
@@ -164,8 +164,7 @@ set = ["sphere[0].radius"]
     REQUIRE(scene("--size 12x8 --steps 2 --set 'sphere[1].radius=0.01' -o c").code == 0);
     CHECK(number_in(read_csv(scratch.path() / "c/scene/samples.csv").front().at("agree_hit")) <
           number_in(small.front().at("agree_hit")));
-    REQUIRE(run("sweep near --worst -i sphere.press -f f32 -q --set starts=1 --set generations=2 -o d", scratch.path())
-                .code == 0);
+    must("sweep near --worst -i sphere.press -f f32 -q --set starts=1 --set generations=2 -o d", scratch.path());
     CHECK(read_csv(scratch.path() / "d/near/worst.csv").front().at("evaluations") == "64");
 }
 
@@ -214,7 +213,7 @@ TEST_CASE("a sweep: options are refused where they mean nothing, with what does,
         INFO(c.arguments << ": " << r.err);
         CHECK(r.code == 2);
         CHECK(has(r.err, c.says));
-        CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+        CHECK_FALSE(fs::exists(scratch.path() / "out"));
     }
 }
 
@@ -225,7 +224,6 @@ TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
         run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out & child=$!; sleep 1.5; "
             "kill -TERM $child; wait $child; exit $?",
             scratch.path(), "set -m; ");
-    INFO(r.err);
     CHECK(r.code == 130);
     CHECK(has(r.err, "interrupted among the steps of s: of this sweep nothing is kept"));
     CHECK_FALSE(has(r.err, "scenes"));

@@ -38,10 +38,8 @@ const char* const quick = "trade --quick --repetitions 2 ";
 
 TEST_CASE("trade times every kernel on every load and judges it on every set") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
+                        scratch.path().string() + "'");
     const auto folder = scratch.path() / "sphere";
     const auto times = read_csv(folder / "trade.csv"), standings = read_csv(folder / "pareto.csv");
     std::set<std::string> kernels, isas;
@@ -60,15 +58,14 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
     CHECK(kernels.size() >= 5 * isas.size());
     CHECK(standings.size() == kernels.size() * 4);
     for (const char* set : {"easy", "far-small", "near-huge", "grazing"}) {
-        CHECK(std::filesystem::exists(folder / (std::string(set) + ".png")));
+        CHECK(fs::exists(folder / (std::string(set) + ".png")));
         const auto of_set = [set](const auto& row) { return row.at("ray_set") == set; };
         CHECK(
             std::ranges::any_of(standings, [&](const auto& row) { return of_set(row) && row.at("dominated") == "0"; }));
-        CHECK(r.out.find(std::string("\n") + set + ": ") != std::string::npos);
+        CHECK(has(r.out, std::string("\n") + set + ": "));
     }
-    CHECK(r.out.find(
-              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere.") !=
-          std::string::npos);
+    CHECK(has(r.out,
+              "the cheapest form that keeps at least 20 bits (p99) on this set with no wrong decision is sphere."));
     CHECK(r.out.starts_with(contents(folder / "trade.txt")));
     const auto package = nlohmann::json::parse(contents(folder / "datapackage.json"));
     CHECK(package["resources"].size() == 2);
@@ -78,9 +75,9 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
 
 TEST_CASE("the accuracy of a trade is that of a sweep over the same rays") {
     const Scratch scratch;
-    const std::string forms = " -i '*press*' -i sphere.unit_half_b -o '" + scratch.path().string() + "'";
-    REQUIRE(run(quick + forms).code == 0);
-    REQUIRE(run("sweep '" + scratch.write("s.toml", same_family) + "'" + forms).code == 0);
+    const std::string forms = " -i '*press*' -i sphere.unit_half_b" + into(scratch, "");
+    must(quick + forms);
+    must("sweep '" + scratch.write("s.toml", same_family) + "'" + forms);
     const auto standings = read_csv(scratch.path() / "sphere/pareto.csv"),
                samples = read_csv(scratch.path() / "s/samples.csv");
     std::size_t compared = 0;
@@ -104,10 +101,8 @@ TEST_CASE("the accuracy of a trade is that of a sweep over the same rays") {
 
 TEST_CASE("boxes have a trade of their own") {
     const Scratch scratch;
-    const auto r = run(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
-                       scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
+    const auto r = must(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
+                        scratch.path().string() + "'");
     CHECK(r.out.empty());
     const auto standings = read_csv(scratch.path() / "box/pareto.csv");
     // A padded box has no false miss at its edges; what that costs is false hits.
@@ -119,16 +114,14 @@ TEST_CASE("boxes have a trade of their own") {
         CHECK(row.at("false_miss_fraction") == "0");
     }
     CHECK(padded > 0);
-    CHECK(std::filesystem::exists(scratch.path() / "box/edge-grazing.png"));
+    CHECK(fs::exists(scratch.path() / "box/edge-grazing.png"));
 }
 
 TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of the map") {
     const Scratch scratch, maps;
     const std::string what = "near-benign --size 40x30 -i sphere.schoolbook -i sphere.filtered ";
-    const auto r = run(quick + std::string("--scene ") + what + "-o '" + scratch.path().string() + "'");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    REQUIRE(run("map " + what + "-f f32 -f f64 -o '" + maps.path().string() + "'").code == 0);
+    const auto r = must(quick + std::string("--scene ") + what + "-o '" + scratch.path().string() + "'");
+    must("map " + what + "-f f32 -f f64" + into(maps, ""));
     const auto times = read_csv(scratch.path() / "near-benign/trade.csv"),
                standings = read_csv(scratch.path() / "near-benign/pareto.csv"),
                summary = read_csv(maps.path() / "near-benign/summary.csv");
@@ -157,7 +150,7 @@ TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of th
     }
     CHECK(compared.size() == 4);
     CHECK(isas.size() >= 2);
-    CHECK(std::filesystem::exists(scratch.path() / "near-benign/near-benign.png"));
+    CHECK(fs::exists(scratch.path() / "near-benign/near-benign.png"));
     CHECK(has(r.out, "1200 rays of the scene against"));
     CHECK(has(r.out, "\nnear-benign: "));
 }
@@ -189,9 +182,8 @@ TEST_CASE("a trade that makes no sense is refused, and nothing is written") {
         const Scratch scratch;
         INFO(c.options);
         const auto r = run(std::string("trade --quick ") + c.options + into(scratch));
-        INFO(r.err);
         CHECK(r.code == c.code);
-        CHECK(r.err.find(c.says) != std::string::npos);
+        CHECK(has(r.err, c.says));
         CHECK(scratch.files().empty());
     }
     CHECK(run("trade --quick -o ''").code == 2);

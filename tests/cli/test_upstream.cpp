@@ -12,7 +12,6 @@
 namespace test_upstream {
 
 using namespace lostbits::test;
-namespace fs = std::filesystem;
 
 namespace {
 
