@@ -55,7 +55,6 @@ TEST_CASE("choose takes a length for a wish") {
     const auto both = choose(scene + " --tolerance 1 --bits 40" + forms, scratch);
     CHECK(both.code == 0);
     CHECK(has(both.out, "40 correct bits of 99 of 100 hits and at most 1 off"));
-    CHECK(has(choose(scene, scratch).err, "no wish is given; add --bits 16"));
 }
 
 TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
@@ -108,18 +107,16 @@ TEST_CASE("a wish is said as it was typed") {
 }
 
 TEST_CASE("choose refuses what is no wish") {
-    const Scratch scratch;
-    const auto nan = choose("near-benign --bits nan", scratch);
-    CHECK(nan.code == 2);
-    CHECK(has(nan.err, "--bits nan: is not a number from 0 to 53"));
-    CHECK(has(choose("near-benign --bits 1 --wrong nan", scratch).err, "is not a number from 0 to 1"));
-    CHECK(has(choose("near-benign --bits 16 --at p", scratch).err, "--at p"));
-    CHECK(has(choose("near-benign --bits 16 --at p100", scratch).err, "--at p100"));
-    CHECK(choose("near-benign --bits 60", scratch).code == 2);
-    CHECK(choose("near-benign", scratch).code == 2);
-    CHECK(has(choose("near-benign --bits 8 -f fp16", scratch).err, "emulated"));
-    CHECK(choose("near-benign --bits 8 -i 'box.*'", scratch).code == 4);
-    CHECK(has(choose("rtg-fig-7-4 --bits 8", scratch).err, "variants"));
+    check_refused(Scratch(), "choose -o out",
+                  {{"near-benign --bits nan", "--bits nan: is not a number from 0 to 53"},
+                   {"near-benign --bits 60", "--bits 60: is not a number from 0 to 53"},
+                   {"near-benign --bits 1 --wrong nan", "is not a number from 0 to 1"},
+                   {"near-benign --bits 16 --at p", "--at p"},
+                   {"near-benign --bits 16 --at p100", "--at p100"},
+                   {"near-benign", "no wish is given; add --bits 16"},
+                   {"near-benign --bits 8 -f fp16", "emulated"},
+                   {"near-benign --bits 8 -i 'box.*'", "sphere.*", 4},
+                   {"rtg-fig-7-4 --bits 8", "variants"}});
 }
 
 }  // namespace test_choose

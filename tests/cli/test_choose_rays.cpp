@@ -1,6 +1,5 @@
 // `lostbits choose` for rays of files, from the outside. Times are not asserted.
 #include <algorithm>
-#include <fstream>
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -14,13 +13,6 @@ namespace {
 const std::string far_rays = "'" LOSTBITS_DATA_DIR
                              "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
                              "-i sphere.schoolbook";
-
-/// A file of rays with this text.
-std::string file_with(const Scratch& scratch, const std::string& name, const std::string& text) {
-    const auto path = scratch.path() / name;
-    std::ofstream(path) << text;
-    return "'" + path.string() + "'";
-}
 
 const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
 
@@ -70,8 +62,8 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     const Scratch scratch;
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
-    const std::string file = file_with(scratch, "near.csv", text);
-    const auto r = run("choose " + file + " --bits 16 -f f32 -i sphere.unified --quick" + into(scratch, ""));
+    static_cast<void>(scratch.write("near.csv", text));
+    const auto r = run("choose near.csv --bits 16 -f f32 -i sphere.unified --quick -o .", scratch.path());
     CHECK(r.code == 1);
     CHECK(
         has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
@@ -86,35 +78,30 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
 
 TEST_CASE("choose refuses files that are none, and words for the other subject") {
     const Scratch scratch;
-    const std::string rest = " --bits 16 --quick" + into(scratch, "");
-    struct Bad {
-        std::string words, says;
-    };
     const std::string ray = "0,0,0,0,0,1,0,0,5,1\n";
-    const Bad all[] = {
-        {file_with(scratch, "empty.csv", ""), "empty.csv"},
-        {file_with(scratch, "no-rays.csv", head), "has no rays"},
-        {file_with(scratch, "nan.csv", head + ray + "nan,0,0,0,0,1,0,0,5,1\n"), "nan.csv:3:1"},
-        {file_with(scratch, "zero.csv", head + "0,0,0,0,0,0,0,0,5,1\n"), "zero.csv:2"},
-        {file_with(scratch, "columns.csv", "a,b,c\n1,2,3\n"), "columns.csv:1"},
-        {file_with(scratch, "solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"), "no column has a solid"},
-        {"'" + (scratch.path() / "none.csv").string() + "'", "none.csv"},
-        {file_with(scratch, "a.csv", head + ray) + " --size 4x4", "--size: is about a scene"},
-        {file_with(scratch, "b.csv", head + ray) + " near-benign", "near-benign"},
-        {"near-benign --sphere 0,0,0,1", "--sphere: is about files of rays"},
-        {"near-benign sphereflake-near", "a choice is for one scene"},
-        {"near-benign --file-format f32", "--file-format: is about files"},
-        {file_with(scratch, "c.csv", head + ray) + " --file-format f23", "unknown format"},
-    };
-    for (const Bad& bad : all) {
-        const auto r = run("choose " + bad.words + rest);
-        INFO(bad.words << "\n" << r.err);
-        CHECK(r.code == 2);
-        CHECK(has(r.err, bad.says));
-    }
-    const auto wrong_shape = run("choose " + file_with(scratch, "d.csv", head + ray) + " -i 'box.*'" + rest);
-    CHECK(wrong_shape.code == 4);
-    CHECK(has(wrong_shape.err, "sphere.*"));
+    const std::pair<const char*, std::string> files[] = {{"empty.csv", ""},
+                                                         {"no-rays.csv", head},
+                                                         {"nan.csv", head + ray + "nan,0,0,0,0,1,0,0,5,1\n"},
+                                                         {"zero.csv", head + "0,0,0,0,0,0,0,0,5,1\n"},
+                                                         {"columns.csv", "a,b,c\n1,2,3\n"},
+                                                         {"solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"},
+                                                         {"a.csv", head + ray}};
+    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    check_refused(scratch, "choose --bits 16 --quick -o out",
+                  {{"empty.csv", "empty.csv"},
+                   {"no-rays.csv", "has no rays"},
+                   {"nan.csv", "nan.csv:3:1"},
+                   {"zero.csv", "zero.csv:2"},
+                   {"columns.csv", "columns.csv:1"},
+                   {"solid.csv", "no column has a solid"},
+                   {"none.csv", "none.csv"},
+                   {"a.csv --size 4x4", "--size: is about a scene"},
+                   {"a.csv near-benign", "near-benign"},
+                   {"near-benign --sphere 0,0,0,1", "--sphere: is about files of rays"},
+                   {"near-benign sphereflake-near", "a choice is for one scene"},
+                   {"near-benign --file-format f32", "--file-format: is about files"},
+                   {"a.csv --file-format f23", "unknown format"},
+                   {"a.csv -i 'box.*'", "sphere.*", 4}});
 }
 
 }  // namespace test_choose_rays
