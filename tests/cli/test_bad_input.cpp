@@ -20,7 +20,7 @@ std::string with_axis(const std::string& name) {
 TEST_CASE("a bad scene or sweep is refused with its place and a remedy, and nothing is written") {
     // tests/scene has what else can be wrong with a file.
     const Scratch scratch;
-    static_cast<void>(scratch.write("scene.toml", good_scene));
+    scratch.write("scene.toml", good_scene);
     std::string endless = "schema = \"lostbits-scene/1\"\nx";
     for (int i = 0; i < 60000; ++i) endless += ".a";
     const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\nnote = \"-\"\n";
@@ -38,7 +38,7 @@ TEST_CASE("a bad scene or sweep is refused with its place and a remedy, and noth
         {"hex.toml", with_axis("hex")},
         {"views.toml", with_axis("views")},
     };
-    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    for (const auto& [name, text] : files) scratch.write(name, text);
     check_refused(scratch, "map -o out",
                   {{"key.toml", "key.toml:11:1: camera.look_at is missing, but there is"},
                    {"radius.toml", "radius.toml:17:10: sphere[0].radius becomes 0 in binary32"},
@@ -58,7 +58,7 @@ TEST_CASE("a bad scene or sweep is refused with its place and a remedy, and noth
 
 TEST_CASE("bad words on the command line: exit code and what was meant") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("scene.toml", good_scene));
+    scratch.write("scene.toml", good_scene);
     check_refused(scratch, "map -o out",
                   {{"scene.toml -i sphere.schoolbok", "sphere.schoolbook"},
                    {"scene.toml -i 'box.*'", "sphere.*", 4},
@@ -95,7 +95,7 @@ TEST_CASE("bad words on the command line: exit code and what was meant") {
 
 TEST_CASE("what the machine cannot do ends the run with 3, and leaves no half-written file") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("scene.toml", good_scene));
+    scratch.write("scene.toml", good_scene);
     const std::string map = "map scene.toml -i sphere.press -f f32 ", itself = (scratch / "scene.toml").string();
     // The limit on a file's size stands in for the full disk: 8 blocks of 1024 bytes in bash, 512 in others.
     for (const auto& [words, before, says] :

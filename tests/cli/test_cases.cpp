@@ -2,7 +2,6 @@
 #include <cstdlib>
 
 #include "catch.hpp"
-#include "output/file/read_csv.hpp"
 #include "program.hpp"
 
 namespace test_cases {
@@ -32,10 +31,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text.replace(text.find(what), what.size(), by);
 }
 
-std::string cell(const lostbits::output::file::CsvTable& table, const char* column, std::size_t row) {
-    return std::string(table.find(column)->cells.at(row));
-}
-
 }  // namespace
 
 TEST_CASE("a file of cases leaves a table and a picture") {
@@ -51,15 +46,15 @@ TEST_CASE("a file of cases leaves a table and a picture") {
         }
     }
     CHECK(scratch.files().size() == 2 * 4);
-    const auto table = lostbits::output::file::read_csv(scratch.path() / "scale/cases.csv");
-    CHECK(table.rows() % (3 * 2) == 0);
-    CHECK(cell(table, "case", 0) == "ordinary lengths");
+    const auto table = read_csv(scratch / "scale/cases.csv");
+    CHECK(table.size() % (3 * 2) == 0);
+    CHECK(table[0].at("case") == "ordinary lengths");
     std::size_t right = 0, wrong = 0, ordinary = 0;
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        (cell(table, "verdict", i) == "right" ? right : wrong) += 1;
-        if (cell(table, "case", i) != "ordinary lengths" || cell(table, "format", i) != "f32") continue;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        (table[i].at("verdict") == "right" ? right : wrong) += 1;
+        if (table[i].at("case") != "ordinary lengths" || table[i].at("format") != "f32") continue;
         ++ordinary;
-        CHECK(cell(table, "verdict", i) == "right");
+        CHECK(table[i].at("verdict") == "right");
     }
     CHECK(ordinary > 0);
     CHECK(right > 0);
@@ -78,67 +73,59 @@ TEST_CASE("a search leaves its worst rays as cases that can be run, and measure 
              " -o '" + (scratch.path() / j).string() + "'");
     }
     for (const char* name : {"worst.csv", "hard.toml", "datapackage.json"}) {
-        const std::string one = contents(scratch.path() / "1/s" / name);
+        const std::string one = contents(scratch / "1/s" / name);
         CHECK_FALSE(one.empty());
-        CHECK(one == contents(scratch.path() / "2/s" / name));
+        CHECK(one == contents(scratch / "2/s" / name));
     }
-    const auto worst = lostbits::output::file::read_csv(scratch.path() / "1/s/worst.csv");
-    REQUIRE(worst.rows() == 4);
-    must("sweep '" + (scratch.path() / "1/s/hard.toml").string() +
-         "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16" + into(scratch, ""));
-    const auto cases = lostbits::output::file::read_csv(scratch.path() / "hard/cases.csv");
-    REQUIRE(cases.rows() == 4 * 4);
+    const auto worst = read_csv(scratch / "1/s/worst.csv");
+    REQUIRE(worst.size() == 4);
+    must("sweep '" + (scratch / "1/s/hard.toml").string() + "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16" +
+         into(scratch, ""));
+    const auto cases = read_csv(scratch / "hard/cases.csv");
+    REQUIRE(cases.size() == 4 * 4);
     int values = 0;
     for (std::size_t w = 0; w < 4; ++w) {
-        for (std::size_t i = 0; i < cases.rows(); ++i) {
-            const std::string row = cell(worst, "form", w) + " in " + cell(worst, "format", w);
-            if (cell(cases, "form", i) + " in " + cell(cases, "format", i) != row ||
-                !cell(cases, "case", i).starts_with(row + ": "))
+        for (std::size_t i = 0; i < cases.size(); ++i) {
+            const std::string row = worst[w].at("form") + " in " + worst[w].at("format");
+            if (cases[i].at("form") + " in " + cases[i].at("format") != row ||
+                !cases[i].at("case").starts_with(row + ": "))
                 continue;
             CAPTURE(row);
-            CHECK(cell(cases, cell(worst, "outcome", w).c_str(), i) == "1");
-            CHECK(cell(cases, "lost_bits_max", i) == cell(worst, "lost_bits", w));
-            if (cell(worst, "outcome", w) != "agree_hit") continue;
+            CHECK(cell(cases, worst[w].at("outcome").c_str(), i) == "1");
+            CHECK(cases[i].at("lost_bits_max") == worst[w].at("lost_bits"));
+            if (worst[w].at("outcome") != "agree_hit") continue;
             ++values;
-            CHECK(cell(cases, "worst_t_hex", i) == cell(worst, "t_hex", w));
-            CHECK(cell(cases, "worst_origin_x_hex", i) == cell(worst, "origin_x_hex", w));
+            CHECK(cases[i].at("worst_t_hex") == worst[w].at("t_hex"));
+            CHECK(cases[i].at("worst_origin_x_hex") == worst[w].at("origin_x_hex"));
         }
     }
     CHECK(values > 0);
 }
 
 TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothing") {
-    struct Case {
-        std::string text, options;
-        const char *place, *says;
-    };
-    const Case cases[] = {
-        {small_search, "", ":1:1: ", "this file has a table of a search, which only --worst uses; add --worst"},
-        {small_cases, "--worst", ":1:1: ", "--worst needs a [search] table"},
-        {head + "[family]\n[[axis]]\n", "--worst", ":1:1: ", "--worst needs a [search] table"},
-        {small_search + "metric = \"lost_bit\"\n", "--worst", ":1:1: ", "did you mean \"lost_bits\""},
-        {small_search + "metric = \"lost*\"\n", "--worst", ":1:1: ", "is not a metric"},
-        {replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]"), "--worst", ":8:10: ", "low <= high"},
-        {replaced(small_cases, "radius = 2", "radius = \"nan\""), "",
-         ":6:43: ", "is nan, which is allowed in rays only"},
-        {replaced(small_cases, "name =", "lengths = \"emax/3\"\nname ="), "", ":5:11: ", "is not an exponent"},
-    };
-    for (const Case& c : cases) {
-        const Scratch scratch;
-        INFO(c.text);
-        // A good file in front of it is not begun.
-        const std::string good = c.options.empty() ? "extremes/contact" : "worst/near";
-        const auto r = run("sweep " + good + " '" + scratch.write("s.toml", c.text) + "' " + c.options +
-                           " -i sphere.press -f f32" + into(scratch));
-        CHECK(r.code == 2);
-        CHECK(has(r.err, "s.toml" + std::string(c.place)));
-        CHECK(has(r.err, c.says));
-        CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
-    }
     const Scratch scratch;
-    const auto boxes = run("sweep '" + scratch.write("s.toml", small_cases) + "' -i 'box.*' -f f32" + into(scratch));
-    CHECK(boxes.code == 4);
-    CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
+    const std::pair<const char*, std::string> files[] = {
+        {"cases.toml", small_cases},
+        {"search.toml", small_search},
+        {"family.toml", head + "[family]\n[[axis]]\n"},
+        {"bit.toml", small_search + "metric = \"lost_bit\"\n"},
+        {"glob.toml", small_search + "metric = \"lost*\"\n"},
+        {"radius.toml", replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]")},
+        {"nan.toml", replaced(small_cases, "radius = 2", "radius = \"nan\"")},
+        {"emax.toml", replaced(small_cases, "name =", "lengths = \"emax/3\"\nname =")}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    // A good file in front of it is not begun.
+    check_refused(scratch, "sweep -i sphere.press -f f32 -o out",
+                  {{"extremes/contact search.toml",
+                    "search.toml:1:1: this file has a table of a search, which only --worst uses; add --worst"},
+                   {"extremes/contact nan.toml", "nan.toml:6:43: case[0].spheres[0].radius is nan"},
+                   {"extremes/contact emax.toml", "emax.toml:5:11: "},
+                   {"worst/near cases.toml --worst", "cases.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near family.toml --worst", "family.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near bit.toml --worst", "did you mean \"lost_bits\""},
+                   {"worst/near glob.toml --worst", "is not a metric"},
+                   {"worst/near radius.toml --worst", "radius.toml:8:10: "}});
+    check_refused(scratch, "sweep -i 'box.*' -f f32 -o out cases.toml", {{"", "no selected form handles", 4}});
 }
 
 TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {

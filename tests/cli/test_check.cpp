@@ -27,7 +27,7 @@ TEST_CASE("a claim about random rays must hold of every draw, and check --seeds 
         return claims_of(
             {{"median", given, metric_in("lost_bits_p50", in) + "draws = 2\n"}, {"scene", inside, all_missed}});
     };
-    static_cast<void>(scratch.write("wide.toml", text("[0, 24]")));
+    scratch.write("wide.toml", text("[0, 24]"));
     const auto all = must("check wide.toml --seeds 3 --export-json c.json --export-csv c.csv", scratch.path());
     const auto array = nlohmann::json::parse(contents(scratch / "c.json"));
     std::vector<double> draws{array[0]["measured"].get<double>()};
@@ -48,7 +48,7 @@ TEST_CASE("a claim about random rays must hold of every draw, and check --seeds 
 
     // The file's own draw alone would agree.
     const double own = draws.front();
-    static_cast<void>(scratch.write("narrow.toml", text(fmt::format("[{0}, {0}]", own))));
+    scratch.write("narrow.toml", text(fmt::format("[{0}, {0}]", own)));
     must("check narrow.toml", scratch.path());
     const auto failed = run("check narrow.toml --seeds 3", scratch.path());
     CHECK(failed.code == 1);
@@ -65,9 +65,9 @@ TEST_CASE("a claim about random rays must hold of every draw, and check --seeds 
 TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {
     const Scratch scratch;
     // Of the last no hit is agreed on: what cannot be measured is an error, never a pass.
-    static_cast<void>(scratch.write("c.toml", claims_of({{"right", inside, all_missed},
-                                                         {"wrong", inside, none_missed},
-                                                         {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}})));
+    scratch.write("c.toml", claims_of({{"right", inside, all_missed},
+                                       {"wrong", inside, none_missed},
+                                       {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
     const auto r = run("check c.toml --junit j.xml --export-json c.json --annotations github", scratch.path());
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: expected to hold, does not: wrong (A sentence)"));
@@ -88,15 +88,15 @@ TEST_CASE("a claim that does not measure as stated fails, by name, with the wors
 
 TEST_CASE("severity, filter and measure of claims, and what this machine lacks") {
     const Scratch scratch;
-    static_cast<void>(scratch.write(
-        "c.toml", claims_of({{"soft", inside, none_missed, "severity = \"warn\"\n"}, {"hard", inside, all_missed}})));
+    scratch.write("c.toml",
+                  claims_of({{"soft", inside, none_missed, "severity = \"warn\"\n"}, {"hard", inside, all_missed}}));
     const auto check = [&](const std::string& words) { return run("check c.toml" + words, scratch.path()); };
     CHECK(check("").code == 0);
     CHECK(check(" --strict").code == 1);
     CHECK(check(" --strict --filter 'h*'").code == 0);
     CHECK(check(" --filter nothing").code == 4);
     CHECK(check(" --measure").out == "soft = 1\nhard = 1\n");
-    static_cast<void>(scratch.write("c.toml", claims_of({{"isa", inside + "requires = [\"isa-128\"]\n", all_missed}})));
+    scratch.write("c.toml", claims_of({{"isa", inside + "requires = [\"isa-128\"]\n", all_missed}}));
     CHECK(check(" --junit j.xml").code == 0);
     CHECK(has(contents(scratch / "j.xml"), "skipped=\""));
     check_refused_claims(scratch, {{inside + "requires = [\"isa-127\"]\n", all_missed, "isa-127"}});
@@ -128,7 +128,7 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
     const auto share = [](const std::string& operation, const std::string& in = "[0, 1]") {
         return metric_in("culprit_fraction", in) + operation;
     };
-    static_cast<void>(scratch.write(
+    scratch.write(
         "c.toml",
         claims_of(
             {{"fd", given, share(fd, "[0.45, 0.5]")},
@@ -140,7 +140,7 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
              {"none", given, metric_in("cancellation_c_max", "[0, 0]")},
              {"sweep", "sweep = \"sphere-distance\"\nat = 4100\n" + form, share("operation = \"c\"\n", "[0.5, 0.7]")},
              {"case", "sweep = \"extremes/contact\"\ncase = \"*\"\n" + form,
-              metric_in("cancellation_max", "[0, 24]")}})));
+              metric_in("cancellation_max", "[0, 24]")}}));
     must("check c.toml --export-json c.json", scratch.path());
     const auto array = nlohmann::json::parse(contents(scratch / "c.json"));
     CHECK(array[0]["quantity"] == "culprit_fraction of dot(o - centre, d)");
@@ -173,11 +173,10 @@ TEST_CASE("times are measured when asked for, and fail nothing") {
                       scalar =
                           "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" + tested("box.signs"),
                       over = scalar + "over = { kernel = \"128\" }\n", all = metric_in("speed_ratio", "[1e-3, 1e3]");
-    static_cast<void>(
-        scratch.write("t.toml", claims_of({{"t.never", over, metric_in("speed_ratio", "[1e6, 1e7]")},
-                                           {"t.always", over, all},
-                                           {"t.skipped", over + "requires = [\"isa-512\", \"isa-256\"]\n", all}},
-                                          head)));
+    scratch.write("t.toml", claims_of({{"t.never", over, metric_in("speed_ratio", "[1e6, 1e7]")},
+                                       {"t.always", over, all},
+                                       {"t.skipped", over + "requires = [\"isa-512\", \"isa-256\"]\n", all}},
+                                      head));
     const auto r = must("check t.toml --profile timing", scratch.path());
     CHECK(r.out.starts_with("differs  holds"));
     CHECK(has(r.out, "as found holds"));
@@ -221,7 +220,7 @@ TEST_CASE("bad claims are refused with their place") {
          {given("sweep = \"sphere-height\"\nat = 1"), all_missed, "2 axes"},
          {"table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", metric_in("fraction"), "sum"},
          {inside, all_missed, "severity", "sverity = \"warn\"\n"}});
-    static_cast<void>(scratch.write("twice.toml", claims_of({{"a", inside, all_missed}, {"a", inside, all_missed}})));
+    scratch.write("twice.toml", claims_of({{"a", inside, all_missed}, {"a", inside, all_missed}}));
     check_refused(
         scratch, "check",
         {{"twice.toml", "twice"}, {"missing.toml", "missing.toml"}, {"--junit /proc/no/j.xml", "/proc/no", 3}});

@@ -34,7 +34,7 @@ const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml
 
 TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("far.toml", scene));
+    scratch.write("far.toml", scene);
     const std::vector<std::tuple<std::string, std::string, double>> rows{
         {unified + "bits = 18\n", "meets", 1},
         {unified + "bits = 23\n", "meets", 0},
@@ -51,7 +51,7 @@ TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
     std::vector<ClaimText> claims;
     for (const auto& [given, metric, right] : rows)
         claims.push_back({"c" + std::to_string(claims.size()), given, metric_in(metric, "[-1, 1000]")});
-    static_cast<void>(scratch.write("c.toml", claims_of(claims, head)));
+    scratch.write("c.toml", claims_of(claims, head));
     std::istringstream said(must("check c.toml --profile timing --measure", scratch.path()).out);
     for (const auto& [given, metric, right] : rows) {
         INFO(given << metric);
@@ -65,9 +65,8 @@ TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
 
 TEST_CASE("a claim about a choice fails nothing, and wrong words are refused with their place") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("far.toml", scene));
-    static_cast<void>(
-        scratch.write("d.toml", claims_of({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head)));
+    scratch.write("far.toml", scene);
+    scratch.write("d.toml", claims_of({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));
     CHECK(has(must("check d.toml --profile timing", scratch.path()).out, "differs"));
     const std::string eighteen = unified + "bits = 18\n", meets = metric_in("meets"), ratio = metric_in("time_ratio"),
                       chosen = metric_in("chosen");

@@ -22,7 +22,7 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "The cheapest is sphere.unified in f64"));
     CHECK(has(r.out, "It holds"));
-    const auto folder = scratch.path() / "rtg-fig-7-3-4100-oblique";
+    const auto folder = scratch / "rtg-fig-7-3-4100-oblique";
     const auto rows = read_csv(folder / "choose.csv");
     REQUIRE(rows.size() == 4);
     double before = 0;
@@ -62,7 +62,7 @@ TEST_CASE("choose says what each pixel requires, in emulated formats too, and dr
     const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);
     REQUIRE(r.code == 0);
     CHECK(has(r.out, "Pixel by pixel"));
-    const auto folder = scratch.path() / "near-benign";
+    const auto folder = scratch / "near-benign";
     CHECK(fs::exists(folder / "requirement.png"));
     const auto rows = read_csv(folder / "requirement.csv");
     REQUIRE(rows.size() == 6);  // two rows with a time, three formats, and nothing
@@ -97,7 +97,7 @@ TEST_CASE("choose says so where nothing is hit, and does not blame the inputs") 
     CHECK(away.code == 1);
     CHECK(has(away.out, "None of the rays truly hits anything"));
     CHECK_FALSE(has(away.out, "the inputs"));
-    CHECK(read_csv(scratch.path() / "near-benign" / "inputs.csv").empty());
+    CHECK(read_csv(scratch / "near-benign" / "inputs.csv").empty());
 }
 
 TEST_CASE("a wish is said as it was typed") {

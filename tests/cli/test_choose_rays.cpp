@@ -28,7 +28,7 @@ TEST_CASE("choose takes a file of rays, and says what its own answers are worth"
     CHECK(has(r.out, "the rays start"));
     CHECK_FALSE(has(r.out, "camera"));
     CHECK_FALSE(has(r.out, "next ray"));
-    const auto rows = read_csv(scratch.path() / "far-sphere" / "choose.csv");
+    const auto rows = read_csv(scratch / "far-sphere" / "choose.csv");
     REQUIRE(rows.size() == 5);
     CHECK(rows.back().at("form") == "file.far-sphere");
     CHECK(rows.back().at("time_ns").empty());
@@ -39,8 +39,8 @@ TEST_CASE("choose takes a file of rays, and says what its own answers are worth"
     REQUIRE(same != rows.end());
     CHECK(same->at("wrong") == "185");
     CHECK(same->at("kept_bits") == rows.back().at("kept_bits"));
-    CHECK(read_csv(scratch.path() / "far-sphere" / "room.csv").size() == 3);
-    CHECK(fs::exists(scratch.path() / "far-sphere" / "front.png"));
+    CHECK(read_csv(scratch / "far-sphere" / "room.csv").size() == 3);
+    CHECK(fs::exists(scratch / "far-sphere" / "front.png"));
 }
 
 TEST_CASE("choose takes raw rays, a pipe and several files") {
@@ -62,13 +62,13 @@ TEST_CASE("where rays of a file are more exact than a format, its inputs stand i
     const Scratch scratch;
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";
-    static_cast<void>(scratch.write("near.csv", text));
+    scratch.write("near.csv", text);
     const auto r = run("choose near.csv --bits 16 -f f32 -i sphere.unified --quick -o .", scratch.path());
     CHECK(r.code == 1);
     CHECK(
         has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
     CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
-    const auto rows = read_csv(scratch.path() / "near" / "inputs.csv");
+    const auto rows = read_csv(scratch / "near" / "inputs.csv");
     REQUIRE(rows.size() == 16);
     CHECK(rows.front().at("place") == "binary32");
     CHECK(rows.back().at("place") == "binary64");
@@ -86,7 +86,7 @@ TEST_CASE("choose refuses files that are none, and words for the other subject")
                                                          {"columns.csv", "a,b,c\n1,2,3\n"},
                                                          {"solid.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n"},
                                                          {"a.csv", head + ray}};
-    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    for (const auto& [name, text] : files) scratch.write(name, text);
     check_refused(scratch, "choose --bits 16 --quick -o out",
                   {{"empty.csv", "empty.csv"},
                    {"no-rays.csv", "has no rays"},

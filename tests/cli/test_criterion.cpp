@@ -28,14 +28,13 @@ ClaimText claim(const std::string& id, const std::string& verdict, const std::st
 
 TEST_CASE("a verdict follows from its criterion for every number that its interval admits") {
     const Scratch scratch;
-    static_cast<void>(scratch.write(
-        "right.toml",
-        claims_of({claim("a", holds, "[1, 1]", "\"= 1\""), claim("b", holds, "[0.5, 1]", "\"> 0.4\""),
-                   claim("c", holds, "[0.5, 1]", "\">= 0.5\""), claim("d", holds, "[1, 1]", "[0.9, 1]"),
-                   claim("e", holds, "[1, 1]", "\"<=0x1p0\""), claim("f", refuted, "[1, 1]", "\"< 1\""),
-                   claim("g", refuted, "[0.5, 1]", "\"= 0\""), claim("h", refuted, "[0.5, 1]", "[0, 0.4]"),
-                   claim("i", refuted, "[0.5, 1]", "\"> 1\""), claim("j", qualified, "[1, 1]", "\"= 0\""),
-                   claim("k", qualified, "[1, 1]", "\"= 1\""), claim("l", holds, "[1, 1]", "")})));
+    scratch.write("right.toml",
+                  claims_of({claim("a", holds, "[1, 1]", "\"= 1\""), claim("b", holds, "[0.5, 1]", "\"> 0.4\""),
+                             claim("c", holds, "[0.5, 1]", "\">= 0.5\""), claim("d", holds, "[1, 1]", "[0.9, 1]"),
+                             claim("e", holds, "[1, 1]", "\"<=0x1p0\""), claim("f", refuted, "[1, 1]", "\"< 1\""),
+                             claim("g", refuted, "[0.5, 1]", "\"= 0\""), claim("h", refuted, "[0.5, 1]", "[0, 0.4]"),
+                             claim("i", refuted, "[0.5, 1]", "\"> 1\""), claim("j", qualified, "[1, 1]", "\"= 0\""),
+                             claim("k", qualified, "[1, 1]", "\"= 1\""), claim("l", holds, "[1, 1]", "")}));
     must("check right.toml", scratch.path());
     const auto row = [](const std::string& verdict, const std::string& in, const std::string& criterion,
                         const std::string& says) {

@@ -139,17 +139,17 @@ void save_files(const Scratch& scratch, const std::string& page) {
         std::string text, name;
         for (std::size_t i = begin; i < block.first - 1; ++i) text += lines[i] + "\n";
         for (std::sregex_iterator m(text.begin(), text.end(), told), end; m != end; ++m) name = (*m)[2];
-        if (!name.empty()) (void)scratch.write(name, block.text());
+        if (!name.empty()) scratch.write(name, block.text());
         begin = block.first + block.lines.size();
     }
 }
 
 /// Those files, the data of the project, and what a library of forms is compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
-    fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch.path() / "data");
+    fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
     for (const char* folder : {"plugins", "examples"})
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
-    fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch.path() / "build");
+    fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch / "build");
     for (const std::string& from : {std::string("README.md"), page}) save_files(scratch, from);
 }
 

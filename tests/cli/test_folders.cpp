@@ -53,8 +53,8 @@ std::string rays() {
 
 TEST_CASE("a second run into a folder leaves nothing of the first") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    static_cast<void>(scratch.write("rays.csv", rays()));
+    scratch.write("mine.toml", good_scene);
+    scratch.write("rays.csv", rays());
     struct Pair {
         std::string first, second, folder;
     };
@@ -77,7 +77,7 @@ TEST_CASE("a second run into a folder leaves nothing of the first") {
          "trade --quick --repetitions 1 -i sphere.press -f f32 -o out", "sphere"}};
     for (const Pair& pair : pairs) {
         INFO(pair.second);
-        const fs::path folder = scratch.path() / "out" / pair.folder;
+        const fs::path folder = scratch / "out" / pair.folder;
         must(pair.first, scratch);
         CHECK(files_in(folder) == listed_in(folder));
         const std::size_t before = files_in(folder).size();
@@ -88,18 +88,18 @@ TEST_CASE("a second run into a folder leaves nothing of the first") {
         CHECK(after == listed_in(folder));
         CHECK(after.size() <= before);
         // As into a new folder.
-        fs::rename(scratch.path() / "out", scratch.path() / "old");
+        fs::rename(scratch / "out", scratch / "old");
         must(pair.second, scratch);
         CHECK(files_in(folder) == after);
-        fs::remove_all(scratch.path() / "old");
+        fs::remove_all(scratch / "old");
     }
 }
 
 TEST_CASE("results that no list names are refused, and stay with --force") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
-    const fs::path folder = scratch.path() / "out/mine";
+    const fs::path folder = scratch / "out/mine";
     fs::create_directories(folder);
     std::ofstream(folder / "older.png") << "x";
     const auto r = run(words, scratch.path());
@@ -114,27 +114,27 @@ TEST_CASE("results that no list names are refused, and stay with --force") {
 
 TEST_CASE("a list can name nothing outside its folder") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
     must(words, scratch);
-    const fs::path folder = scratch.path() / "out/mine";
-    fs::create_directories(scratch.path() / "elsewhere");
-    std::ofstream(scratch.path() / "elsewhere/kept.csv") << "x";
-    std::ofstream(scratch.path() / "kept.csv") << "x";
-    fs::create_directory_symlink(scratch.path() / "elsewhere", folder / "link");
+    const fs::path folder = scratch / "out/mine";
+    fs::create_directories(scratch / "elsewhere");
+    std::ofstream(scratch / "elsewhere/kept.csv") << "x";
+    std::ofstream(scratch / "kept.csv") << "x";
+    fs::create_directory_symlink(scratch / "elsewhere", folder / "link");
     auto list = Json::parse(contents(folder / "manifest.json"));
     for (const char* name : {"../../kept.csv", "link/kept.csv", "/etc/hostname", ""}) list["files"].push_back(name);
     std::ofstream(folder / "manifest.json") << list.dump();
     must(words, scratch);
-    CHECK(fs::exists(scratch.path() / "kept.csv"));
-    CHECK(fs::exists(scratch.path() / "elsewhere/kept.csv"));
+    CHECK(fs::exists(scratch / "kept.csv"));
+    CHECK(fs::exists(scratch / "elsewhere/kept.csv"));
     std::ofstream(folder / "manifest.json") << "not a list";
     CHECK(run(words, scratch.path()).code == 2);
 }
 
 TEST_CASE("what a killed run left goes, what a living one writes stays") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
     const auto killed =
         run("map mine.toml -i sphere.press -f f32 --size 3000x3000 -o out & child=$!; while [ -z "
@@ -143,7 +143,7 @@ TEST_CASE("what a killed run left goes, what a living one writes stays") {
             "0.05; done; sleep 0.3; kill -KILL $child; wait $child; exit $?",
             scratch.path());
     REQUIRE(killed.code == 128 + 9);
-    const fs::path folder = scratch.path() / "out/mine";
+    const fs::path folder = scratch / "out/mine";
     const auto left = files_in(folder);
     REQUIRE(std::ranges::any_of(left, [](const std::string& name) { return has(name, ".partial-"); }));
     // A living run holds a lock on what it writes.
@@ -162,8 +162,8 @@ TEST_CASE("what a killed run left goes, what a living one writes stays") {
 
 TEST_CASE("two runs do not write into one folder at a time") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    const fs::path folder = scratch.path() / "out/mine";
+    scratch.write("mine.toml", good_scene);
+    const fs::path folder = scratch / "out/mine";
     fs::create_directories(folder);
     const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     REQUIRE(::flock(fd, LOCK_EX) == 0);
@@ -176,23 +176,23 @@ TEST_CASE("two runs do not write into one folder at a time") {
 
 TEST_CASE("a run that is stopped before it has results leaves those that were there") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
+    scratch.write("mine.toml", good_scene);
     must("map mine.toml -i sphere.press -f f32,f64 -o out", scratch);
-    const auto before = files_in(scratch.path() / "out/mine");
+    const auto before = files_in(scratch / "out/mine");
     const auto r = run(
         "map mine.toml -i sphere.press -f f32 --size 3000x3000 --metric culprit -j 1 -o out & child=$!; sleep 1; kill "
         "-TERM $child; "
         "wait $child; exit $?",
         scratch.path());
     CHECK(r.code == 130);
-    CHECK(files_in(scratch.path() / "out/mine") == before);
+    CHECK(files_in(scratch / "out/mine") == before);
 }
 
 TEST_CASE("every file that can hold it says the command, what was set, and the version") {
     draw_pictures();
     const Scratch scratch;
-    static_cast<void>(scratch.write("mine.toml", good_scene));
-    const fs::path folder = scratch.path() / "out/mine";
+    scratch.write("mine.toml", good_scene);
+    const fs::path folder = scratch / "out/mine";
     must("map mine.toml -i 'sphere.p*' -f f32 --set 'sphere[0].radius=0.5' --size 16x16 --exr -j 2 -q -o out", scratch);
     const std::string command =
         "lostbits map mine.toml -i 'sphere.p*' -f f32 --size 16x16 --set 'sphere[0].radius=0.5' --exr";
@@ -215,28 +215,28 @@ TEST_CASE("every file that can hold it says the command, what was set, and the v
     // Typed again, the command makes the same bytes.
     const std::string picture = contents(folder / "contact.png");
     must(command.substr(std::string("lostbits ").size()) + " -o again", scratch);
-    CHECK(contents(scratch.path() / "again/mine/contact.png") == picture);
-    CHECK(contents(scratch.path() / "again/mine/manifest.json") == contents(folder / "manifest.json"));
+    CHECK(contents(scratch / "again/mine/contact.png") == picture);
+    CHECK(contents(scratch / "again/mine/manifest.json") == contents(folder / "manifest.json"));
 }
 
 TEST_CASE("a page and a judgement name their command as well") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("rays.csv", rays()));
+    scratch.write("rays.csv", rays());
     must("judge rays.csv --sphere 0,0,0,1 -i sphere.press -f f32 -o out", scratch);
-    const auto list = Json::parse(contents(scratch.path() / "out/rays/manifest.json"));
+    const auto list = Json::parse(contents(scratch / "out/rays/manifest.json"));
     CHECK(list.at("command") == "lostbits judge rays.csv --sphere 0,0,0,1 -i sphere.press -f f32");
     must("report near-benign --size 8x8 -i sphere.press -f f32 --no-claims -o page", scratch);
     std::string version = run("--version").out;
     version.pop_back();
-    CHECK(has(contents(scratch.path() / "page/index.html"), version));
-    const auto page = Json::parse(contents(scratch.path() / "page/manifest.json"));
+    CHECK(has(contents(scratch / "page/index.html"), version));
+    const auto page = Json::parse(contents(scratch / "page/manifest.json"));
     CHECK(page.at("command") == "lostbits report near-benign -i sphere.press -f f32 --size 8x8 --no-claims");
     CHECK(page.at("files") == Json::array({"index.html"}));
 }
 
 TEST_CASE("a folder that a report and checked claims share keeps both, and its list says which made what") {
     const Scratch scratch;
-    const fs::path folder = scratch.path() / "page";
+    const fs::path folder = scratch / "page";
     const std::string check = "check --filter 'float.*' --report page",
                       report = "report near-benign --size 8x8 -i sphere.press -f f32 --no-claims -o page";
     must(check, scratch);
@@ -263,7 +263,7 @@ TEST_CASE("an interrupted report leaves no folder") {
             scratch.path(), "set -m; ");
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
-    CHECK_FALSE(fs::exists(scratch.path() / "page"));
+    CHECK_FALSE(fs::exists(scratch / "page"));
 }
 
 }  // namespace test_folders

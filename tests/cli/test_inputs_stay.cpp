@@ -39,7 +39,7 @@ public:
 
 private:
     void keep(const std::string& name, const std::string& text) {
-        static_cast<void>(scratch_.write(name, text));
+        scratch_.write(name, text);
         kept_[name] = text;
     }
 

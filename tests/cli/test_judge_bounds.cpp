@@ -17,7 +17,7 @@ std::vector<std::map<std::string, std::string>> judged(const std::string& text, 
     const Scratch scratch;
     const std::string file = scratch.write("rays.csv", text);
     must("judge '" + file + "' " + options + " --rows -q" + into(scratch));
-    return read_csv(scratch.path() / "out/rays" / (row + ".csv"));
+    return read_csv(scratch / "out/rays" / (row + ".csv"));
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST_CASE("an answer of the near root behind the ray can be said, and is a miss 
     const Outcome near = with(" --inside near");
     CHECK(near.code == 0);
     CHECK(near.err.empty());
-    const auto row = read_csv(scratch.path() / "out/rays/summary.csv").front();
+    const auto row = read_csv(scratch / "out/rays/summary.csv").front();
     CHECK(row.at("agree_miss") == "20");
     CHECK(row.at("false_hit") == "0");
 }

@@ -67,17 +67,17 @@ TEST_CASE("map writes every file of every form and format") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
     const auto r = must("map '" + scene + "' -i 'sphere.*' -f f32 -f f64 -f bf16 --pictures all" + into(scratch, ""));
-    CHECK(r.out == (scratch.path() / "scene/contact.png").string() + "\n");
+    CHECK(r.out == (scratch / "scene/contact.png").string() + "\n");
     std::size_t rows = 0;
     for (const auto& form : lostbits::intersect::table::intersectors(lostbits::Shape::sphere)) {
         for (const char* format : {"f32", "f64", "bf16"}) {
             const std::string stem = std::string(form.info->name) + "." + format;
             const bool expected = form.exists_in(*lostbits::find_format(format));
             rows += expected;
-            CHECK(fs::exists(scratch.path() / "scene" / (stem + ".png")) == expected);
+            CHECK(fs::exists(scratch / "scene" / (stem + ".png")) == expected);
         }
     }
-    const auto summary = read_csv(scratch.path() / "scene/summary.csv");
+    const auto summary = read_csv(scratch / "scene/summary.csv");
     CHECK(summary.size() == rows);
     for (const auto& row : summary) {
         CHECK(row.at("rays") == "384");
@@ -88,7 +88,7 @@ TEST_CASE("map writes every file of every form and format") {
     }
     // scene.toml, a picture a row, contact sheet, summary, data package, manifest: and nothing else, hidden or not.
     CHECK(scratch.files().size() == 1 + rows + 4);
-    const auto package = nlohmann::json::parse(contents(scratch.path() / "scene/datapackage.json"));
+    const auto package = nlohmann::json::parse(contents(scratch / "scene/datapackage.json"));
     CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
 }
 
@@ -99,9 +99,9 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
         "sphere.schoolbook_strict -f f32 -f f64 --exr" +
         into(scratch, "");
     must(what);
-    const auto file = scratch.path() / "near-benign/near-benign.exr";
+    const auto file = scratch / "near-benign/near-benign.exr";
     std::vector<std::string> expected;
-    for (const auto& row : read_csv(scratch.path() / "near-benign/summary.csv"))
+    for (const auto& row : read_csv(scratch / "near-benign/summary.csv"))
         expected.push_back(row.at("form") + "." + row.at("format"));
     const std::size_t rows = expected.size();
     REQUIRE(rows == 6);
@@ -134,7 +134,7 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
         "map rtg-fig-7-3-2000-oblique --size 48x48 -i sphere.schoolbook -i sphere.unit_half_b -f f64 -f f32 --metric "
         "'*' --pixels csv --exr" +
         into(scratch, ""));
-    const auto folder = scratch.path() / "rtg-fig-7-3-2000-oblique";
+    const auto folder = scratch / "rtg-fig-7-3-2000-oblique";
     for (const auto& summary : read_csv(folder / "summary.csv")) {
         const std::string stem = summary.at("form") + "." + summary.at("format");
         INFO(stem);
@@ -212,15 +212,15 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     const std::string out = " -i sphere.press -f f32" + into(scratch, "");
     must("map rtg-fig-7-4 --size 40x30" + out);
     for (const char* id : {"r1e3", "r1e4", "r1e5", "r1e6", "r6371000"})
-        CHECK(fs::exists(scratch.path() / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
+        CHECK(fs::exists(scratch / (std::string("rtg-fig-7-4.") + id) / "summary.csv"));
     must("map rtg-fig-7-4 --variant r1e3 --size 20x10" + out);
-    CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e3/summary.csv").front().at("rays") == "200");
-    CHECK(read_csv(scratch.path() / "rtg-fig-7-4.r1e4/summary.csv").front().at("rays") == "1200");
+    CHECK(read_csv(scratch / "rtg-fig-7-4.r1e3/summary.csv").front().at("rays") == "200");
+    CHECK(read_csv(scratch / "rtg-fig-7-4.r1e4/summary.csv").front().at("rays") == "1200");
     const std::string scene = scratch.write("scene.toml", good_scene);
     must("map '" + scene + "'" + out);
-    const auto before = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
+    const auto before = read_csv(scratch / "scene/summary.csv").front().at("agree_hit");
     must("map '" + scene + "' --set 'sphere[0].radius=0.25'" + out);
-    const auto after = read_csv(scratch.path() / "scene/summary.csv").front().at("agree_hit");
+    const auto after = read_csv(scratch / "scene/summary.csv").front().at("agree_hit");
     CHECK(number_in(after) > 0);
     CHECK(number_in(after) < number_in(before));
     // The file's title may tell of the numbers that were changed.
@@ -252,7 +252,7 @@ TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 an
 TEST_CASE("an interrupted run ends with 130 and leaves no partial file") {
     const Scratch scratch;
     const std::string scene = scratch.write("scene.toml", good_scene);
-    const auto r = run("map '" + scene + "' --size 4000x4000 -j 1 -o '" + (scratch.path() / "out").string() +
+    const auto r = run("map '" + scene + "' --size 4000x4000 -j 1 -o '" + (scratch / "out").string() +
                            "' & child=$!; sleep 1.5; kill -TERM $child; wait $child; exit $?",
                        ".", "set -m; ");
     CHECK(r.code == 130);

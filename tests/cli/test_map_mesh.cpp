@@ -35,7 +35,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     const Scratch folder;
     written(folder, "square.obj", square);
     const auto scene = written(folder, "square.toml", scene_of("square.obj"));
-    const auto out = folder.path() / "out";
+    const auto out = folder / "out";
     const auto r =
         must("map '" + scene.string() + "' -i triangle.woop -f f32 --pixels csv -v -o '" + out.string() + "'");
     CHECK(has(r.out, "double hit"));
@@ -73,7 +73,7 @@ TEST_CASE("explain calls a ray at a mesh what a map calls it") {
 
 TEST_CASE("faces without area are told of, and a bad mesh ends before anything is written") {
     const Scratch folder;
-    const auto out = folder.path() / "out";
+    const auto out = folder / "out";
     const auto map_of = [&](const std::string& text) {
         written(folder, "a.obj", text);
         return run("map '" + written(folder, "a.toml", scene_of("a.obj")).string() + "' -i triangle.woop -f f32 -o '" +

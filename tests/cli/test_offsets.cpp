@@ -15,7 +15,7 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
         "offsets near-benign --size 24x18 --strategy offset.bound,offset.none --pixels csv --along world "
         "--pictures all" +
         into(scratch, ""));
-    const auto folder = scratch.path() / "near-benign";
+    const auto folder = scratch / "near-benign";
     CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
     CHECK(has(r.out, "right for all"));
     std::vector<std::string> expected{"along.world.csv", "contact.png", "datapackage.json", "manifest.json",
@@ -83,7 +83,7 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
     const Scratch elsewhere;
     const auto empty = must("offsets near-benign --size 8x6 --set 'camera.look_at=[9,9,9]'" + into(elsewhere, ""));
     CHECK(has(empty.err, "no point to leave"));
-    for (const auto& row : read_csv(elsewhere.path() / "near-benign/summary.csv")) {
+    for (const auto& row : read_csv(elsewhere / "near-benign/summary.csv")) {
         CHECK(row.at("points") == "0");
         CHECK(row.at("self_hit_fraction").empty());
         CHECK(row.at("safe_max").empty());
@@ -92,11 +92,11 @@ TEST_CASE("offsets: one table on standard output, and what a scene without point
 
 TEST_CASE("a sheet without thickness has no safe offset into it, and that is said in words") {
     const Scratch scratch;
-    static_cast<void>(scratch.write("flat.toml",
-                                    "schema = \"lostbits-scene/1\"\ntitle = \"flat\"\ninputs = \"shared\"\n"
-                                    "size = [8, 8]\n[camera]\nkind = \"pinhole\"\nfov_deg = 40\n"
-                                    "eye = [0.3, 0.7, 6]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
-                                    "[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n"));
+    scratch.write("flat.toml",
+                  "schema = \"lostbits-scene/1\"\ntitle = \"flat\"\ninputs = \"shared\"\n"
+                  "size = [8, 8]\n[camera]\nkind = \"pinhole\"\nfov_deg = 40\n"
+                  "eye = [0.3, 0.7, 6]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n"
+                  "[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n");
     const auto r = must("offsets flat.toml --points computed --strategy offset.bound -o out", scratch.path());
     CHECK(has(r.out, "inside: no offset is safe at any of 16 points; right for all 288 rays: no strategy"));
     CHECK_FALSE(has(r.out, "nan"));
@@ -107,9 +107,8 @@ TEST_CASE("claims about offsets are measured, and those that are none are refuse
     const std::string box = "offsets = \"offset-thin-box\"\n" + tested("box.baseline"),
                       none = box + "strategy = \"offset.none\"\n", bad = metric_in("bad_fraction");
     const auto check = [&](const std::string& in) {
-        static_cast<void>(
-            scratch.write("c.toml", claims_of({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
-                                                metric_in("bad_fraction", in)}})));
+        scratch.write("c.toml", claims_of({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
+                                            metric_in("bad_fraction", in)}}));
         return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
     CHECK(check("[0, 0.5]") == 1);

@@ -94,7 +94,7 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
     std::string own = lostbits::test::good_scene;
     own.replace(own.find("shared"), 6, "own");
     own += "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
-    static_cast<void>(folder.write("my scene.toml", own));
+    folder.write("my scene.toml", own);
     const std::string rows =
         " -i sphere.schoolbook -i sphere.press -i sphere.double_inside -i box.signs -i box.max_mult -i "
         "sdf.sphere_trace -f f32 -f f64 -f bf16 --size 40x30 --pixels csv -o out ";
@@ -102,11 +102,11 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
          folder);
     make("map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f f32 --size 9x7 -o set",
          folder);
-    Checked all = paste_rows(read_csv(folder.path() / "set/camera-inside/summary.csv"), folder);
+    Checked all = paste_rows(read_csv(folder / "set/camera-inside/summary.csv"), folder);
     CHECK(all.faults == 1);
     for (const std::string scene : {"near-benign", "world-offset-own", "box-octree", "sdf-sphere",
                                     "rtg-fig-7-3-4100-oblique", "my scene.a", "my scene.b"}) {
-        const auto table = read_csv(folder.path() / "out" / scene / "summary.csv");
+        const auto table = read_csv(folder / "out" / scene / "summary.csv");
         const Checked some = paste_rows(table, folder);
         CAPTURE(scene);
         CHECK(some.worst > 0);
@@ -114,7 +114,7 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
         all.faults += some.faults;
         // A row of the pixels' table is explained by the same words with its own place.
         const std::string stem = cell(table, "form", 0) + "." + cell(table, "format", 0);
-        const auto pixels = read_csv(folder.path() / "out" / scene / (stem + ".csv"));
+        const auto pixels = read_csv(folder / "out" / scene / (stem + ".csv"));
         const std::string words = cell(table, "worst_explain", 0);
         const auto begin = words.find("--pixel ") + 8, end = words.find(' ', begin);
         for (std::size_t i = 11; i < pixels.rows(); i += 397) {
@@ -140,19 +140,18 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
         return "[[axis]]\nname = \"" + name + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
                "\nsteps = 3\nset = [" + set + "]\n";
     };
-    static_cast<void>(folder.write(
-        "one.toml", head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\"")));
-    static_cast<void>(folder.write("many.toml", "convention = \"closed\"\n" + head +
-                                                    "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
-                                                    "= 16\n" +
-                                                    axis("distance", "2", "1000", "\"distance\"")));
-    static_cast<void>(
-        folder.write("march.toml", head +
-                                       "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
-                                       "2\nrays = 8\n" +
-                                       axis("distance", "4", "4000", "\"distance\", \"march.max_dist\"")));
-    static_cast<void>(folder.write(
-        "scene.toml", "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\"")));
+    folder.write("one.toml",
+                 head + "[family]\nviews = 3\nrays = 16\n" + axis("distance", "100", "1e6", "\"distance\""));
+    folder.write("many.toml", "convention = \"closed\"\n" + head +
+                                  "[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\nrays "
+                                  "= 16\n" +
+                                  axis("distance", "2", "1000", "\"distance\""));
+    folder.write("march.toml", head +
+                                   "[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = "
+                                   "2\nrays = 8\n" +
+                                   axis("distance", "4", "4000", "\"distance\", \"march.max_dist\""));
+    folder.write("scene.toml",
+                 "scene = \"near-benign\"\n" + head + axis("radius", "0.25", "1", "\"sphere[0].radius\""));
     Checked all;
     for (const auto& [name, forms] :
          std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
@@ -160,7 +159,7 @@ TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and th
                                                           {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
                                                           {"scene", "-i sphere.unified"}}) {
         make("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder);
-        const Checked some = paste_rows(read_csv(folder.path() / "out" / name / "samples.csv"), folder);
+        const Checked some = paste_rows(read_csv(folder / "out" / name / "samples.csv"), folder);
         CAPTURE(name);
         CHECK(some.worst > 5);
         all.faults += some.faults;
@@ -173,7 +172,7 @@ TEST_CASE("searches along edges: the nearest ray of each outcome") {
     make(
         "sweep mesh-edges --worst -i triangle.undivided -i triangle.baldwin_weber -f f32 -f p16 --set rays=8192 -o out",
         folder);
-    const auto table = read_csv(folder.path() / "out/mesh-edges/worst.csv");
+    const auto table = read_csv(folder / "out/mesh-edges/worst.csv");
     int pasted = 0;
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const std::string command = cell(table, "explain", i);
@@ -189,7 +188,7 @@ TEST_CASE("searches along edges: the nearest ray of each outcome") {
 
 TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
     const Scratch folder;
-    static_cast<void>(folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
+    folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
 [[case]]
 name = "the reader's: 3"
 symmetric = true
@@ -197,7 +196,7 @@ boxes = [{ lo = [-1, -2, "-3 - ulp"], hi = ["1 + ulp", 2, 3] }]
 rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
         { origin = [0.7, 0.5, -8], direction = [0.1, 0, 1], tmax = 9 },
         { origin = [1, 2, -9], direction = [0, 0, 1] }, { origin = [0, 0, -9], direction = [0, 0, 1], tmax = 2 }]
-)"));
+)");
     make("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
          "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 -f f64 -f bf16 -o "
          "out",
@@ -206,7 +205,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
         {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};
     Checked all;
     for (const auto& [name, every, least] : files) {
-        const auto table = read_csv(folder.path() / "out" / name / "cases.csv");
+        const auto table = read_csv(folder / "out" / name / "cases.csv");
         const Checked some = paste_rows(table, folder, every);
         CAPTURE(name);
         CHECK(some.worst + some.faults >= least);
@@ -221,7 +220,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     CHECK(all.worst > 30);
     CHECK(all.faults > 15);
     // Without a number it is the ray that the table names, a wrong decision before a wrong value.
-    const auto boxes = read_csv(folder.path() / "out/my cases/cases.csv");
+    const auto boxes = read_csv(folder / "out/my cases/cases.csv");
     for (const std::size_t i : {std::size_t{0}, boxes.rows() - 1}) {
         std::string command = cell(boxes, "fault_explain", i);
         if (command.empty()) command = cell(boxes, "worst_explain", i);
@@ -237,12 +236,12 @@ TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml make
     const Scratch folder;
     for (const auto& [name, solid] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
-        static_cast<void>(folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" +
-                                                           solid + "starts = 2\ngenerations = 6\n"));
+        folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" + solid +
+                                         "starts = 2\ngenerations = 6\n");
     make("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder);
     make("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder);
     for (const std::string name : {"s", "b"}) {
-        const auto table = read_csv(folder.path() / "out" / name / "worst.csv");
+        const auto table = read_csv(folder / "out" / name / "worst.csv");
         REQUIRE(table.rows() == 6);
         for (std::size_t i = 0; i < table.rows(); ++i) {
             const Json j = explained(cell(table, "explain", i), folder);
@@ -253,7 +252,7 @@ TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml make
             if (!j["lost_bits"].is_null()) CHECK(number(j["lost_bits"]) == number(cell(table, "lost_bits", i)));
         }
         make("sweep out/" + name + "/hard.toml -i sphere.press -i box.divide -f f64 -o out", folder);
-        CHECK(paste_rows(read_csv(folder.path() / "out/hard/cases.csv"), folder).worst > 2);
+        CHECK(paste_rows(read_csv(folder / "out/hard/cases.csv"), folder).worst > 2);
     }
 }
 
@@ -264,7 +263,7 @@ TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML 
                "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
                "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [-2, -1]\n";
     };
-    static_cast<void>(folder.write(
+    folder.write(
         "c.toml",
         "schema = \"lostbits-claims/1\"\n" +
             claim("scene", "scene = \"near-benign\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"", "ulp_error_max") +
@@ -277,12 +276,12 @@ TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML 
             claim("none", "sweep = \"not-numbers\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f32\"",
                   "not_a_number") +
             claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
-                  "ulp_error_max")));
+                  "ulp_error_max"));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
     REQUIRE(r.code == 1);
-    const auto table = read_csv(folder.path() / "c.csv");
-    const Json array = Json::parse(contents(folder.path() / "c.json"));
-    const std::string xml = contents(folder.path() / "j.xml");
+    const auto table = read_csv(folder / "c.csv");
+    const Json array = Json::parse(contents(folder / "c.json"));
+    const std::string xml = contents(folder / "j.xml");
     REQUIRE(table.rows() == 7);
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const std::string command = cell(table, "witness_explain", i);

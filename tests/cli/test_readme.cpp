@@ -14,7 +14,7 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     draw_pictures();
     const Scratch scratch;
     must("map rtg-fig-7-3-4100-oblique" + into(scratch, ""));
-    const auto made = scratch.path() / "rtg-fig-7-3-4100-oblique";
+    const auto made = scratch / "rtg-fig-7-3-4100-oblique";
     const fs::path kept = LOSTBITS_REPORTS_DIR "/readme";
     CHECK(contents(made / "summary.csv") == contents(kept / "summary.csv"));
     auto& backend = lostbits::output::image::image_backend();
@@ -26,7 +26,7 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
 
     if (!is_long()) return;  // 8 s
     must("sweep sphere-distance -f f32" + into(scratch, ""));
-    const auto plot = backend.read_png(scratch.path() / "sphere-distance/lost_bits_p50.f32.png"),
+    const auto plot = backend.read_png(scratch / "sphere-distance/lost_bits_p50.f32.png"),
                kept_plot = backend.read_png(kept / "lost_bits_p50.f32.png");
     CHECK((plot.pixels == kept_plot.pixels));
 }
@@ -38,7 +38,7 @@ TEST_CASE("the scene of the README can be mapped as it stands there") {
     const Scratch scratch;
     const std::string file = scratch.write("mine.toml", readme.substr(begin, readme.find("```", begin) - begin));
     must("map '" + file + "' --size 24x24 -i sphere.press -f f32" + into(scratch, ""));
-    CHECK(std::stod(read_csv(scratch.path() / "mine/summary.csv").front().at("agree_hit")) > 100);
+    CHECK(std::stod(read_csv(scratch / "mine/summary.csv").front().at("agree_hit")) > 100);
 }
 
 }  // namespace test_readme

@@ -49,7 +49,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
         "render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
         "-f f32 -f bf16 --pictures all" +
         into(scratch, ""));
-    const auto folder = scratch.path() / "raycast-course.small";
+    const auto folder = scratch / "raycast-course.small";
     CHECK(r.out == (folder / "contact.png").string() + "\n");
     std::vector<std::string> expected{"contact.png", "datapackage.json",      "manifest.json",
                                       "summary.csv", "visible.reference.png", "phong.reference.png"};
@@ -83,7 +83,7 @@ TEST_CASE("the layers, the pictures and the table say the same") {
         "render raycast-acne.none --size 48x36 --stage visible --stage shadows -i sphere.unified -f f32 "
         "--pictures all" +
         into(scratch, ""));
-    const auto folder = scratch.path() / "raycast-acne.none";
+    const auto folder = scratch / "raycast-acne.none";
     const auto exr = backend().read_exr(folder / "sphere.unified.f32.exr");
     const auto picture = backend().read_png(folder / "shadows.sphere.unified.f32.png"),
                reference = backend().read_png(folder / "shadows.reference.png");
@@ -129,7 +129,7 @@ TEST_CASE("render -v names both shares of wrong pixels, and they are those of th
     const auto r =
         must("render raycast-course.small --size 64x48 -i sphere.expanded -f fp16 -v -o out", scratch.path());
     CHECK(has(r.out, "wrong colour wrong sphere "));
-    const auto row = read_csv(scratch.path() / "out/raycast-course.small/summary.csv").at(0);
+    const auto row = read_csv(scratch / "out/raycast-course.small/summary.csv").at(0);
     double wrong = 0;
     for (const char* column : {"other_sphere", "lost_sphere", "extra_sphere", "not_a_number"})
         wrong += number_in(row.at(column));
@@ -148,14 +148,14 @@ TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyon
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'", out = into(scratch, "");
     const auto r = must("render " + scene + " --stage phong --pictures all" + out);
     CHECK(has(r.err, "has no stage phong; drawing stage visible instead"));
-    CHECK(fs::exists(scratch.path() / "scene/visible.sphere.expanded.f32.png"));
-    CHECK_FALSE(fs::exists(scratch.path() / "scene/sphere.expanded.f32.normal.png"));
+    CHECK(fs::exists(scratch / "scene/visible.sphere.expanded.f32.png"));
+    CHECK_FALSE(fs::exists(scratch / "scene/sphere.expanded.f32.normal.png"));
     CHECK(run("render " + scene + " --stage phong -q" + out).err.empty());
     const std::string lit = "'" + scratch.write("lit.toml", with(spheres)) + "'";
     must("render " + lit + out);
-    CHECK(read_csv(scratch.path() / "lit/summary.csv").front().at("stage") == "shadows");
+    CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "shadows");
     must("render " + lit + " --stage diffuse" + out);
-    CHECK(read_csv(scratch.path() / "lit/summary.csv").front().at("stage") == "diffuse");
+    CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "diffuse");
 }
 
 TEST_CASE("what render refuses: the place or the word, the exit code, and nothing written") {
@@ -166,7 +166,7 @@ TEST_CASE("what render refuses: the place or the word, the exit code, and nothin
         {"ks.toml", with("ks = 0.5\n")},
         {"boxes.toml",
          spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
-    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    for (const auto& [name, text] : files) scratch.write(name, text);
     check_refused(scratch, "render -o out",
                   {{"shadows.toml", "shadows.toml:18:1: shadows need a light"},
                    {"ks.toml", "ks.toml:18:6: sphere[0].ks above 0 asks for a highlight"},

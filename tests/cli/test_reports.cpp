@@ -116,7 +116,7 @@ TEST_CASE(
         return;
     }
     const Scratch scratch;
-    const std::string json = (scratch.path() / "claims.json").string(), csv = (scratch.path() / "claims.csv").string();
+    const std::string json = (scratch / "claims.json").string(), csv = (scratch / "claims.csv").string();
     const auto ids = measured_ids();
     std::string words = "check --seeds 3";
     if (!is_long()) {
@@ -150,7 +150,7 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
     }
     draw_pictures();
     const Scratch scratch;
-    const std::string made = (scratch.path() / "reports").string();
+    const std::string made = (scratch / "reports").string();
     fs::create_directories(made);
     fs::copy(LOSTBITS_REPORTS_DIR "/screenshots", made + "/screenshots",
              fs::copy_options::recursive);  // whose names the document has

@@ -23,7 +23,7 @@ public:
             fs::create_directories(at(folder));
         fs::copy_file(LOSTBITS_DATA_DIR "/../run", at("run"));
         for (const char* scene : {"one", "rtg-fig-7-3-4100-oblique", "raycast-acne"})
-            static_cast<void>(scratch_.write(std::string("data/scenes/") + scene + ".toml", ""));
+            scratch_.write(std::string("data/scenes/") + scene + ".toml", "");
         stand_in("bin/cmake", "");
         stand_in("bin/npm", "");
         stand_in("bin/apt-get", "");
@@ -44,9 +44,7 @@ public:
         const int code = std::system(command.c_str());
         return {WEXITSTATUS(code), contents(at("out.txt")), contents(at("err.txt")), contents(at("calls.txt"))};
     }
-    void write(const std::string& name, const std::string& text) const {
-        static_cast<void>(scratch_.write(name, text));
-    }
+    void write(const std::string& name, const std::string& text) const { scratch_.write(name, text); }
     [[nodiscard]] fs::path at(const std::string& name) const { return scratch_.path() / name; }
     void stand_in(const std::string& name, const std::string& answer) const {
         const std::string program = fs::path(name).filename();

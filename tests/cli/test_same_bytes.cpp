@@ -131,7 +131,7 @@ std::map<std::string, std::string> made_by(const std::string& words) {
         {"march.toml", march_sweep},
         {"every.toml", every_float_to("0x1.6bp10")},
         {"far-sphere.csv", contents(fs::path(LOSTBITS_DATA_DIR) / "dumps/far-sphere.csv")}};
-    for (const auto& [name, text] : files) static_cast<void>(scratch.write(name, text));
+    for (const auto& [name, text] : files) scratch.write(name, text);
     const auto r = run(words, scratch.path());
     INFO(words << ": " << r.err);
     REQUIRE(r.code <= 1);

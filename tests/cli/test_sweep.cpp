@@ -25,16 +25,16 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     must("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16" + into(scratch, ""));
     for (const char* format : {"f32", "p16"}) {
         for (const char* plot : {"lost_bits_p50", "lost_bits_p99", "false_hit", "false_miss"})
-            CHECK(fs::exists(scratch.path() / "s" / (std::string(plot) + "." + format + ".png")));
+            CHECK(fs::exists(scratch / "s" / (std::string(plot) + "." + format + ".png")));
     }
-    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 2 * 2 * 20);
     for (const auto& row : samples) {
         CHECK(row.at("rays") == "64");
         CHECK(number_in(row.at("distance_radii_hex")) == number_in(row.at("distance_radii")));
     }
     std::size_t found = 0, spread = 0, backwards = 0, of_bits = 0;
-    for (const auto& row : read_csv(scratch.path() / "s/onsets.csv")) {
+    for (const auto& row : read_csv(scratch / "s/onsets.csv")) {
         if (row.at("found") != "1" || row.at("last_good_distance_radii").empty()) continue;
         ++found;
         const double good = number_in(row.at("last_good_distance_radii")),
@@ -70,46 +70,24 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     for (const char* name : {"samples.csv", "culprits.csv", "datapackage.json", "culprit.sphere.schoolbook.f32.png",
                              "culprit.sphere.unified.f32.png"}) {
         INFO(name);
-        CHECK_FALSE(contents(scratch.path() / "s" / name).empty());
+        CHECK_FALSE(contents(scratch / "s" / name).empty());
     }
     std::map<std::pair<std::string, std::string>, std::pair<std::string, double>>
         steps;  // the first operation of each step, and all shares
-    for (const auto& row : read_csv(scratch.path() / "s/culprits.csv")) {
+    for (const auto& row : read_csv(scratch / "s/culprits.csv")) {
         auto& [first, shares] = steps[{row.at("form"), row.at("distance_radii")}];
         if (first.empty()) first = row.at("operation");
         shares += number_in(row.at("culprit_fraction"));
         CHECK(number_in(row.at("culprit_rays")) > 0);
     }
     CHECK(steps.size() == 40);
-    for (const auto& row : read_csv(scratch.path() / "s/samples.csv")) {
+    for (const auto& row : read_csv(scratch / "s/samples.csv")) {
         const auto& [first, shares] = steps.at({row.at("form"), row.at("distance_radii")});
         CHECK(row.at("culprit") == first);
         CHECK(std::fabs(shares - 1) < 1e-12);
         CHECK_FALSE(row.at("contribution_c_p50").empty());
         CHECK_FALSE(number_in(row.at("cancellation_c_max")) > number_in(row.at("cancellation_max")));
     }
-    const auto refused =
-        run("sweep sphere-distance -i sphere.schoolbook --metric contribution:disk" + into(scratch, "no"));
-    CHECK(refused.code == 2);
-    CHECK(has(refused.err, "did you mean \"disc\""));
-    const std::string search = R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-[search]
-origin = [-8, 8]
-direction = [-1, 1]
-centre = [-1, 1]
-radius = [0.5, 2]
-metric = "culprit"
-seed = 1
-starts = 2
-generations = 2
-)";
-    const auto worst =
-        run("sweep '" + scratch.write("w.toml", search) + "' --worst -i sphere.schoolbook" + into(scratch, "no"));
-    CHECK(worst.code == 2);
-    CHECK(has(worst.err, "names an operation and has no largest value"));
-    CHECK_FALSE(fs::exists(scratch.path() / "no"));
 }
 
 TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
@@ -129,13 +107,13 @@ set = ["sphere[0].radius", "sphere[1].radius"]
 factors = [1, 0.5]
 )");
     must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
-    const auto samples = read_csv(scratch.path() / "s/samples.csv");
+    const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 4);
     // Larger spheres are hit by more rays; and 1 with 0.5 is what --set gives.
     CHECK(number_in(samples[0].at("agree_hit")) < number_in(samples[3].at("agree_hit")));
     must("map near-benign --set 'sphere[0].radius=1' --set 'sphere[1].radius=0.5' -i sphere.unified -f f32" +
          into(scratch, ""));
-    CHECK(read_csv(scratch.path() / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
+    CHECK(read_csv(scratch / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
 }
 
 TEST_CASE("two axes give the product of their steps, every_float every float") {
@@ -145,39 +123,33 @@ TEST_CASE("two axes give the product of their steps, every_float every float") {
         "\"0x1.fffff8p-1\"\nset = [\"impact_to\"]\n";
     const std::string file = scratch.write("s.toml", small_sweep + second);
     must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
-    CHECK(read_csv(scratch.path() / "s/samples.csv").size() == 20 * 5);
-    CHECK(fs::exists(scratch.path() / "s/sphere.unified.f32.png"));
-    CHECK(!fs::exists(scratch.path() / "s/onsets.csv"));  // an onset is a place on one axis
+    CHECK(read_csv(scratch / "s/samples.csv").size() == 20 * 5);
+    CHECK(fs::exists(scratch / "s/sphere.unified.f32.png"));
+    CHECK(!fs::exists(scratch / "s/onsets.csv"));  // an onset is a place on one axis
 }
 
 TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is written") {
-    struct Case {
-        std::string text;
-        const char* says;
-    };
-    const Case cases[] = {
-        {spoil("distance\"]", "distanse\"]"), "distance"},
-        {spoil("spacing = \"log2\"", "spacing = \"log\""), "log2"},
-        {spoil("from = 2", "from = -2"), "positive"},
-        {spoil("from = 2", "from = 1048576"), "equals"},
-        {spoil("steps = 20", "steps = 1"), "steps"},
-        {spoil("rays = 16", "rays = 0"), "rays"},
-        {spoil("views = 4", "vews = 4"), "views"},
-        {spoil("name = \"distance_radii\"", "name = \"Distance (r)\""), "lower-case"},
-        {spoil("[family]", "scene = \"near-benign\"\n[family]"), "either"},
-        {spoil("to = 1048576", "to = \"0x1p200\""), "distance"},
-    };
-    for (const Case& c : cases) {
-        const Scratch scratch;
-        INFO(c.text);
-        const auto r = run("sweep '" + scratch.write("s.toml", c.text) + "' -i sphere.press" + into(scratch));
-        CHECK(r.code == 2);
-        CHECK(has(r.err, c.says));
-        CHECK(scratch.files() == std::vector<std::string>{"s.toml"});
-    }
-    const auto unknown = run("sweep sphere-distanc -o out");
-    CHECK(unknown.code == 2);
-    CHECK(has(unknown.err, "sphere-distance"));
+    // tests/scene/sweep has what else can be wrong with a file.
+    const Scratch scratch;
+    const std::string culprit =
+        "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-8, 8]\n"
+        "direction = [-1, 1]\ncentre = [-1, 1]\nradius = [0.5, 2]\nmetric = \"culprit\"\nseed = 1\nstarts = 2\n"
+        "generations = 2\n";
+    const std::pair<const char*, std::string> files[] = {
+        {"set.toml", spoil("distance\"]", "distanse\"]")},
+        {"equal.toml", spoil("from = 2", "from = 1048576")},
+        {"both.toml", spoil("[family]", "scene = \"near-benign\"\n[family]")},
+        {"far.toml", spoil("to = 1048576", "to = \"0x1p200\"")},
+        {"culprit.toml", culprit}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    check_refused(scratch, "sweep -i sphere.schoolbook -o out",
+                  {{"set.toml", "set.toml:16:"},
+                   {"equal.toml", "equals"},
+                   {"both.toml", "either"},
+                   {"far.toml", "distance"},
+                   {"sphere-distanc", "sphere-distance"},
+                   {"sphere-distance --metric contribution:disk", "did you mean \"disc\""},
+                   {"culprit.toml --worst", "names an operation and has no largest value"}});
 }
 
 }  // namespace test_sweep
