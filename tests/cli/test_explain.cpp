@@ -270,23 +270,6 @@ TEST_CASE("JSON: what there is not is null, a number that is not finite is a wor
     CHECK(hit["ulp_error"].is_number());
 }
 
-TEST_CASE("culprits, cancellation and contributions are maps like any other") {
-    const Scratch scratch;
-    must(
-        "map rtg-fig-7-3-4100-oblique -i sphere.schoolbook -i sphere.unified -f f32 --size 48x32 --metric "
-        "culprit --metric cancellation --metric contribution:c --pixels csv --pictures all -q -o one",
-        scratch.path());
-    CHECK(scratch.files().size() > 10);
-    const auto text = test::contents(scratch / "one/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32.csv");
-    CHECK(has(text, "dot(o - centre, d)"));
-    CHECK(has(text, "c = dot(o - centre, o - centre) - radius*radius"));
-
-    const auto unknown = run("map near-benign -i sphere.schoolbook --metric contribution:dist -o out", scratch.path());
-    CHECK(unknown.code == 2);
-    CHECK(has(unknown.err, "did you mean \"disc\""));
-    CHECK_FALSE(fs::exists(scratch / "out"));
-}
-
 TEST_CASE("a constant on the way to t is no place on the tape") {
     // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
     const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");

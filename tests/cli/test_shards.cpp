@@ -69,15 +69,6 @@ fs::path shard_folder(const fs::path& parts, int k, int n) {
     return parts / ("shard-" + std::to_string(k) + "-of-" + std::to_string(n));
 }
 
-std::vector<std::string> files_below(const fs::path& folder) {
-    std::vector<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        if (entry.is_regular_file()) files.push_back(entry.path().lexically_relative(folder).string());
-    }
-    std::ranges::sort(files);
-    return files;
-}
-
 void check_same(const fs::path& whole, const fs::path& joined) {
     const auto files = files_below(whole);
     REQUIRE(!files.empty());

@@ -1,10 +1,12 @@
-// Solids under matrices from the command line: which spaces there are, what is measured through them, and what is said
-// of mistakes.
+// Solids under matrices and forms behind boxes from the command line: which ways there are, what is measured through
+// them, and what is said of mistakes.
 #include <string>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "intersect/hull/hulls.hpp"
 #include "intersect/space/space.hpp"
 #include "program.hpp"
 
@@ -104,52 +106,6 @@ TEST_CASE("a glob of steps is every step, and a glob of forms through a space le
     }
 }
 
-TEST_CASE("far out the bound of a point is safe in the world, and not where it is taken in the space of the solid") {
-    const Scratch folder;
-    const std::string out = (folder / "out").string();
-    must(
-        "offsets instance-far -i sphere.unified@pbrt -i box.signs@pbrt -i triangle.undivided@pbrt "
-        "-f f32 --size 24x24 --strategy offset.none,offset.bound,offset.bound_object -o '" +
-        out + "'");
-    int bounds = 0;
-    for (const char* variant : {"sphere", "box", "triangle"}) {
-        const auto file = std::string("out/instance-far.") + variant + "/summary.csv";
-        for (const auto& row : read_csv(folder.path() / file)) {
-            if (row.at("side") != "outside" || row.at("point") != "projected") continue;
-            CAPTURE(variant, row.at("strategy"), row.at("points"));
-            CHECK(number_in(row.at("points")) > 50);
-            const bool bound = row.at("strategy") == "offset.bound";
-            const double hits = number_in(row.at("self_hit_fraction"));
-            CHECK((bound ? hits == 0 : hits > 0.01));
-            bounds += bound;
-        }
-    }
-    CHECK(bounds == 3);
-}
-
-TEST_CASE("the same solid under a matrix or directly: each way round, and what differs is the ways own") {
-    const Scratch folder;
-    const std::string out = (folder / "out").string();
-    must(
-        "consistency instance-far.triangle -i triangle.undivided@plain -i triangle.undivided@relative -f f32 "
-        "--size 32x32 --check placed -o '" +
-        out + "'");
-    must("consistency near-benign -i sphere.unified -f f32 -f f64 --size 32x32 -o '" + out + "'");
-    const auto placed = read_csv(folder / "out/instance-far.triangle/summary.csv");
-    REQUIRE(placed.size() == 2);
-    CHECK(number_in(placed[0].at("excess_p50")) > 32);
-    CHECK(number_in(placed[1].at("excess_p50")) < number_in(placed[0].at("excess_p50")) / 16);
-    int rows = 0;
-    for (const auto& row : read_csv(folder / "out/near-benign/summary.csv")) {
-        if (row.at("check") != "placed") continue;
-        ++rows;
-        CHECK(row.at("rays") == "1024");
-        CHECK(number_in(row.at("excess_p50")) < 64);
-        CHECK(number_in(row.at("unresolved")) == 0);
-    }
-    CHECK(rows == 2);
-}
-
 TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene that they are of") {
     const Scratch folder;
     const std::string out = (folder / "out").string();
@@ -219,16 +175,62 @@ TEST_CASE("trade has the price of a space on a scene, and says why it has none a
     CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "under no matrix"));
 }
 
-TEST_CASE("a mesh under a matrix has its outcomes") {
+TEST_CASE("a map behind boxes tells the level that loses a hit") {
     const Scratch folder;
     const std::string out = (folder / "out").string();
-    must("map instance-mesh -i triangle.undivided@plain -i triangle.undivided@relative -f f32 --size 64x64 -o '" + out +
-         "'");
-    const auto rows = read_csv(folder / "out/instance-mesh/summary.csv");
-    REQUIRE(rows.size() == 2);
-    CHECK(rows[0].count("crack") == 1);
-    CHECK(number_in(rows[0].at("lost_bits_p50")) > 8);
-    CHECK(number_in(rows[1].at("lost_bits_p50")) < 3);
+    must(
+        "map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
+        "--metric padding -o '" +
+        out + "'");
+    std::map<std::string, double> culled;
+    for (const auto& row : read_csv(folder / "out/behind-boxes.sphere/summary.csv")) {
+        culled[row.at("form")] = number_in(row.at("false_miss"));
+        CHECK((number_in(row.at("lost_to_box")) > 0) == (row.at("false_miss") != "0"));
+        CHECK(number_in(row.at("lost_to_form")) == 0);
+    }
+    REQUIRE(culled.size() == intersect::hull::hulls().size());
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded") == 0);
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded~next") == 0);
+    CHECK(culled.at("sphere.filtered^box.pbrt_padded~nearest") > 10);
+}
+
+TEST_CASE("two levels of boxes are named from the inside out, and explained") {
+    const Scratch folder;
+    const std::string name = "box.filtered^box.signs@relative^box.embree_padded~pbrt";
+    const std::string out = (folder / "out").string();
+    must("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to -o '" + out + "'");
+    const auto rows = read_csv(folder / "out/behind-boxes.instance/summary.csv");
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].at("form") == name);
+    const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
+    CHECK(has(explained.out, name));
+    // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the solid.
+    must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8 -o '" + out + "/one'");
+    CHECK(read_csv(folder / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
+          "box.filtered^box.signs@plain");
+}
+
+TEST_CASE("steps and offsets of a form behind a box in the world are those of its way into the space of the solid") {
+    const Scratch folder;
+    const std::string form = "box.signs@plain", out = (folder / "out").string();
+    const auto step = [&](const std::string& name, const std::string& where) {
+        must("map behind-boxes.instance -i '" + name + "' -f f32 --size 8x8 --metric worst_step -o '" + out + where +
+             "'");
+        return read_csv(folder / ("out" + where) / "behind-boxes.instance/summary.csv")[0].at("worst_step_inverse");
+    };
+    CHECK(step(form, "/a") == step(form + "^box.embree_robust", "/b"));
+    must("offsets behind-boxes.instance -i '" + form + "^box.signs~nearest' -f f32 --size 8x8 -o '" + out + "/c'");
+}
+
+TEST_CASE("what cannot be behind a box is refused with what to write") {
+    check_refused(Scratch(), "map behind-boxes.sphere -o out -f f32",
+                  {{"-i 'sphere.unified^'", "FORM^BOX"},
+                   {"-i '^box.signs'", "FORM^BOX"},
+                   {"-i 'sphere.unified^sphere.unified'", "is not a form of a box"},
+                   {"-i 'sphere.unified^box.sings'", "box.signs"},
+                   {"-i 'sphere.unified^box.signs~nearst'", "nearest"},
+                   {"-i sphere.unified --metric lost_to", "behind a box"}});
+    check_refused(Scratch(), "map plane-floor -o out -i 'plane.*^box.signs'", {{"", "no box around a plane"}});
 }
 
 }  // namespace test_cli_spaces

@@ -1,4 +1,4 @@
-// `lostbits sweep` from the outside.
+// `lostbits sweep` from the outside: along axes, over named cases and, with --worst, over searches.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -150,6 +150,166 @@ TEST_CASE("a bad sweep is refused with its place and a remedy, and nothing is wr
                    {"sphere-distanc", "sphere-distance"},
                    {"sphere-distance --metric contribution:disk", "did you mean \"disc\""},
                    {"culprit.toml --worst", "names an operation and has no largest value"}});
+}
+
+namespace {
+
+const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A 'test'\"\nsource = \"-\"\n";
+const std::string small_cases = head + R"([[case]]
+name = "one, ahead"
+spheres = [{ centre = [0, 0, 5], radius = 2 }]
+rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
+)";
+const std::string small_search = head + R"([search]
+origin = [-8, 8]
+direction = [-1, 1]
+centre = [-1, 1]
+radius = [0.5, 2]
+distance_radii = [1.25, 8]
+impact_radii = [0, 0.9]
+starts = 2
+generations = 8
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    return text.replace(text.find(what), what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("a file of cases leaves a table and a picture") {
+    const Scratch scratch;
+    const auto r =
+        must("sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5" +
+             into(scratch, ""));
+    CHECK(has(r.out, "/not-numbers/"));
+    for (const std::string folder : {"not-numbers", "scale"}) {
+        for (const std::string name : {"cases.csv", "matrix.png", "datapackage.json", "manifest.json"}) {
+            CAPTURE(folder, name);
+            CHECK_FALSE(contents(scratch.path() / folder / name).empty());
+        }
+    }
+    CHECK(scratch.files().size() == 2 * 4);
+    const auto table = read_csv(scratch / "scale/cases.csv");
+    CHECK(table.size() % (3 * 2) == 0);
+    CHECK(table[0].at("case") == "ordinary lengths");
+    std::size_t right = 0, wrong = 0, ordinary = 0;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        (table[i].at("verdict") == "right" ? right : wrong) += 1;
+        if (table[i].at("case") != "ordinary lengths" || table[i].at("format") != "f32") continue;
+        ++ordinary;
+        CHECK(table[i].at("verdict") == "right");
+    }
+    CHECK(ordinary > 0);
+    CHECK(right > 0);
+    CHECK(wrong > 0);
+}
+
+TEST_CASE("a search leaves its worst rays as cases that can be run, and measure the same") {
+    const Scratch scratch;
+    // The longest title that is read, so that what is written is read too.
+    std::string text = small_search;
+    const std::size_t begin = text.find("title = \"") + 9;
+    text.replace(begin, text.find('"', begin) - begin, std::string(400, 'x'));
+    const std::string file = scratch.write("s.toml", text);
+    for (const char* j : {"1", "2"}) {
+        must("sweep '" + file + "' --worst -i sphere.schoolbook -i sphere.unified -f f32 -f bf16 -j " + std::string(j) +
+             " -o '" + (scratch.path() / j).string() + "'");
+    }
+    for (const char* name : {"worst.csv", "hard.toml", "datapackage.json"}) {
+        const std::string one = contents(scratch / "1/s" / name);
+        CHECK_FALSE(one.empty());
+        CHECK(one == contents(scratch / "2/s" / name));
+    }
+    const auto worst = read_csv(scratch / "1/s/worst.csv");
+    REQUIRE(worst.size() == 4);
+    must("sweep '" + (scratch / "1/s/hard.toml").string() + "' -i sphere.schoolbook -i sphere.unified -f f32 -f bf16" +
+         into(scratch, ""));
+    const auto cases = read_csv(scratch / "hard/cases.csv");
+    REQUIRE(cases.size() == 4 * 4);
+    int values = 0;
+    for (std::size_t w = 0; w < 4; ++w) {
+        for (std::size_t i = 0; i < cases.size(); ++i) {
+            const std::string row = worst[w].at("form") + " in " + worst[w].at("format");
+            if (cases[i].at("form") + " in " + cases[i].at("format") != row ||
+                !cases[i].at("case").starts_with(row + ": "))
+                continue;
+            CAPTURE(row);
+            CHECK(cases[i].at(worst[w].at("outcome")) == "1");
+            CHECK(cases[i].at("lost_bits_max") == worst[w].at("lost_bits"));
+            if (worst[w].at("outcome") != "agree_hit") continue;
+            ++values;
+            CHECK(cases[i].at("worst_t_hex") == worst[w].at("t_hex"));
+            CHECK(cases[i].at("worst_origin_x_hex") == worst[w].at("origin_x_hex"));
+        }
+    }
+    CHECK(values > 0);
+}
+
+TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothing") {
+    const Scratch scratch;
+    const std::pair<const char*, std::string> files[] = {
+        {"cases.toml", small_cases},
+        {"search.toml", small_search},
+        {"family.toml", head + "[family]\n[[axis]]\n"},
+        {"bit.toml", small_search + "metric = \"lost_bit\"\n"},
+        {"glob.toml", small_search + "metric = \"lost*\"\n"},
+        {"radius.toml", replaced(small_search, "radius = [0.5, 2]", "radius = [2, 0.5]")},
+        {"nan.toml", replaced(small_cases, "radius = 2", "radius = \"nan\"")},
+        {"emax.toml", replaced(small_cases, "name =", "lengths = \"emax/3\"\nname =")}};
+    for (const auto& [name, text] : files) scratch.write(name, text);
+    // A good file in front of it is not begun.
+    check_refused(scratch, "sweep -i sphere.press -f f32 -o out",
+                  {{"extremes/contact search.toml",
+                    "search.toml:1:1: this file has a table of a search, which only --worst uses; add --worst"},
+                   {"extremes/contact nan.toml", "nan.toml:6:43: case[0].spheres[0].radius is nan"},
+                   {"extremes/contact emax.toml", "emax.toml:5:11: "},
+                   {"worst/near cases.toml --worst", "cases.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near family.toml --worst", "family.toml:1:1: --worst needs a [search] table"},
+                   {"worst/near bit.toml --worst", "did you mean \"lost_bits\""},
+                   {"worst/near glob.toml --worst", "is not a metric"},
+                   {"worst/near radius.toml --worst", "radius.toml:8:10: "}});
+    check_refused(scratch, "sweep -i 'box.*' -f f32 -o out cases.toml", {{"", "no selected form handles", 4}});
+}
+
+TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
+    const Scratch scratch;
+    const std::string out = " -q" + into(scratch), loud = out.substr(3);
+    const auto said = [&](const std::string& command) { return run(command + loud).err; };
+    const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
+    const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";
+    const std::string unseen =  // as small a sphere lies between the rays
+        "lostbits: scene s: no ray of its camera meets a solid, so every pixel is a miss; look at its eye, look_at and "
+        "width or fov\n";
+    for (const std::string command : {"map ", "render "}) {
+        const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
+        CHECK(said(asked) == note + (command == "map " ? unseen : ""));
+        CHECK(run(asked + out).err.empty());
+    }
+    CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
+
+    const std::string sweep = scratch.write("w.toml", head + R"([family]
+views = 2
+rays = 2
+[[axis]]
+name = "size"
+spacing = "log2"
+from = "0x1p-30"
+to = "0x1p-22"
+steps = 9
+set = ["radius"]
+)");
+    // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
+    CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
+          "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");
+
+    const auto cases = [&](const std::string& radius) {
+        const std::string text = replaced(small_cases, "radius = 2", "radius = " + radius);
+        return said("sweep '" + scratch.write("c.toml", text) + "' -i sphere.press -f fp16 -f f32");
+    };
+    CHECK(cases("1e-9") == "lostbits: c in fp16: radius = 1e-09 rounds to 0 (case \"one, ahead\")\n");
+    CHECK(cases("1e6") == "lostbits: c in fp16: radius = 1e+06 rounds to infinity (case \"one, ahead\")\n");
+    for (const char* meant : {"\"tiny\"", "\"min\"", "\"max\""}) CHECK(cases(meant).empty());
 }
 
 }  // namespace test_sweep
