@@ -5,8 +5,8 @@
 #include "catch.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
-#include "two_pixels.hpp"
 
 namespace test_diff {
 
@@ -154,26 +154,6 @@ TEST_CASE("diff: a file that the machine does not let us read exits with 3") {
     CHECK(r.code == 3);
     CHECK(has(r.err, "/proc/self/mem: cannot read: "));
     CHECK(r.out.empty());
-}
-
-TEST_CASE("diff: EXR by channel and pixel, whatever command made it") {
-    draw_pictures();
-    const Scratch scratch;
-    write_exr(scratch / "a.exr", 2);
-    write_exr(scratch / "b.exr", 2.5);
-    write_exr(scratch / "c.exr", 2, "map again");
-    write_exr(scratch / "nan.exr", std::numeric_limits<float>::quiet_NaN());
-    const auto r = run("diff a.exr b.exr", scratch.path());
-    CHECK(r.code == 1);
-    CHECK(r.out ==
-          "a.exr: 1 difference\n"
-          "  err.ulp: 1 differ, largest abs 0.5 at 1,0, largest rel 0.2 at 1,0\n"
-          "a.exr: err.ulp at 1,0: 2 != 2.5 (abs 0.5, rel 0.2)\n");
-    CHECK(run("diff a.exr c.exr", scratch.path()).out == "same\n");
-    must("diff a.exr b.exr --tolerance err.ulp=0.5", scratch.path());
-    CHECK(run("diff a.exr b.exr --tolerance err.upl=0.5", scratch.path()).code == 2);
-    CHECK(run("diff a.exr nan.exr --tolerance err.ulp=100,100", scratch.path()).code == 1);
-    must("diff a.exr nan.exr --ignore err.ulp", scratch.path());
 }
 
 TEST_CASE("diff: an EXR of several parts, part by part and by name") {

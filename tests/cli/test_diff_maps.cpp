@@ -4,8 +4,8 @@
 
 #include "catch.hpp"
 #include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
-#include "two_pixels.hpp"
 
 namespace test_diff_maps {
 

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 /// What `lostbits explain` says of its arguments, in place of its table.
 Json told(const std::string& arguments, const fs::path& folder = ".") {
-    return explained("lostbits explain " + arguments, folder.path());
+    return explained("lostbits explain " + arguments, folder);
 }
 
 }  // namespace
@@ -248,24 +248,17 @@ TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of
 
 TEST_CASE("a claim about all wrong decisions names the first of them, as explain --worst does") {
     const Scratch scratch;
-    const auto claim = [](const std::string& id, const std::string& subject) {
-        return "[[claim]]\nid = \"" + id +
-               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + subject +
-               "form = \"sphere.press\"\nformat = \"f32\"\n[claim.expect]\nmetric = \"wrong_fraction\"\n" +
-               "in = [0, 0]\n";
-    };
-    const std::string file =
-        scratch.write("c.toml", "schema = \"lostbits-claims/1\"\n" + claim("scene", "scene = \"grazing\"\n") +
-                                    claim("sweep", "sweep = \"sphere-distance\"\nat = 4096\n"));
-    const std::string junit = (scratch / "j.xml").string();
-    const auto r = run("check '" + file + "' --junit '" + junit + "'");
+    const std::string form = tested("sphere.press"), none = metric_in("wrong_fraction", "[0, 0]");
+    scratch.write("c.toml", claims_of({{"scene", "scene = \"grazing\"\n" + form, none},
+                                       {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
+    const auto r = run("check c.toml --junit j.xml", scratch.path());
     REQUIRE(r.code == 1);
     const auto worst = run("explain grazing --worst -i sphere.press -f f32").out;
     REQUIRE(worst.starts_with("Pixel "));
     const std::string pixel = "--pixel " + worst.substr(6, worst.find(", the worst") - 6) + " ";
     CHECK(has(worst.substr(0, worst.find('\n')), ": a false "));
     CHECK(has(r.out, "explain grazing " + pixel));
-    CHECK(has(contents(junit), "explain grazing " + pixel));
+    CHECK(has(contents(scratch / "j.xml"), "explain grazing " + pixel));
     // Of the step: its ray is decided wrongly.
     const auto command = r.out.rfind("explain it: lostbits ");
     REQUIRE(command != std::string::npos);

@@ -17,11 +17,11 @@ namespace {
 const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[error]forged %0A [link](javascript:x) )"
                             R"(\uFFFF\u202E &amp; \"q\" ' `b` \\| end)";
 
-std::string claims(const std::string& text, const std::string& id) {
-    return "schema = \"lostbits-claims/1\"\n[[claim]]\nid = \"" + id + "\"\nstatement = \"" + text + "\"\nsource = \"" +
-           text + "\"\nnote = \"" + text +
-           "\"\nverdict = \"holds\"\n[claim.given]\nscene = \"mine.toml\"\nform = \"sphere.press\"\nformat = "
-           "\"f32\"\n[claim.expect]\nmetric = \"false_miss_fraction\"\nin = [0.5, 1]\n";
+std::string claim(const std::string& id) {
+    std::string text = claims_of(
+        {{id, "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction", "[0.5, 1]"),
+          "note = \"" + hostile + "\"\n", "\"holds\"", hostile}});
+    return text.replace(text.find("A sentence"), 10, hostile);
 }
 
 bool has_forged_command(const std::string& text) {
@@ -33,7 +33,7 @@ bool has_forged_command(const std::string& text) {
 TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
     const Scratch scratch;
     scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
-    scratch.write("claims.toml", claims(hostile, hostile));
+    scratch.write("claims.toml", claim(hostile));
     const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
                        scratch.path());
     REQUIRE(r.code == 1);
@@ -47,7 +47,7 @@ TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
     CHECK_FALSE(has(junit, "\xEF\xBF\xBF"));
     CHECK(has(junit, "&lt;script&gt;"));
 
-    scratch.write("plain.toml", claims(hostile, "plain"));
+    scratch.write("plain.toml", claim("plain"));
     REQUIRE(run("check plain.toml --report report", scratch.path()).code == 1);
     const std::string readme = contents(scratch / "report/README.md");
     CHECK_FALSE(has(readme, " <script>"));

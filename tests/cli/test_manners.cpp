@@ -162,37 +162,14 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
 
 TEST_CASE("a sweep and a claim find a scene beside themselves") {
     const Scratch scratch;
-    fs::create_directories(scratch / "own");
     scratch.write("own/ball.toml", good_scene);
-    scratch.write("own/grow.toml", R"(schema = "lostbits-sweep/1"
-title = "A test"
-source = "-"
-note = "-"
-scene = "ball.toml"
-[[axis]]
-name = "radius"
-spacing = "linear"
-from = 0.5
-to = 1
-steps = 2
-set = ["sphere[0].radius"]
-)");
-    scratch.write("own/claims.toml", R"(schema = "lostbits-claims/1"
-[[claim]]
-id = "own.ball"
-statement = "A ball beside its claim is hit."
-source = "-"
-verdict = "holds"
-[claim.given]
-scene = "ball.toml"
-form = "sphere.press"
-format = "f32"
-[claim.expect]
-metric = "false_miss_fraction"
-in = [0, 0]
-)");
-    for (const auto& folder : {scratch.path(), scratch / "own"}) {
-        const std::string own = folder == scratch.path() ? "own/" : "";
+    scratch.write("own/grow.toml",
+                  "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\nscene = \"ball.toml\"\n[[axis]]\n"
+                  "name = \"radius\"\nfrom = 0.5\nto = 1\nsteps = 2\nset = [\"sphere[0].radius\"]\n");
+    scratch.write("own/claims.toml", claims_of({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
+                                                 metric_in("false_miss_fraction", "[0, 0]")}}));
+    for (const std::string own : {"own/", ""}) {
+        const auto folder = scratch.path() / (own.empty() ? "own" : "");
         must("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);
         must("check " + own + "claims.toml", folder);
     }

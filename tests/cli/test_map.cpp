@@ -11,7 +11,7 @@
 #include "catch.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metrics.hpp"
-#include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_map {
@@ -25,40 +25,10 @@ namespace {
 const auto without_mesh =
     std::span(lostbits::measure::answer::outcome_names).first(lostbits::measure::answer::outcomes_without_mesh);
 
-std::vector<std::string> part_names(const fs::path& path) {
-    draw_pictures();
-    return lostbits::output::image::image_backend().exr_parts(path);
-}
-
-ExrImage read_part(const fs::path& path, const std::string& name) {
-    const auto names = part_names(path);
-    const auto place = std::ranges::find(names, name) - names.begin();
-    return lostbits::output::image::image_backend().read_exr(path, static_cast<std::size_t>(place));
-}
-
-std::string attribute(const ExrImage& exr, const std::string& name) {
-    for (const auto& [key, value] : exr.attributes) {
-        if (key == name) return value;
-    }
-    return {};
-}
-
-const std::vector<std::uint32_t>& words(const ExrImage& exr, const char* name) {
-    const auto* channel = exr.find(name);
-    REQUIRE(channel != nullptr);
-    return std::get<std::vector<std::uint32_t>>(channel->samples);
-}
-
-const std::vector<float>& floats(const ExrImage& exr, const char* name) {
-    const auto* channel = exr.find(name);
-    REQUIRE(channel != nullptr);
-    return std::get<std::vector<float>>(channel->samples);
-}
-
 /// A double from its two words.
 double exact(const ExrImage& exr, const std::string& number, std::size_t i) {
-    return std::bit_cast<double>(std::uint64_t{words(exr, (number + ".word1").c_str())[i]} << 32 |
-                                 words(exr, (number + ".word0").c_str())[i]);
+    return std::bit_cast<double>(std::uint64_t{samples<std::uint32_t>(exr, number + ".word1")[i]} << 32 |
+                                 samples<std::uint32_t>(exr, number + ".word0")[i]);
 }
 
 }  // namespace
@@ -105,7 +75,7 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
         expected.push_back(row.at("form") + "." + row.at("format"));
     const std::size_t rows = expected.size();
     REQUIRE(rows == 6);
-    const auto names = part_names(file);
+    const auto names = backend().exr_parts(file);
     REQUIRE(names.size() > rows);
     CHECK(std::equal(expected.begin(), expected.end(), names.begin()));
     std::set<std::string> truths;
@@ -149,19 +119,20 @@ TEST_CASE("EXR, pixel CSV and summary tell the same story") {
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             const auto& pixel = pixels[i];
             ++counts[pixel.at("outcome")];
-            CHECK(lostbits::measure::answer::outcome_names[words(exr, "class.outcome")[i]] == pixel.at("outcome"));
-            const double t = in_float ? floats(exr, "t.hi")[i] : exact(exr, "t", i);
+            CHECK(lostbits::measure::answer::outcome_names[samples<std::uint32_t>(exr, "class.outcome")[i]] ==
+                  pixel.at("outcome"));
+            const double t = in_float ? samples<float>(exr, "t.hi")[i] : exact(exr, "t", i);
             if (!in_float && std::isfinite(t)) {  // for viewers: 48 bits of it
-                const double near = double{floats(exr, "t.hi")[i]} + double{floats(exr, "t.lo")[i]};
+                const double near = double{samples<float>(exr, "t.hi")[i]} + double{samples<float>(exr, "t.lo")[i]};
                 CHECK(near == Approx(t).epsilon(0x1p-47).margin(0));
             }
-            CHECK(words(exr, "class.object")[i] ==
+            CHECK(samples<std::uint32_t>(exr, "class.object")[i] ==
                   (pixel.at("object").empty() ? 0 : std::stoul(pixel.at("object")) + 1));
             CHECK((pixel.at("t_hex").empty() ? std::isnan(t) : t == number_in(pixel.at("t_hex"))));
             CHECK((pixel.at("t").empty() || number_in(pixel.at("t")) == t));
             const double truth = exact(true_exr, "truth", i);
-            CHECK(words(true_exr, "class.truth")[i] == (pixel.at("truth_hex").empty() ? 0 : 1));
-            CHECK((words(true_exr, "class.truth_object")[i] > 0) == !pixel.at("truth_hex").empty());
+            CHECK(samples<std::uint32_t>(true_exr, "class.truth")[i] == (pixel.at("truth_hex").empty() ? 0 : 1));
+            CHECK((samples<std::uint32_t>(true_exr, "class.truth_object")[i] > 0) == !pixel.at("truth_hex").empty());
             CHECK((pixel.at("truth_hex").empty() ? std::isnan(truth) : truth == number_in(pixel.at("truth_hex"))));
             const std::string cell = pixel.at("ulp_error");
             for (const auto& metric : lostbits::measure::metric::metrics()) {

@@ -9,22 +9,13 @@
 
 #include "catch.hpp"
 #include "output/image/colour.hpp"
-#include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_map_colours {
 
 using namespace lostbits::test;
 using lostbits::output::image::outcome_colours;
-
-namespace {
-
-lostbits::output::image::PngImage png(const fs::path& path) {
-    draw_pictures();
-    return lostbits::output::image::image_backend().read_png(path);
-}
-
-}  // namespace
 
 TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a ray that explains it") {
     draw_pictures();
@@ -48,7 +39,7 @@ TEST_CASE("the wrong solid has a colour, a column, a place in the table, and a r
     }
     CHECK(pixels == wrong);
     // 96 samples across are drawn four pixels a side; the legend's swatch comes on top.
-    const auto picture = png(folder / "sphere.schoolbook.f32.png");
+    const auto picture = backend().read_png(folder / "sphere.schoolbook.f32.png");
     const auto drawn = std::ranges::count(picture.pixels, outcome_colours[6]);
     CHECK(drawn >= 16 * wrong + 100);
     CHECK(drawn <= 16 * wrong + 200);
@@ -60,7 +51,7 @@ TEST_CASE("map --range sets the ends of the bar, and says what is no range") {
     const std::string what = "map near-benign --size 32x24 -i sphere.schoolbook -f f32 ";
     const auto picture = [&](const std::string& range) {
         must(what + range + " -o there --force", scratch.path());
-        return png(scratch / "there/near-benign/contact.png").pixels;
+        return backend().read_png(scratch / "there/near-benign/contact.png").pixels;
     };
     const auto near = picture("--range 0:2");
     CHECK(near != picture(""));

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "output/image/image.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/needed_files.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_map_needed {
@@ -20,35 +20,7 @@ using namespace lostbits::output::map;
 
 namespace {
 
-lostbits::output::image::ImageBackend& backend() {
-    draw_pictures();
-    return image_backend();
-}
-
-template <class Sample>
-const std::vector<Sample>& samples(const ExrImage& exr, const char* name) {
-    const auto* channel = exr.find(name);
-    REQUIRE(channel != nullptr);
-    return std::get<std::vector<Sample>>(channel->samples);
-}
-
-std::string attribute(const lostbits::output::image::ExrImage& exr, const std::string& name) {
-    for (const auto& [key, value] : exr.attributes) {
-        if (key == name) return value;
-    }
-    return {};
-}
-
-ExrImage read_part(const fs::path& path, const std::string& name) {
-    const auto names = backend().exr_parts(path);
-    return backend().read_exr(path, static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));
-}
-
-std::size_t count_of(const lostbits::output::image::PngImage& png, lostbits::output::image::Rgb8 colour) {
-    return static_cast<std::size_t>(std::ranges::count(png.pixels, colour));
-}
-
-lostbits::output::image::Rgb8 preview(const ExrImage& exr, std::size_t i) {
+Rgb8 preview(const ExrImage& exr, std::size_t i) {
     const auto byte = [&](const char* c) {
         return srgb_byte(static_cast<std::uint16_t>(std::lround(samples<float>(exr, c)[i] * 65535.0F)));
     };
@@ -74,8 +46,8 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         INFO(stem);
         const auto pixels = read_csv(folder / (stem + ".csv"));
         const ExrImage exr = read_part(folder / "rtg-fig-7-3-2000-oblique.exr", stem);
-        const lostbits::output::image::PngImage png = backend().read_png(folder / (stem + ".png"));
-        const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
+        const PngImage png = backend().read_png(folder / (stem + ".png"));
+        const ColourScale scale("viridis", backend().ramp("viridis", 256), 2, 53);
         REQUIRE(pixels.size() == 48 * 40);
         std::vector<double> all, hits;
         double hits_beyond = 0, misses_beyond = 0;
@@ -85,7 +57,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
             CHECK(samples<float>(exr, "bits.needed")[i] == static_cast<float>(needed));
             CHECK(samples<std::uint32_t>(exr, "class.truth")[i] == (hit ? 1 : 0));
             CHECK((samples<std::uint32_t>(exr, "class.truth_object")[i] == 1) == hit);
-            CHECK(preview(exr, i) == (std::isinf(needed) ? lostbits::output::map::beyond_colour : scale.map(needed)));
+            CHECK(preview(exr, i) == (std::isinf(needed) ? beyond_colour : scale.map(needed)));
             if (std::isinf(needed)) {
                 CHECK(pixels[i].at("needed") == "inf");
                 ++(hit ? hits_beyond : misses_beyond);
@@ -96,8 +68,8 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         }
         beyond_in_all += hits_beyond;
         // 48 samples across are drawn eight pixels a side; the legend's swatch comes on top.
-        CHECK((count_of(png, lostbits::output::map::beyond_colour) >
-               64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) == (hits_beyond + misses_beyond > 0));
+        CHECK((count_of(png, beyond_colour) > 64 * static_cast<std::size_t>(hits_beyond + misses_beyond)) ==
+              (hits_beyond + misses_beyond > 0));
         CHECK(number_in(row.at("bits_asked")) == 45);
         CHECK(number_in(row.at("pixels")) == 48 * 40);
         CHECK(number_in(row.at("hits_beyond_53")) == hits_beyond);
@@ -202,9 +174,8 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     must(what + (scratch / "with").string() + "' --envelope");
     must(what + (scratch / "without").string() + "'");
     // Half of the bits of a format, by its square root.
-    const lostbits::output::image::ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24,
-                                                     lostbits::output::image::Spacing::root);
-    const lostbits::output::image::Rgb8 swatch = paler(scale.map(12));
+    const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24, Spacing::root);
+    const Rgb8 swatch = paler(scale.map(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
@@ -216,7 +187,7 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
             const float lost = samples<float>(with, "bits.lost")[i],
                         excess = samples<float>(with, "condition.excess")[i];
             const bool in = lost >= 1 && excess < 1;
-            CHECK(preview(with, i) == (in ? lostbits::output::map::paler(preview(without, i)) : preview(without, i)));
+            CHECK(preview(with, i) == (in ? paler(preview(without, i)) : preview(without, i)));
             inside += in;
             lossy_outside += lost >= 1 && !in;
         }

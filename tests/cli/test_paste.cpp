@@ -234,25 +234,18 @@ TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml make
 
 TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML is one that can be pasted") {
     const Scratch folder;
-    const auto claim = [](const std::string& id, const std::string& given, const std::string& metric) {
-        return "[[claim]]\nid = \"" + id +
-               "\"\nstatement = \"-\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n" + given +
-               "\n[claim.expect]\nmetric = \"" + metric + "\"\nin = [-2, -1]\n";
-    };
+    const std::string ulps = metric_in("ulp_error_max", "[-2, -1]"), unified = tested("sphere.unified"),
+                      press = tested("sphere.press", "bf16"), all = "case = \"*\"\n";
     folder.write(
         "c.toml",
-        "schema = \"lostbits-claims/1\"\n" +
-            claim("scene", "scene = \"near-benign\"\nform = \"sphere.schoolbook\"\nformat = \"f64\"", "ulp_error_max") +
-            claim("own", "scene = \"world-offset-own\"\nform = \"sphere.press\"\nformat = \"bf16\"", "ulp_error_max") +
-            claim("wrong", "scene = \"camera-inside\"\nform = \"sphere.unit_half_b\"\nformat = \"f32\"", "false_miss") +
-            claim("sweep", "sweep = \"sphere-distance\"\nform = \"sphere.press\"\nformat = \"bf16\"\nat = 30",
-                  "ulp_error_max") +
-            claim("march", "sweep = \"sdf-distance\"\nform = \"sdf.sphere_trace\"\nformat = \"f32\"\nat = 300",
-                  "ulp_error_max") +
-            claim("none", "sweep = \"not-numbers\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f32\"",
-                  "not_a_number") +
-            claim("case", "sweep = \"scale\"\ncase = \"*\"\nform = \"sphere.unified\"\nformat = \"f64\"",
-                  "ulp_error_max"));
+        claims_of({{"scene", "scene = \"near-benign\"\n" + tested("sphere.schoolbook", "f64"), ulps},
+                   {"own", "scene = \"world-offset-own\"\n" + press, ulps},
+                   {"wrong", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                    metric_in("false_miss", "[-2, -1]")},
+                   {"sweep", "sweep = \"sphere-distance\"\nat = 30\n" + press, ulps},
+                   {"march", "sweep = \"sdf-distance\"\nat = 300\n" + tested("sdf.sphere_trace"), ulps},
+                   {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_in("not_a_number", "[-2, -1]")},
+                   {"case", "sweep = \"scale\"\n" + all + tested("sphere.unified", "f64"), ulps}}));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
     REQUIRE(r.code == 1);
     const auto table = read_csv(folder / "c.csv");

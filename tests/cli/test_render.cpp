@@ -8,7 +8,7 @@
 
 #include "catch.hpp"
 #include "measure/picture/render.hpp"
-#include "output/image/image.hpp"
+#include "pictures.hpp"
 #include "program.hpp"
 
 namespace test_render {
@@ -16,22 +16,8 @@ namespace test_render {
 using namespace lostbits::test;
 using lostbits::measure::picture::Seen;
 using lostbits::measure::picture::Shadow;
-using lostbits::output::image::ExrImage;
 
 namespace {
-
-auto& backend() {
-    draw_pictures();
-    return lostbits::output::image::image_backend();
-}
-
-template <class T>
-const std::vector<T>& channel(const ExrImage& exr, const std::string& name) {
-    const auto* found = exr.find(name);
-    CAPTURE(name);
-    REQUIRE(found != nullptr);
-    return std::get<std::vector<T>>(found->samples);
-}
 
 const std::string spheres = R"(
 [light]
@@ -89,8 +75,8 @@ TEST_CASE("the layers, the pictures and the table say the same") {
                reference = backend().read_png(folder / "shadows.reference.png");
     REQUIRE(picture.width == 48);
     REQUIRE(reference.height == 36);
-    const auto& seen = channel<std::uint32_t>(exr, "class.seen");
-    const auto& shadow = channel<std::uint32_t>(exr, "class.shadow");
+    const auto& seen = samples<std::uint32_t>(exr, "class.seen");
+    const auto& shadow = samples<std::uint32_t>(exr, "class.shadow");
     const auto row = read_csv(folder / "summary.csv").at(1);
     std::array<int, 7> seen_counts{}, shadow_counts{};
     int changed = 0;
@@ -99,14 +85,14 @@ TEST_CASE("the layers, the pictures and the table say the same") {
         ++seen_counts.at(seen[i]);
         ++shadow_counts.at(shadow[i]);
         changed += !(picture.pixels[i] == reference.pixels[i]);
-        const float error = channel<float>(exr, "shadows.difference")[i];
+        const float error = samples<float>(exr, "shadows.difference")[i];
         if (seen[i] <= 1) worst = std::max(worst, error);
         const char* const ends[] = {".r", ".g", ".b"};
         const std::uint8_t bytes[] = {picture.pixels[i].r, picture.pixels[i].g, picture.pixels[i].b};
         float largest = 0;
         for (int k = 0; k < 3; ++k) {
-            const float c = channel<float>(exr, std::string("shadows") + ends[k])[i],
-                        truth = channel<float>(exr, std::string("shadows_true") + ends[k])[i];
+            const float c = samples<float>(exr, std::string("shadows") + ends[k])[i],
+                        truth = samples<float>(exr, std::string("shadows_true") + ends[k])[i];
             CHECK(bytes[k] == static_cast<int>(std::clamp(std::floor(255.0 * c + 0.5), 0.0, 255.0)));
             largest = std::max(largest, 255 * std::fabs(c - truth));
         }

@@ -130,7 +130,7 @@ measured = { form = "sphere.schoolbook", event = "wrong_object", threshold = 1 }
 
 TEST_CASE("a sweep: --steps, --set and --size change what they name, and the title says so") {
     const Scratch scratch;
-    const std::string file = scratch.write("s.toml", small_sweep);
+    scratch.write("s.toml", small_sweep);
     const auto sweep = [&](const std::string& options) {
         return run("sweep s.toml -i sphere.unified -f f32 -q " + options, scratch.path());
     };
