@@ -14,7 +14,6 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/sweep/exhaustive.hpp"
-#include "output/file/estimate.hpp"
 #include "output/shard/state_file.hpp"
 
 namespace lostbits::analysis {
@@ -34,12 +33,7 @@ public:
         : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units - done, common.quiet) {
         if (done > 0) progress_.advance(done);
     }
-    [[nodiscard]] std::function<void(std::uint64_t)> advancing() {
-        return [this, move = analysis::advancing(progress_)](std::uint64_t done) {
-            estimate_.advance(done);
-            move(done);
-        };
-    }
+    [[nodiscard]] std::function<void(std::uint64_t)> advancing() { return analysis::advancing(progress_, &estimate_); }
     void finish() { progress_.finish(); }
 
 private:
