@@ -193,7 +193,7 @@ TEST_CASE("cases and searches that are wrong, or asked for wrongly, write nothin
     check_refused(scratch, "sweep -i sphere.press -f f32 -o out",
                   {{"extremes/contact search.toml",
                     "search.toml:1:1: this file has a table of a search, which only --worst uses; add --worst"},
-                   {"extremes/contact nan.toml", "nan.toml:6:43: case[0].spheres[0].radius is nan"},
+                   {"extremes/contact nan.toml", "nan.toml:6:43: is nan, which is allowed in rays only"},
                    {"extremes/contact emax.toml", "emax.toml:5:11: "},
                    {"worst/near cases.toml --worst", "cases.toml:1:1: --worst needs a [search] table"},
                    {"worst/near family.toml --worst", "family.toml:1:1: --worst needs a [search] table"},
